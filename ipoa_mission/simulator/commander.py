@@ -1,5 +1,3 @@
-"""Commands of the built-in autopilot."""
-
 import math
 from collections.abc import Sequence
 
@@ -18,7 +16,6 @@ FAILED = CommandResult.FAILED
 
 class Commander(Reporting):
     def arm(self, wish: float) -> CommandResult:
-        """Command 400."""
         if wish not in (0.0, 1.0):
             return UNSUPPORTED
         if wish == 0.0:
@@ -299,5 +296,5 @@ class Commander(Reporting):
 
 
 def whole(value: float) -> int:
-    """-1 if it is no integer."""
+    """Return -1 if it is no integer."""
     return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1

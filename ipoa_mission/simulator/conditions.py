@@ -41,10 +41,8 @@ class SimulatedVehicle:
 
     @property
     def place(self) -> Triple:
-        """[m]"""
         return self.x, self.y, self.z
 
     @property
     def motion(self) -> Triple:
-        """[m/s]"""
         return self.vx, self.vy, self.vz

@@ -109,7 +109,7 @@ class FileService:
 
 
 def _burst(question: FileMessage, content: bytes) -> tuple[FileMessage, ...]:
-    """Return a file in pieces from an offset on, then the end-of-file error."""
+    """End with the end-of-file error."""
     size = min(question.size or LONGEST_DATA, LONGEST_DATA)
     starts = range(question.offset, len(content), size)[:LONGEST_BURST]
     if not starts:

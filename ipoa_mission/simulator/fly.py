@@ -81,7 +81,6 @@ def fly_forecast(
 
 
 def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
-    """Connect to a simulated vehicle at the mission's home."""
     mission = forecast.mission
     autopilot = BuiltInAutopilot(
         mission.autopilot,

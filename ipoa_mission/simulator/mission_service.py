@@ -37,7 +37,7 @@ from ipoa_mission.world.frame import Geodetic
 INT_FRAMES = {int(plain): int(whole) for whole, plain in PLAIN_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
-#: Items whose `current` is an order, not in guided mode: 2 ("go there now"), 3 ("change altitude", without effect).
+#: Orders in `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
 ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 
@@ -121,7 +121,6 @@ class MissionService:
         )
 
     def listed(self, kind: int) -> tuple[Item, ...]:
-        """ArduPilot's mission begins with its home."""
         items = self.stores[MissionType(kind)].items
         if kind == MissionType.MISSION and self._habits.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])

@@ -73,7 +73,7 @@ class MockProfile:
     reports_list_id: bool = False  # in MISSION_ACK and MISSION_CURRENT
     no_total: int  # MISSION_CURRENT.total
     missing_takeoff_text: str | None = None  # at the start on the ground
-    no_item_text: str | None = None  # after MISSION_SET_CURRENT
+    no_item_text: str | None = None
     runs_on_ground: bool = False  # the mission advances on the ground
     flight_texts: bool = False  # at start, climb height and landing
     restores_mode: bool = False  # after return or landing

@@ -43,7 +43,6 @@ REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER
 
 
 def begun(seq: int, command: int) -> str:
-    """ArduCopter's text."""
     return f"Mission: {seq} {_NAMES.get(command, '?')}"
 
 
@@ -69,7 +68,7 @@ class Reporting:
         self._now = 0.0
         self._powered_s = powered_s
         self._told_reached = 0
-        self._last_reached = m.Reached(0), 0  # and its remaining repeats
+        self._last_reached = m.Reached(0), 0
         self._told_mode = profile.first_mode
         self._told_current = -1
         self._unflyable: Infeasible | None = None
@@ -98,7 +97,6 @@ class Reporting:
         return self.profile.autopilot.counts_home
 
     def _arming_refusal(self) -> str:
-        """Return why it cannot be armed in its present mode."""
         start_up = self.profile.start_up
         if self._age < start_up.steady_s:
             return start_up.unsteady

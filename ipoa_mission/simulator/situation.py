@@ -1,5 +1,3 @@
-"""The state of a flight that both autopilots use."""
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum

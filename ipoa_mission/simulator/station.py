@@ -24,7 +24,7 @@ class Station:
         self._now = 0.0
 
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
-        """Ignore no frames, frames without our signature, and frames for others."""
+        """Ignore bytes that are no frame, are not signed with our key, or are for others."""
         self._now = now
         framer = self._routes.framer(peer)
         for frame in framer.datagram(data) if self._datagrams else framer.feed(data):

@@ -1,5 +1,3 @@
-"""Telemetry streams (command 511)."""
-
 import math
 from collections.abc import Callable, Mapping, Set
 from dataclasses import astuple
@@ -129,7 +127,6 @@ def _hud(flight: SimulatedFlight, now: float) -> Hud:
     return Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
 
 
-#: Streams that need only the flight.
 FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
     "GLOBAL_POSITION_INT": position,
     "LOCAL_POSITION_NED": _local,
