@@ -1,7 +1,4 @@
-"""Show missions, plans, estimates and flights as small tables in a notebook: `%load_ext ipoa_mission`.
-
-The formatters are registered with IPython; the data classes do not depend on it.
-"""
+"""Show tables in a notebook: `%load_ext ipoa_mission`."""
 
 from collections.abc import Callable, Sequence
 from html import escape
@@ -55,7 +52,6 @@ def flight_html(flight: FlightRecord) -> str:
     return _table(f"Flown {outcome}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
 
 
-#: Formatters by type.
 TABLES: dict[type, Callable[[Any], str]] = {
     Mission: mission_html,
     Plan: plan_html,

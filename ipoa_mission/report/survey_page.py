@@ -1,5 +1,3 @@
-"""Write one page about all flights of a survey, with links to the page of each."""
-
 from collections.abc import Sequence
 from html import escape
 from urllib.parse import quote
@@ -13,7 +11,7 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
-    """Return the whole page; `names` are those of the flights' files in the same folder."""
+    """`names`: of the flights' files in the same folder."""
     whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
     flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
     parts = {

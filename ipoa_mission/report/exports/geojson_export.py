@@ -1,7 +1,7 @@
-"""Export GeoJSON (RFC 7946): the way as lines, items and rally points as points, the fence as polygons.
+"""GeoJSON (RFC 7946): way, items, rally points and fence.
 
-The third coordinate is above mean sea level, as everywhere in the package, and `altitude_datum` says so; the RFC
-has it above the ellipsoid. Heights above terrain are in the properties only.
+The third coordinate is above mean sea level (`altitude_datum`); the RFC's is above the ellipsoid. Heights above terrain
+are in the properties only.
 """
 
 import json
@@ -15,7 +15,7 @@ from ipoa_mission.report.exports.export_lines import lines_of, ring
 
 
 def to_geojson(forecast: Forecast, name: str) -> str:
-    """Return the mission as GeoJSON text, one feature a line."""
+    """Write one feature a line."""
     mission = forecast.given
     home = _point(
         (mission.home.longitude_deg, mission.home.latitude_deg, mission.home.altitude), {"kind": "home", "seq": 0}

@@ -1,6 +1,6 @@
-"""Export GPX 1.1: the items as a route, the way as a track, home and rally points as waypoints.
+"""GPX 1.1: a route, a track, home and rally points.
 
-`ele` is above sea level. A height above terrain has no `ele`, for GPX has no other altitude.
+`ele` is above sea level; a height above terrain has none.
 """
 
 import math

@@ -1,7 +1,6 @@
-"""Export KML 2.2 (OGC 07-147r2): the flown way in three dimensions, items, fence and rally points.
+"""KML 2.2 (OGC 07-147r2): way, items, fence and rally points.
 
-`absolute` altitudes are above mean sea level: heights above home plus home's altitude. Heights above terrain become
-`relativeToGround`.
+`absolute` is above mean sea level; heights above terrain become `relativeToGround`.
 """
 
 from collections.abc import Iterable

@@ -1,5 +1,3 @@
-"""Draw what a survey sees: its area, lines, keep-out and gaps, with a table of its flights."""
-
 from collections.abc import Sequence
 from html import escape
 from typing import Any
@@ -10,13 +8,13 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.survey.survey_plan import SurveyPlan
 
-MARGIN = 0.03  # of the map's width round the area
-HUES = (210, 35, 285, 150, 325, 75)  # of the flights, far apart and far from the red of gaps [deg]
+MARGIN = 0.03  # of the map
+HUES = (210, 35, 285, 150, 325, 75)  # far apart and far from the red of gaps [deg]
 HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
 
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
-    """Return the section; `names` are those of the flights' files."""
+    """`names`: of the flights' files."""
     seen, area = plan.coverage, plan.area.shape
     overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
