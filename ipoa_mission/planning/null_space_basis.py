@@ -1,5 +1,3 @@
-"""Sparse basis of the control point moves that keep via points in place."""
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,11 +9,7 @@ from ipoa_mission.planning.problem import Matrix
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full band to the reduced one.
-
-    `reach` is the number of lower diagonals of the reduced band (reach + 1, free). `cells` (its cells, full cells)
-    sums.
-    """
+    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full to the reduced band."""
 
     ways: csr_array
     turned: csr_array
@@ -23,21 +17,19 @@ class Spread:
     cells: csr_array
 
     def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        """Return the gradient and lower band of the Hessian by the free coordinates."""
         summed = self.cells @ band.ravel()
         return np.asarray(self.turned @ gradient), np.asarray(summed).reshape(self.reach + 1, -1)
 
 
 def spread_of(ways: Matrix, band: int) -> Spread:
-    """Return the reduction for moves (n, f) of control points, with Hessian band width `band`.
+    """Return the reduction for moves (n, f), with Hessian band width `band`.
 
-    The Hessian H of all coordinates becomes ways^T H ways. A cell of H contributes to the cells named by the rows of
-    `ways` at its row and column. Each pair of entries counts once, for a cell off the diagonal both ways.
+    The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
     """
     spread = csr_array(kron(csr_array(ways), eye_array(3)))
     size, free = spread.shape
     below, column = np.divmod(np.arange((band + 1) * size), size)
-    inside = below + column < size  # of band[k, j], the Hessian's row j + k and column j
+    inside = below + column < size  # row j + k, column j
     cell, below, column = np.arange(len(below))[inside], below[inside], column[inside]
     many = np.diff(spread.indptr)
     pairs = many[column + below] * many[column]

@@ -1,4 +1,4 @@
-"""Iterated local search: find a cheaper curve next to a local optimum."""
+"""Iterated local search."""
 
 from collections.abc import Iterator
 
@@ -11,10 +11,9 @@ from ipoa_mission.planning.strategy import SearchStrategy
 
 
 def perturbed(candidate: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
-    """Yield a cheaper curve, if any: bend one piece after the other to either side and polish again.
+    """Yield a cheaper curve: bend one piece after the other and polish again.
 
-    Random pieces miss parts of a long curve. Short curves are skipped, as are those with via points, which a bend would
-    miss.
+    Not for short curves, nor with via points, which a bend would miss.
     """
     count, cost, cheapest = len(candidate.curve.control) - 2, problem.cost(candidate), candidate
     if count < strategy.perturbed_control_points or len(candidate.via_at):

@@ -1,4 +1,4 @@
-"""Search for a path: run an optimizer in the space around a curve."""
+"""Run an optimizer in the space around a curve."""
 
 from dataclasses import dataclass, field
 
@@ -17,7 +17,7 @@ from ipoa_mission.progress import Progress, silent
 
 @dataclass
 class Searcher:
-    """Successive searches with one stream of random numbers, and the history of the best cost."""
+    """Successive searches with one stream of random numbers."""
 
     problem: PreparedProblem
     optimizer: Optimizer
@@ -34,9 +34,9 @@ class Searcher:
         part: slice = ALL,
         progress: Progress = silent,
     ) -> Candidate:
-        """Return the best curve found around one, or around a part of its inner control points.
+        """Return the best curve found around one, or around a `part` of it.
 
-        `width` is the extent of the search as a share of the varied length; `progress` as in `minimize`.
+        `width` is a share of the varied length.
         """
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
@@ -48,7 +48,7 @@ class Searcher:
         candidate = Candidate(encoding.curve(optimum.x), around.via_at)
         if part == ALL:
             self.best += [min(best, float(cost)) for cost in optimum.history]
-        else:  # costs of a part
+        else:
             self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(candidate))]
         return candidate
 
@@ -58,7 +58,6 @@ class Searcher:
 
 
 def encoding_of(task: PathTask) -> str:
-    """Return the name of the search space: by default `absolute` for the paper's planner, else `sine`."""
     return task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
 
 
