@@ -1,4 +1,4 @@
-"""Compiled search for the fewest straight legs near a curve: a shortest path over all pairs that a leg may join."""
+"""Compiled search for the fewest straight legs near a curve."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-FIRST_LOOK = 16  # samples in the first search window for the end of a leg
+FIRST_LOOK = 16  # samples
 
 
 @njit(inline="always")
 def _strays(samples, i, j, start, end, most):
-    """Return the greatest distance of samples i+1..j from the leg `start`-`end` [m], or infinity above `most`."""
+    """Return the greatest distance of samples i+1..j from the leg [m]."""
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     square, farthest = max(x * x + y * y + z * z, 1e-12), 0.0
     for k in range(i + 1, j + 1):
@@ -31,9 +31,8 @@ def _strays(samples, i, j, start, end, most):
 def fewest_legs(samples, spots, last, tolerance):
     """Return the predecessor (n, sides, 2) of each of `spots` (n, sides, 3) near samples (n, 3).
 
-    Minimize the number of legs that leave the samples by at most `tolerance`, then the sum of squared deviations. A leg
-    from sample i ends at `last[i]` (n,) or before. The search window for its end grows by half each time. The search
-    stops after two windows without a fit, so a curve that returns later is not found.
+    Minimize the number of legs within `tolerance`, then the sum of squared deviations. A leg from sample i ends by
+    `last[i]` (n,). The search stops after two growing windows without a fit.
     """
     n, sides = spots.shape[:2]
     legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)

@@ -1,5 +1,3 @@
-"""Compiled directed Hausdorff distance."""
-
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
@@ -9,10 +7,9 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def farthest(points, others):
-    """Return the greatest distance from one of `points` (n, 3) to the nearest of `others` (m, 3): directed Hausdorff.
+    """Return the directed Hausdorff distance from `points` (n, 3) to `others` (m, 3).
 
-    A point is dropped once another is nearer than the current maximum (Taha and Hanbury 2015). The search begins at the
-    nearest neighbor of the previous point, so for points along two lines few pairs are compared.
+    A point is dropped once another is nearer than the maximum so far (Taha and Hanbury 2015).
     """
     most, near = 0.0, 0
     for p in range(len(points)):

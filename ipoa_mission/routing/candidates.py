@@ -1,8 +1,4 @@
-"""Generate routes along a curve that an autopilot may fly quickly.
-
-ArduCopter slows down for every straight leg, so it also gets splines along the gentlest line near the curve. PX4 slows
-down for every corner, so it gets waypoints with large acceptance radii.
-"""
+"""Generate routes along a curve that an autopilot may fly quickly."""
 
 import math
 from collections.abc import Iterator
@@ -16,22 +12,22 @@ from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, stations
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
-NEAREST = 0.1  # least distance between two waypoints [m]
+NEAREST = 0.1  # between two waypoints [m]
 
 
 @dataclass(frozen=True)
 class RouteGrid:
-    """Grid of waypoint choices near a curve; `tolerance` is the greatest distance from it."""
+    """Waypoint choices within `tolerance`."""
 
-    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, for straight legs
-    aside_share: float = 0.6  # of that width, lateral offset of a waypoint from the curve
-    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # acceptance radii of PX4 [m]; 0: its parameter
+    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
+    aside_share: float = 0.6
+    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter
     spline_shares: tuple[float, ...] = (
         0.8,
         0.4,
         0.0,
-    )  # of the tolerance, lateral room of a spline's line
-    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # between spline waypoints [m]
+    )  # of the tolerance
+    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # [m]
     most_splines: int = 200
 
 
@@ -39,7 +35,6 @@ GRID = RouteGrid()
 
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
-    """Yield routes near the curve; their legs may still cut corners near obstacles."""
     guidance = scenario.vehicle.autopilot.guidance
     if guidance.flies_splines:
         yield from _splines(curve, scenario)

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
 
-PLACE_SPACING = 3.0  # between movable places [m]
+PLACE_SPACING = 3.0  # [m]
 MAX_PLACES = 200
 MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
 
@@ -25,7 +25,7 @@ def relaxed(curve: Spline, room: float, via: Points) -> Points:
     if room <= 0 or len(free) == 0:
         return samples
     aside = lefts(samples)[:, :2]
-    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # second differences: curvature, for evenly spaced places
+    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # curvature
     system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
     wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
     moved = _least_squares(system, wanted, room)
