@@ -1,4 +1,4 @@
-"""Check jumps: targets, repeats, loops without end, and items that a jump runs at another time."""
+"""Check jumps: targets, repeats, endless loops."""
 
 import math
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""Check items that the vehicle never reaches, and items after which its flight is unknown."""
+"""Check items that are never reached, or after which the flight is unknown."""
 
 import math
 from collections.abc import Iterator
@@ -11,10 +11,7 @@ from ipoa_mission.mission.commands import Command
 
 
 def check_way(forecast: Forecast) -> Iterator[Finding]:
-    """Report an error for each, and a warning for a circle that is flown in the other direction.
-
-    `check_firmware` reports commands that the firmware does not take or never flies.
-    """
+    """Report each, and a circle flown in the other direction."""
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:
