@@ -1,8 +1,4 @@
-"""Registry of optimizers: build one from a name and user settings.
-
-Three are built in. Other packages register theirs as entry points of the group `ipoa_mission.optimizers`. An optimizer
-is a frozen dataclass with a `search` (see `search.Optimizer`).
-"""
+"""Build an optimizer from a name and user settings; others register in the group `ipoa_mission.optimizers`."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -27,11 +23,7 @@ def optimizer_names() -> list[str]:
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
-    """Return the optimizer class called `name`.
-
-    Raises:
-        BadInput: no optimizer has this name, or its registered class cannot be imported.
-    """
+    """Raise BadInput if no optimizer has this name, or its registered class cannot be imported."""
     if name in BUILT_IN:
         return BUILT_IN[name]
     registered = _registered().get(name)
@@ -51,11 +43,7 @@ def optimizer_class(name: str) -> type[Optimizer]:
 
 
 def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
-    """Build the optimizer called `name` with `settings`; other settings keep their defaults.
-
-    Raises:
-        BadInput: the optimizer or setting does not exist, or a value is out of range.
-    """
+    """Raise BadInput if the optimizer or setting does not exist, or a value is out of range."""
     kind = optimizer_class(name)
     types = get_type_hints(kind, include_extras=True)
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
