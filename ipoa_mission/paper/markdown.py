@@ -1,15 +1,13 @@
-"""Fill Markdown paragraphs to an even line length."""
-
 import re
 import textwrap
 
 WIDTH = 120  # columns
-_KEPT = ("|", "#", "!")  # tables, headings and pictures are not filled
+_KEPT = ("|", "#", "!")  # not filled: tables, headings, pictures
 _GLUED = "\N{NO-BREAK SPACE}"
 
 
 def filled(text: str) -> str:
-    r"""Return the text with paragraphs and list items filled to `WIDTH`; blank lines stay.
+    r"""Fill paragraphs and list items to `WIDTH`.
 
     >>> print(filled("* one\n  and\n* two"), end="")
     * one and
@@ -28,7 +26,7 @@ def _filled(block: str) -> str:
 
 
 def _paragraph(words: str, indent: str) -> str:
-    # a sign that would begin a list or a heading must not begin a line
+    # a sign of a list or heading must not begin a line
     glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", _GLUED, " ".join(words.split(" ")).replace("\n", " "))
     lines = textwrap.wrap(re.sub(" +", " ", glued), WIDTH - len(indent), break_long_words=False, break_on_hyphens=False)
     return f"\n{indent}".join(lines).replace(_GLUED, " ")

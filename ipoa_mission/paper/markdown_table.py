@@ -1,5 +1,3 @@
-"""Hold a table of text, and write it as Markdown or CSV."""
-
 import csv
 import io
 from collections.abc import Callable, Sequence
@@ -11,8 +9,6 @@ from ipoa_mission.paper.statistics import places
 
 @dataclass(frozen=True)
 class Table:
-    """Hold a caption, a heading, rows of cells, and notes."""
-
     caption: str
     heading: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -36,7 +32,7 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def number(value: float) -> str:
-    """Format a number with five significant digits: 8676.7, 22.82, 0.00041, 1.2e-09."""
+    """Return five significant digits: 8676.7, 22.82, 0.00041, 1.2e-09."""
     if value == 0 or 1e-4 <= abs(value) < 1e7:
         digits = 2 if abs(value) >= 1 or value == 0 else 5
         return f"{value:,.{digits if abs(value) < 10000 else 0}f}"
@@ -46,7 +42,7 @@ def number(value: float) -> str:
 def ours_and_print(
     ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]
 ) -> list[str]:
-    """Return cells "ours (place) · printed (place)"; `forms` format our numbers and the printed ones."""
+    """Return cells "ours (place) · printed (place)"."""
     columns = zip(ours, places(ours), printed, places(printed), strict=True)
     return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
 
