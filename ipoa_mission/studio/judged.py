@@ -1,5 +1,3 @@
-"""Show an open mission: its items, its map, and the findings of the check."""
-
 import math
 from collections.abc import Sequence
 
@@ -28,7 +26,7 @@ from ipoa_mission.studio.vocabulary import Number
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import LocalFrame
 
-MAP_MARGIN = 0.25  # margin of the map around the mission's places, as a share of their extent
+MAP_MARGIN = 0.25  # of the places' extent
 LEAST_MAP_MARGIN = 60.0  # [m]
 
 
@@ -75,7 +73,7 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    """Return the map of a mission: of its scenario with the mission's home, else an empty one."""
+    """Return the scenario's map with the mission's home, else an empty one."""
     mission, scenario = forecast.given, forecast.scenario
     home = mission.home
     here = round(home.longitude_deg, 7), round(home.latitude_deg, 7)
@@ -112,7 +110,7 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
 
 
 def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> tuple[Checked, bool]:
-    """Return the findings of the check, and whether the mission has a flight to show."""
+    """Return the findings, and whether the mission has a flight to show."""
     mission, scenario = forecast.given, forecast.scenario
     flaws = tuple(
         Flaw(

@@ -1,5 +1,3 @@
-"""Plan for the studio in a process of its own: `python -m ipoa_mission.studio.plan_worker`."""
-
 import copy
 import time
 from collections.abc import Mapping
@@ -42,11 +40,11 @@ from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.vehicles.autopilot import autopilot_named
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
-PROGRESS_INTERVAL_S = 0.1  # least interval of progress messages
+PROGRESS_INTERVAL_S = 0.1
 
 
 def look(order: Order, answer: Answer) -> None:
-    """Show a scenario on the map, and a survey's area even of an invalid scenario."""
+    """Show a scenario, and a survey's area even if invalid."""
     table, revision = _table(order["text"], order["path"]), order["revision"]
     try:
         scenario = _scenario(order["text"], order["path"])
@@ -59,7 +57,6 @@ def look(order: Order, answer: Answer) -> None:
 
 
 def sketch(order: Order, answer: Answer) -> None:
-    """Sketch a coarse path of the scenario, with or without a pending change."""
     begun = time.perf_counter()
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
@@ -74,7 +71,6 @@ def sketch(order: Order, answer: Answer) -> None:
 
 
 def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
-    """Return a quick answer: a path, or the lines of a survey."""
     about = order["revision"], order["number"]
     if scenario.survey is None:
         path = sketch_path(scenario)
@@ -84,7 +80,6 @@ def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSu
 
 
 def judge(order: Order, answer: Answer) -> None:
-    """Show an open mission: its map, items, findings and forecast."""
     begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
     file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
@@ -104,11 +99,7 @@ def end_mission(order: Order, answer: Answer) -> None:
 
 
 def hand_over_mission(order: Order, answer: Answer) -> None:
-    """Write the open mission for the pilot process.
-
-    Raises:
-        MissionError: the check finds errors, or there is no time estimate.
-    """
+    """Write the mission for the pilot process, if the check has no errors. Raises MissionError."""
     file, forecast = _mission(order)
     warnings = refuse_errors(_findings(file, forecast))
     refuse_unsound(forecast.given)
@@ -116,7 +107,7 @@ def hand_over_mission(order: Order, answer: Answer) -> None:
 
 
 class PlanWorker:
-    """Plan flights, and keep the last plan for its files and its flight."""
+    """Keeps the last plan for its files and its flight."""
 
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
@@ -144,7 +135,6 @@ class PlanWorker:
             answer(refused(error, scenario, revision))
 
     def end(self, order: Order, answer: Answer) -> None:
-        """Forecast the contingencies of the plan, or of one flight of a survey."""
         plan, n = self._expect_plan(), order["flight"]
         forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
         for strip in strips_of(forecast, order["revision"], n):
@@ -161,7 +151,6 @@ class PlanWorker:
         answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: Order, answer: Answer) -> None:
-        """Write the flight's mission as a file of its own, without overwriting."""
         handed, folder = self._expect_flight(order), Path(order["folder"])
         target = unused(folder / f"{handed.name}-edited.plan")
         write_mission(handed.forecast.mission, target)
@@ -201,13 +190,7 @@ class PlanWorker:
 def _survey(
     scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
-    """Plan a survey without the parts flown in some logs; return it with the logs used.
-
-    If the logs are not valid, report that and plan the whole survey.
-
-    Raises:
-        MissionError: as `plan_survey`.
-    """
+    """Plan a survey without the parts flown in valid logs; return it with these. Raises MissionError."""
     logs = tuple(Path(log) for log in order["flown"])
     try:
         return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs

@@ -1,5 +1,3 @@
-"""Show a survey: its lines at once, and its flights when planned."""
-
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -23,9 +21,9 @@ from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-DRAWING_TOLERANCE = 0.1  # finer detail is not drawn [m]
-SHOWN_GAP = 0.01  # smaller gaps are rounding [m^2]
-ZONE_MARGIN = 1.0  # margin around the area, in line spacings, in which excluded zones are drawn
+DRAWING_TOLERANCE = 0.1  # [m]
+SHOWN_GAP = 0.01  # rounding [m^2]
+ZONE_MARGIN = 1.0  # around the area, in line spacings
 
 
 def coarse_survey(
@@ -45,7 +43,7 @@ def coarse_survey(
 
 
 def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence[Path] = ()) -> answers.PlannedSurvey:
-    """Show the flights of a survey and their lines; `flown` are logs of the parts left out."""
+    """Show the flights; `flown` are logs of the parts left out."""
     plan, names = survey.plan, survey.names
     parts = []
     for n, flight in enumerate(plan.flights):
