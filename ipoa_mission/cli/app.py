@@ -1,8 +1,4 @@
-"""Run the `ipoa-mission` command, and report the user's errors.
-
-Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Every verb imports its modules when it
-runs, so that `--help` is fast.
-"""
+"""Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input."""
 
 import errno
 import os
@@ -40,7 +36,6 @@ app = typer.Typer(
 )
 app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
-#: Verbs by their heading in `--help`.
 VERBS = {
     "Begin here": (flying.demo,),
     "Plan and look": (
@@ -63,7 +58,7 @@ for heading, verbs in VERBS.items():
 
 
 def command() -> Any:
-    """Return the command line for Click; flags without a value show none in the help."""
+    """Return the command line; flags without a value show none in the help."""
     whole = typer.main.get_command(app)
     for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
         helps = one.get_help_option(typer.Context(one))
@@ -81,7 +76,6 @@ def _take_shell(words: list[str]) -> None:
 
 
 def main() -> None:
-    """Run the command line; report a user's error in words, without a traceback."""
     output.replace_unencodable()
     _take_shell(sys.argv[1:])
     try:
@@ -96,7 +90,7 @@ def main() -> None:
         output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
     except SystemExit as ended:
-        if ended.code == Interrupted.exit_code:  # Typer ends this way without a message
+        if ended.code == Interrupted.exit_code:  # Typer ends this way
             output.print_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
         raise
 

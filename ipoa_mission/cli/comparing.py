@@ -1,5 +1,3 @@
-"""`compare`: compare flown missions with their estimates."""
-
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,8 +23,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Row:
-    """A logged flight, its comparison with the estimate, and its clearance."""
-
     number: int
     flight: "LoggedFlight"
     record: "FlightRecord"
@@ -132,7 +128,7 @@ def compare(
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
-    """Read the mission in a file for the log's autopilot; `may_differ`: whatever a plan's own autopilot is."""
+    """Read the mission for the log's autopilot; `may_differ` from the plan's own."""
     from ipoa_mission.cli.reading import read_given
 
     states = may_differ and file.suffix.lower() == ".plan"

@@ -1,4 +1,4 @@
-"""Group options that belong together into one value of a verb; Typer sees each option."""
+"""Group options into one value of a verb; Typer sees each option."""
 
 import inspect
 from collections.abc import Callable
@@ -96,19 +96,17 @@ class FlownByOptions:
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """Return parameters by name; raise BadInput as `read_parameter_options`."""
         return read_parameter_options(self.param, self.param_file)
 
     @cached_property
     def version(self) -> "Version | None":
-        """Return the given firmware version; raise BadInput if it is not valid."""
+        """Raises BadInput."""
         from ipoa_mission.vehicles.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @cached_property
     def air(self) -> "Wind | None":
-        """Return the given wind; raise BadInput as `read_wind_option`."""
         return read_wind_option(self.wind)
 
 
@@ -141,7 +139,6 @@ class LinkOptions:
     ] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
-        """Return the log's path, if there is one; MAVSDK writes none."""
         log = self.log or usual_log
         return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
 

@@ -1,5 +1,3 @@
-"""`learn`: identify a vehicle's parameters from its flight logs."""
-
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
@@ -83,7 +81,7 @@ def learn(
 
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
-    """Return all usable flights, remarks, and the firmware's version."""
+    """Return usable flights, remarks, and the firmware's version."""
     from ipoa_mission.logs.learn.evidence import flights_in
     from ipoa_mission.mission.mission_io import read_mission
 
@@ -116,7 +114,6 @@ def _row(one: "LeftOut") -> tuple[str, ...]:
 
 
 def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
-    """Return the reasons why flights do not determine a value, each once."""
     told = (flight.witness.reasons.get(name) for flight in flights)
     return [reason for reason in dict.fromkeys(told) if reason]
 

@@ -1,5 +1,3 @@
-"""Read what the command line flies: a scenario planned here, or a mission file."""
-
 import logging
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,10 +26,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `remarks` are for the user, `flight` is its plan if planned here.
-
-    `begun` is the forecast from another item than the first; `reserves` records the battery in flight.
-    """
+    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight."""
 
     name: str
     forecast: Forecast
@@ -46,17 +41,11 @@ class Job:
 
     @property
     def estimate(self) -> Estimate:
-        """Return the estimate from the item with which the flight begins."""
         return (self.begun or self.forecast).estimate
 
 
 def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Job:
-    """Read a job from a mission file; `autopilot` is the default.
-
-    Raises:
-        BadInput: the file is not valid.
-        Unsafe: the mission fails a check.
-    """
+    """Read a mission file; `autopilot` is the default. Raises BadInput, Unsafe."""
     given = read_given(source, flown_by, autopilot)
     forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
     warnings = refuse_errors(check(forecast, read=given.findings))
@@ -72,13 +61,11 @@ def planned(flight: Flight) -> Job:
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
-    """Run `plan_flight` with a progress bar."""
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_flight(scenario, wind=wind, seed=seed, progress=show)
 
 
 def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Run `plan_for_batteries` with a progress bar."""
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 

@@ -1,5 +1,3 @@
-"""`mock`: run the built-in autopilot on a port, for any ground station."""
-
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -24,8 +22,6 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 @dataclass
 class MockOptions:
-    """Options of the autopilot, its position and its scenario."""
-
     autopilot: Annotated[
         Autopilot | None, autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
     ] = None

@@ -1,5 +1,3 @@
-"""`reproduce`: measure the paper's tables and figures again."""
-
 from pathlib import Path
 from typing import Annotated
 

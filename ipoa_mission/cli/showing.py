@@ -1,5 +1,3 @@
-"""`show` and `export`: print a mission file, or write it for other programs."""
-
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

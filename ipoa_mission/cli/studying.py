@@ -1,5 +1,3 @@
-"""`studio`: open the page to draw, plan, prove, fly and watch a flight."""
-
 import webbrowser
 from contextlib import suppress
 from importlib.util import find_spec
@@ -12,7 +10,7 @@ from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_
 from ipoa_mission.cli.output import print_json, print_lines
 from ipoa_mission.errors import BadInput, MissionError
 
-LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")  # in addition to the package's dependencies
+LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 
 
 def studio(
@@ -85,11 +83,7 @@ def studio(
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
-    """Write a new scenario with a goal north of home.
-
-    Raises:
-        BadInput: no home is given, or the file exists.
-    """
+    """Write a new scenario with a goal north of home. Raises BadInput."""
     from ipoa_mission.studio.lobby import begin_scenario
 
     if home is None:
