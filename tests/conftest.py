@@ -13,7 +13,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: 
 import pytest
 from hypothesis import settings
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 gc.set_threshold(50_000)  # imports and the collection of tests make many objects, and no garbage
 REPOSITORY = Path(__file__).parent.parent

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 
 USUAL = 50
 

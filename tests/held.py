@@ -2,9 +2,9 @@
 
 from functools import partial
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import waypoint as plain
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 
 waypoint = partial(plain, hold_s=0.1, radius=2.0)
 

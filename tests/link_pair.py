@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import cycle
 from typing import Any, TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
@@ -15,7 +16,6 @@ from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.held import PX4_117
 

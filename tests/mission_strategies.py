@@ -4,10 +4,10 @@ import math
 
 from hypothesis import strategies as st
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.waypoints_file import OTHER_LISTS
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 HERE = Path(__file__).resolve().parent

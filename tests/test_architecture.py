@@ -16,47 +16,38 @@ PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
 GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind"}
 
-#: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
-_MISSION = {"mission/commands", "mission/items", "vehicles", "world"}  # what all above a mission know
-_FLOWN = {"forecast/itinerary", "forecast/timing", *_MISSION}
-_PLANNED = {"forecast", "forecast/deviation", "planning", "scenario", *_FLOWN}
+#: Room by room, from the ground up: a room may import those that are named, and all of them come before it.
+_MISSION = {"autopilot", "mission", "world"}  # what all above a mission know
+_PLANNED = {"forecast", "planning", "scenario", *_MISSION}
 MAY_IMPORT = {
     "compiled": set(),
-    "mission/commands": set(),
     "world": {"compiled"},
-    "optimize": set(),
-    "survey/area": set(),
-    "vehicles/energy": set(),
-    "vehicles": {"mission/commands"},
     "maps": {"world"},
-    "mission/items": _MISSION - {"mission/items"},
-    "forecast/itinerary": _MISSION,
-    "forecast/timing": _FLOWN - {"forecast/timing"},
-    "mission": _MISSION,
-    "scenario": {"vehicles", "vehicles/energy", "world", "maps", "survey/area"},
-    "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
-    "forecast/deviation": {"planning", "scenario", *_FLOWN},
-    "forecast": {"forecast/deviation", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
-    "checks": {"mission", *_PLANNED},
-    "routing": {"checks", "compiled", "mission", *_PLANNED},
-    "survey": {"survey/area", "checks", "compiled", "mission", "routing", "vehicles/energy", *_PLANNED},
-    "link": {"checks", "forecast", "mission", *_MISSION},
-    "logs": {"link", "mission", *_MISSION},
-    "logs/learn": {"logs", "link", "forecast", "vehicles/energy", *_FLOWN},
-    "simulator": {"link", "mission", "forecast", "forecast/itinerary", *_MISSION},
-    "report/exports": {"forecast", "checks", "scenario", "mission", "forecast/itinerary", *_MISSION},
+    "optimize": set(),
+    "autopilot": set(),
+    "mission": {"autopilot", "world"},
+    "scenario": {"autopilot", "maps", "world"},
+    "planning": {"compiled", "optimize", "scenario", "world"},
+    "forecast": _PLANNED - {"forecast"},
+    "checks": _PLANNED,
+    "routing": {"checks", "compiled", *_PLANNED},
+    "link": {"checks", "forecast", *_MISSION},
+    "logs": {"link", *_MISSION},
+    "simulator": {"link", "forecast", *_MISSION},
+    "report": {"checks", "link", "logs", *_PLANNED},
+    "flight": {"checks", "link", "report", "routing", *_PLANNED},
+    "survey": {"checks", "compiled", "flight", "logs", "report", "routing", *_PLANNED},
 }
-#: A vehicle's own folder may lean on every room that asks it; nobody but the register looks into it.
-VEHICLES = ("vehicles/arducopter", "vehicles/px4_multicopter")
-_ASKING = {"forecast/timing", "forecast/deviation", "simulator", "link", "logs"}
-for vehicle in VEHICLES:
-    MAY_IMPORT[vehicle] = {"compiled", "forecast/itinerary", "mission", *_MISSION, *_ASKING}
-_BELOW_THE_REPORT = set(MAY_IMPORT) - {"logs/learn", "simulator", "optimize", "maps", *VEHICLES}
-MAY_IMPORT["report"] = _BELOW_THE_REPORT
-MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
-MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
-MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize", *VEHICLES}
-MAY_IMPORT["cli"] = set(MAY_IMPORT) - set(VEHICLES)
+#: Plug-ins, found by entry points: nothing else imports them.
+VEHICLES = ("arducopter", "px4_multicopter")
+MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
+_BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
+MAY_IMPORT["cli"] = _BELOW_THE_CLI
+MAY_IMPORT["paper"] = _BELOW_THE_CLI | {"cli"}
+MAY_IMPORT["learn"] = _BELOW_THE_CLI | {"cli"}
+MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli"}
+OF_THE_FACE = {"survey", "paper", "learn", "studio"}  # what they can, they import from `ipoa_mission`
+PLUG_INS = {"vehicles", "paper", "learn", "studio"}
 
 #: Modules that may own a socket, a clock or pymavlink; everything else is pure.
 IMPURE = {
@@ -65,14 +56,7 @@ IMPURE = {
     "pymavlink": {"link/definitions.py"},
 }
 NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
-    "link",
-    "simulator",
-    "report",
-    "report/exports",
-    "flight",
-    "studio",
-    "paper",
-    "cli",
+    *("link", "simulator", "report", "flight", "survey", "studio", "paper", "cli", "learn")
 }
 
 REPOSITORY = PACKAGE.parent
@@ -81,14 +65,11 @@ TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 
 
 def room(path: Path) -> str:
-    """The room of a file; a part of a room with walls of its own is one."""
-    return room_of("ipoa_mission." + ".".join(path.relative_to(PACKAGE).with_suffix("").parts))
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
 def room_of(name: str) -> str:
-    """The room of a module."""
-    own = "/".join(name.split(".")[1:3])
-    return own if own in MAY_IMPORT else name.split(".")[1]
+    return name.split(".")[1]
 
 
 def module(path: Path) -> str:
@@ -123,13 +104,15 @@ def allowed(here: str) -> set[str]:
 
 
 def test_rooms_import_only_what_the_plan_of_the_house_allows() -> None:
-    faces = {PACKAGE / "__init__.py", PACKAGE / "__main__.py", PACKAGE / "vehicles/__init__.py"}
+    faces = {PACKAGE / "__init__.py", PACKAGE / "__main__.py"}
     inside = [path for path in FILES if path not in faces]
+    modules = {module(path) for path in FILES}
     wrong = {
         f"{path.relative_to(PACKAGE)} imports {name}"
         for path in inside
         for name in imports(path)
-        if name == "ipoa_mission" or (name.startswith("ipoa_mission.") and room_of(name) not in allowed(room(path)))
+        if (name == "ipoa_mission" and room(path) not in OF_THE_FACE)
+        or (name in modules and name.count(".") and room_of(name) not in allowed(room(path)))
     }
     assert len(inside) > 200
     assert not wrong
@@ -160,16 +143,44 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
     assert callers == {"forecast/forecast.py"}
 
 
+#: Parts of rooms from the ground up: none imports a later one, nor the rest of its room.
+PARTS = ("forecast/itinerary", "forecast/timing", "forecast/deviation"), ("report/exports",)
+
+
+def test_parts_of_rooms_import_no_later_ones() -> None:
+    wrong = set()
+    for parts in PARTS:
+        for n, part in enumerate(parts):
+            own = tuple(f"ipoa_mission.{one.replace('/', '.')}" for one in parts[: n + 1])
+            for path in sorted((PACKAGE / part).rglob("*.py")):
+                inside = {name for name in imports(path) if name.startswith(f"ipoa_mission.{part.split('/')[0]}.")}
+                wrong |= {f"{path.relative_to(PACKAGE)} imports {name}" for name in inside if not name.startswith(own)}
+    assert not wrong
+
+
 def test_a_vehicle_is_known_before_its_flight_is() -> None:
-    """What the register imports leans on no room above it: models and stand-ins are loaded when they are asked for."""
-    modules, reached, ahead = {module(path): path for path in FILES}, set[str](), ["ipoa_mission.vehicles"]
+    """What a vehicle's object imports leans on no room above: models and mocks are loaded when they are asked for."""
+    modules, reached = {module(path): path for path in FILES}, set[str]()
+    ahead = {f"ipoa_mission.vehicles.{one}.vehicle" for one in VEHICLES}
     while ahead:
         name = ahead.pop()
         if name not in reached and name in modules:
             reached.add(name)
-            ahead += imports(modules[name])
+            ahead |= imports(modules[name])
     rooms = {room_of(name) for name in reached if name != "ipoa_mission"}
-    assert rooms - GROUND == {"vehicles", "mission/commands", *VEHICLES}
+    assert rooms - GROUND == {"autopilot", "vehicles"}
+
+
+def test_nothing_imports_a_plug_in() -> None:
+    """A plug-in can be taken out by deleting its folder and its lines among the entry points."""
+    modules = {module(path) for path in FILES}
+    wrong = {
+        f"{path.relative_to(PACKAGE)} imports {name}"
+        for path in FILES
+        for name in imports(path)
+        if name in modules and name.count(".") and room_of(name) in PLUG_INS - {room(path)}
+    }
+    assert not wrong
 
 
 def test_the_rooms_stand_in_order() -> None:
@@ -195,7 +206,7 @@ def test_the_readme_has_every_room() -> None:
     text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
     table = text[text.index("| room | what it knows |") : text.index("`tests/test_architecture.py` says")]
     named = re.findall(r"`(\w+)/?`", "\n".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))
-    assert sorted(named) == sorted({name.split("/")[0] for name in MAY_IMPORT})
+    assert sorted(named) == sorted(MAY_IMPORT)
 
 
 #: Where names are somebody else's: MAVLink's messages, and what the studio and its page tell each other.
@@ -207,7 +218,7 @@ def test_one_word_is_one_thing() -> None:
     where = dict[str, set[str]]()
     for path in FILES:
         here = path.relative_to(PACKAGE)
-        own = here.parts[0] == "vehicles" and f"vehicles/{here.parts[1]}" in VEHICLES
+        own = here.parts[0] == "vehicles" and here.parts[1] in VEHICLES
         for node in tree(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and str(here) not in VOCABULARIES:
                 where.setdefault(node.name, set()).add("a vehicle's" if own else here.as_posix())
@@ -325,9 +336,3 @@ def test_no_room_imports_tools_or_tests() -> None:
     roots = {name.split(".")[0] for path in FILES for name in imports(path)}
     assert "ipoa_mission" in roots
     assert not roots & {"tools", "tests"}
-
-
-def test_only_the_command_line_imports_the_paper() -> None:
-    """What reproduces the paper is a program of its own, told of by one verb."""
-    users = {path for path in FILES if any(name.startswith("ipoa_mission.paper") for name in imports(path))}
-    assert {path.relative_to(PACKAGE).as_posix() for path in users if room(path) != "paper"} == {"cli/reproducing.py"}

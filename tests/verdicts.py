@@ -10,10 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.version import Version
 
 RECORDS = Path(__file__).parent / "recorded_verdicts"
 PLACE = (47.3978, 8.5457, 20.0)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.checks.firmware_check import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
@@ -11,7 +12,6 @@ from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
-from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.promise import Promise

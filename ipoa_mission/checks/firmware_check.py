@@ -3,11 +3,8 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from ipoa_mission.checks.jump_check import check_jumps
-from ipoa_mission.checks.numbered_finding import Numbered, numbered
-from ipoa_mission.checks.positions import out_of_range
-from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import (
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import (
     ENDINGS,
     FLOWN_TO,
     HOLDING,
@@ -19,15 +16,18 @@ from ipoa_mission.mission.commands import (
     command_name,
     plain_frame,
 )
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
+from ipoa_mission.autopilot.refusal import param_name
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.checks.jump_check import check_jumps
+from ipoa_mission.checks.numbered_finding import Numbered, numbered
+from ipoa_mission.checks.positions import out_of_range
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import to_wire, values_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
-from ipoa_mission.vehicles.refusal import param_name
-from ipoa_mission.vehicles.version import Version
 
 DEVELOPMENT = "dev"  # of a version
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.slow_landing import SlowStretch
 from ipoa_mission.checks.numbered_finding import Numbered, item_of
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.slow_landing import SlowStretch
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast

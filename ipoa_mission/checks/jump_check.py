@@ -5,13 +5,13 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import JUMPS, Command
+from ipoa_mission.autopilot.jump_profile import JumpProfile
 from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, tagged
 from ipoa_mission.forecast.itinerary.program import Steps, program_of
-from ipoa_mission.mission.commands import JUMPS, Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.jump_profile import JumpProfile
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:

@@ -1,9 +1,9 @@
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
 
 LEG_NAMES = {

@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.program import as_flown, program_of
-from ipoa_mission.mission.commands import WAYPOINTS
 
 HEIGHT_TOLERANCE = 0.001  # of PX4 between equal heights [m]
 NAMED_ITEMS = 5  # in a message

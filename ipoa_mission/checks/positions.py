@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterable, Iterator
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.checks.numbered_finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic, apart
 

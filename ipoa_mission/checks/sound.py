@@ -5,11 +5,11 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals, unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import TAKEOFFS
 from ipoa_mission.mission.items import LEFT_OUT
 
 if TYPE_CHECKING:

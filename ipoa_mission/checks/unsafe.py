@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 
 
 class Unsafe(MissionError):

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.numbered_finding import item_of, numbered
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_turn
-from ipoa_mission.mission.commands import Command
 
 
 def check_way(forecast: Forecast) -> Iterator[Finding]:

@@ -3,6 +3,8 @@
 import errno
 import os
 import sys
+from collections.abc import Callable
+from importlib.metadata import entry_points
 from itertools import pairwise
 from typing import Any
 
@@ -13,14 +15,11 @@ from ipoa_mission.cli import (
     comparing,
     creating,
     flying,
-    learning,
     linking,
     mocking,
     output,
     planning,
-    reproducing,
     showing,
-    studying,
     verbosity,
 )
 from ipoa_mission.cli.groups import grouped
@@ -36,22 +35,39 @@ app = typer.Typer(
 )
 app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
-VERBS = {
+HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
     "Begin here": (flying.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,
-        studying.studio,
+        "studio",
         checking.check,
         checking.estimate,
         showing.show,
         showing.export,
     ),
-    "Fly": (flying.fly, mocking.mock, comparing.compare, learning.learn),
+    "Fly": (flying.fly, mocking.mock, comparing.compare, "learn"),
     "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.set_current, linking.clear),
     "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
-    "More": (reproducing.reproduce, planning.schema),
+    "More": ("reproduce", planning.schema),
 }
+
+
+def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
+    """Return the verbs by heading; those of other packages are the last."""
+    found = {entry.name: entry for entry in entry_points(group="ipoa_mission.verbs")}
+    verbs = {
+        heading: tuple(
+            found.pop(verb).load() if isinstance(verb, str) else verb
+            for verb in listed
+            if not isinstance(verb, str) or verb in found
+        )
+        for heading, listed in HEADINGS.items()
+    }
+    return verbs | {"More": (*verbs["More"], *(found[name].load() for name in sorted(found)))}
+
+
+VERBS = _verbs()
 for heading, verbs in VERBS.items():
     for verb in verbs:
         app.command(rich_help_panel=heading)(grouped(verb))

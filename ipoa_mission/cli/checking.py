@@ -100,6 +100,7 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
+    from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unread_check import refuse_unread
     from ipoa_mission.checks.unsafe import refuse_errors
@@ -107,7 +108,6 @@ def estimate(
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.commands import short_name
     from ipoa_mission.unread import unread_as_json
 
     world = read_world(scenario, flown_by.air, ignore)

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flown_clearance import FlownClearance
@@ -63,7 +63,7 @@ def compare(
     from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
-    from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+    from ipoa_mission.logs.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import compare_logged
     from ipoa_mission.wind import CALM
 

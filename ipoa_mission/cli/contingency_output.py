@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
+from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingencies import ContingencyRow, bars_of
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.vehicles.failsafe import Failsafe
 
 CELLS = 50  # characters
 SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
@@ -87,7 +87,7 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
 def bar_of(rows: Sequence[ContingencyRow]) -> str:
     """Return characters of equal time, each its worst row.
 
-    >>> from ipoa_mission.vehicles.contingency import Contingency
+    >>> from ipoa_mission.autopilot.contingency import Contingency
     >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
     >>> unclear = ContingencyRow(Contingency.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
     >>> bar_of((clear, unclear)).count("-")

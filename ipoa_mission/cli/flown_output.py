@@ -2,6 +2,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import Job
@@ -10,7 +11,6 @@ from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.energy_budget import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.unread import unread_as_json
 
 NEXT_STEPS = {"resume": "continues its mission", "rtl": "returns it home"}

@@ -29,8 +29,8 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.link.on_deviation import OnDeviation
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 
@@ -101,7 +101,7 @@ class FlownByOptions:
     @cached_property
     def version(self) -> "Version | None":
         """Raises BadInput."""
-        from ipoa_mission.vehicles.version import Version
+        from ipoa_mission.autopilot.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 

@@ -3,6 +3,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -14,11 +16,9 @@ from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
 from ipoa_mission.forecast.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)

@@ -2,10 +2,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.conditions import USUAL, Conditions
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
 ZURICH = (47.397742, 8.545594, 488.0)

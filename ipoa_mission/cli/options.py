@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
@@ -202,7 +202,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
 
 def _known(name: str) -> str:
     """Return a name that the firmware's model uses; others may come from a file."""
-    from ipoa_mission.vehicles.known_parameters import expect_known
+    from ipoa_mission.autopilot.known_parameters import expect_known
 
     try:
         expect_known([name])

@@ -3,19 +3,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import parameter_path
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.mission.mission_file import MissionFile
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 SHOWN = 6

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ipoa_mission.cli.mission_source import Job
-    from ipoa_mission.flight.survey_flight import Flown, Survey
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.survey.survey_flight import Flown, Survey
 
 #: the job as flown, remarks, the flight
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
@@ -116,7 +116,7 @@ def _home_beside(area: Path) -> dict[str, float]:
 def plan_here(
     scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
 ) -> "Survey":
-    from ipoa_mission.flight.survey_flight import plan_survey
+    from ipoa_mission.survey.survey_flight import plan_survey
 
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
@@ -219,7 +219,7 @@ def fly_survey(
     from ipoa_mission.cli.flown_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.survey_flight import survey_as_json
+    from ipoa_mission.survey.survey_flight import survey_as_json
 
     if not as_json:
         print_survey(survey, written)

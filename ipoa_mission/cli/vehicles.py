@@ -6,13 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage

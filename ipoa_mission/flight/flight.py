@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.autopilot.energy.consumption import Consumption
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unread_check import expect_plannable
 from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
@@ -45,7 +46,6 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
-from ipoa_mission.vehicles.energy.consumption import Consumption
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:

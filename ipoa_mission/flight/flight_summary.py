@@ -7,6 +7,7 @@ from ipoa_mission.centimeters import down, up
 if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable
 
+    from ipoa_mission.autopilot.energy.consumption import Interval
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.deviation.promise import Kept, Promise
     from ipoa_mission.forecast.energy_budget import Budget
@@ -14,7 +15,6 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.energy.consumption import Interval
 
 MILLIMETERS = 1000
 

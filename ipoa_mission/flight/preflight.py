@@ -4,6 +4,7 @@ import logging
 import math
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground_check import landings, touches_down
 from ipoa_mission.checks.own_fence_check import breaches
@@ -16,7 +17,6 @@ from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.commands import Frame, plain_frame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, apart

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
 from ipoa_mission.forecast.deviation.law import DeviationLaw
@@ -15,7 +16,6 @@ from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.world.frame import Geodetic
 
 # Beyond the deviation bound: twice its width, at least 5 m [m]; a take-off drifts twice as far.

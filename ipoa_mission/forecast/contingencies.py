@@ -10,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
@@ -18,8 +20,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
 from ipoa_mission.forecast.stopping_points import StoppingPoints
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
 
 BEGIN_TOLERANCE_S = 0.6  # begin of the flight [s]: ArduCopter 4.8-dev is 0.5 s early after its take-off

@@ -5,11 +5,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.contingency import Contingency
 
 DELAY_CHANGE_S = 12.0  # change between two calls [s]
 DELAY_PENALTY = 0.2  # of a time farther from the expected one [m/s]

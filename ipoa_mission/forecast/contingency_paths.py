@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import ReturnBy
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.stopping_points import StoppingPoints, stopping_points_of
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 STEP_S = 1.0  # [s]

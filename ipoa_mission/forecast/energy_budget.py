@@ -7,12 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
-from ipoa_mission.scenario.budget import battery_of, flight_energy
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.energy.consumption import (
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.energy.consumption import (
     LIFTED_DISTANCE,
     Battery,
     Consumption,
@@ -20,6 +16,10 @@ from ipoa_mission.vehicles.energy.consumption import (
     NotEnoughBattery,
     shortage,
 )
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
+from ipoa_mission.scenario.budget import battery_of, flight_energy
 
 FIRST_TIMES = 12
 TIME_ACCURACY_S = 1.0

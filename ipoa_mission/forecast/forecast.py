@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, return_ways
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
@@ -15,20 +18,17 @@ from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilot.energy.consumption import Consumption
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.prediction import Prediction
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.energy.consumption import Consumption
 
 Made = TypeVar("Made")
 

@@ -10,12 +10,8 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
-from ipoa_mission.forecast.itinerary.program import as_flown
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import FLOWN_TO, Command
-from ipoa_mission.vehicles.returning import (
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.returning import (
     HOME,
     MissionLanding,
     OverTerrain,
@@ -23,6 +19,10 @@ from ipoa_mission.vehicles.returning import (
     ReturnBy,
     ReturnRoute,
 )
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.geometry import Points, Vector
 
 FOLLOWING_LEGS = 60
 WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.contingency_paths import (
     BRAKES,
     CLIMBS,
@@ -17,7 +18,6 @@ from ipoa_mission.forecast.contingency_paths import (
 )
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.contingency import Contingency
 
 HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
 MAX_TRIES = 8

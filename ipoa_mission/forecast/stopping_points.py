@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.autopilot import STATIONARY_SPEED
-from ipoa_mission.vehicles.contingency import Contingency
 
 STEP_S = 0.2  # [s]
 

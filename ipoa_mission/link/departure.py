@@ -6,6 +6,8 @@ A refusal after the arming disarms the vehicle, unless it may be in the air.
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
@@ -14,9 +16,7 @@ from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 STREAMS_S = {  # [s]; ArduPilot sends none unasked
     "HEARTBEAT": 0.1,

@@ -2,6 +2,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 
+from ipoa_mission.autopilot.commands import VehicleCommand
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
@@ -9,9 +12,6 @@ from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.version import Version
 
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
 #: Today's request and its predecessor.

@@ -5,13 +5,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 
 log = logging.getLogger(__name__)
 ORDER_REPEATS, REPEAT_S = 6, 1.0

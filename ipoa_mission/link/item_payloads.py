@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, LOCAL_SCALE, coordinate, degrees
-from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 MAX_ITEMS = 65535
 SINGLE_MAX = float(np.finfo(np.float32).max)

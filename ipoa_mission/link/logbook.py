@@ -3,13 +3,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import LAST_NAV, Command
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
-from ipoa_mission.mission.commands import LAST_NAV, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
 
 if TYPE_CHECKING:

@@ -10,6 +10,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import default_autopilot, registered
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -37,9 +40,6 @@ from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import default_autopilot, registered
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05

@@ -3,6 +3,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
@@ -20,8 +22,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
-from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 M = TypeVar("M", bound=Message)

@@ -3,6 +3,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Self, TypeVar
 
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, Tempo
@@ -11,7 +12,6 @@ from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.vehicles.version import Version
 
 T = TypeVar("T")
 

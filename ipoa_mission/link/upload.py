@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
@@ -20,7 +21,6 @@ from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Messag
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 #: Without any item: two.
 ATTEMPTS = 12

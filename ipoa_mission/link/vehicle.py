@@ -6,6 +6,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 
+from ipoa_mission.autopilot.commands import LAST_NAV
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -40,7 +41,6 @@ from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLos
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
-from ipoa_mission.mission.commands import LAST_NAV
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, to_wire

@@ -2,12 +2,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import with_article
 
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK, in the present mode.

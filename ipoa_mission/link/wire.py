@@ -6,11 +6,11 @@ Only this module makes degE7, with `round`: truncation would move 6 % of the coo
 import math
 from typing import Any
 
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
 from ipoa_mission.link.message_layout import Fields, MessageLayout, Value, plain
-from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 
 INT32_MAX = 2**31 - 1  # "no value"

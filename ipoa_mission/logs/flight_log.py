@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
@@ -19,8 +21,6 @@ from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 #: A rise that counts as flight [m].

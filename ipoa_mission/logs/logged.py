@@ -5,14 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.version import Version
 
 #: ArduPilot's text: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")

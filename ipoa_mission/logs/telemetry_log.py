@@ -9,6 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import with_article
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
@@ -43,10 +47,6 @@ from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
 from ipoa_mission.logs.logged_measurements import Battery, Measured
 from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import with_article
 
 ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
 DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 
+from ipoa_mission.autopilot.commands import Command, Frame, command_name
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.commands import Command, Frame, command_name
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.world.frame import Geodetic
 

@@ -1,8 +1,8 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.complex_items import entries
 from ipoa_mission.mission.items import Item, Mission
 

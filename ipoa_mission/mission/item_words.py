@@ -1,6 +1,6 @@
 import math
 
-from ipoa_mission.mission.commands import Command, short_name
+from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.mission.items import Item
 
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME, Command.NAV_DELAY})

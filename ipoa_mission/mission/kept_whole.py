@@ -6,8 +6,8 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import mission_text, parse_mission

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground, HighPlace

@@ -5,11 +5,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot, registered
+from ipoa_mission.autopilot.commands import TAKEOFFS, command_name
+from ipoa_mission.autopilot.known_parameters import firmware_of
 from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.about_file import mission_record
-from ipoa_mission.mission.commands import TAKEOFFS, command_name
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
@@ -21,8 +23,6 @@ from ipoa_mission.mission.parameter_file import (
 )
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot, registered
-from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
+from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.known_parameters import firmware_of, known_names
-from ipoa_mission.vehicles.parameters import REAL32, SINGLE_MAX, Parameters
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"

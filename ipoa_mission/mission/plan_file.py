@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
@@ -20,8 +22,6 @@ from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.stored_mission import settle_frames
 from ipoa_mission.mission.structure_scan import lay_out
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.refusal import PARAM_NAMES
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.refusal import PARAM_NAMES
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 #: ArduPilot truncates altitudes to the centimeter in single precision.

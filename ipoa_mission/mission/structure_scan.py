@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
 from ipoa_mission.world.frame import Geodetic

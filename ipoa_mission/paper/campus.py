@@ -6,10 +6,8 @@ goal, at the same 15 m/s.
 
 import numpy as np
 
+from ipoa_mission import Command, Mission, NoRoute, Scenario, assemble, estimate, fly
 from ipoa_mission.errors import BadInput, UnknownName
-from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.paper.benchmark_problem import Measures, Problem
 from ipoa_mission.paper.paper_maps import paper_scenario, path_problem
@@ -17,10 +15,6 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.assemble import assemble
-from ipoa_mission.routing.route import NoRoute
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.simulator.fly import fly
 
 
 def campus_scenario() -> Scenario:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission import Scenario
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.published import ALGORITHMS
@@ -13,7 +14,6 @@ from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import palette
-from ipoa_mission.scenario import Scenario
 
 #: distinct with color blindness
 COLORS = {

@@ -5,6 +5,7 @@ The paper's method: absolute coordinates, cost summed over nodes, no polish.
 
 import numpy as np
 
+from ipoa_mission import Scenario, read_scenario
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
@@ -13,7 +14,6 @@ from ipoa_mission.paper.benchmark_problem import Measures, Problem
 from ipoa_mission.planning.problem import encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario, read_scenario
 
 MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
 #: Table 5's experiments; the other tables use the first.

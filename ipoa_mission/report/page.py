@@ -9,13 +9,13 @@ from string import Template
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.commands import WAYPOINTS
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.compare import compare_flight, flown_track

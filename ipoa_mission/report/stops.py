@@ -3,12 +3,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.planning.proof import Proof, prove

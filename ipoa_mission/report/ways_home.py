@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.contingency import Contingency
 
 MAX_WAYS = 150  # each four seconds of ten minutes
 DECIMALS = 2

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.route_time import kinematics
@@ -15,7 +16,6 @@ from ipoa_mission.routing.fastest import SEARCH, fastest_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 HALVINGS = 6  # before a mode gives up
 NARROW = 2  # halvings

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.contingencies import (
     Contingencies,
@@ -30,7 +31,6 @@ from ipoa_mission.forecast.shortfalls import (
 from ipoa_mission.routing.rally import rally_sets
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.contingency import Contingency
 
 NAMED = 3  # in a note on LAND
 

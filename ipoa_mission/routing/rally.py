@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
 MAX_RALLY_POINTS = 4

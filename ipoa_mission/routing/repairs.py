@@ -3,16 +3,16 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.checks.ground_check import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.checks.way_home import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.world.frame import Geodetic
 
 

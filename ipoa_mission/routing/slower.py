@@ -9,9 +9,9 @@ from itertools import chain, count
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints

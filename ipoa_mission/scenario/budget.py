@@ -1,10 +1,10 @@
 from dataclasses import replace
 
+from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
-from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
 # Actual over predicted energy, nine flights in ten: 0.75 to 1 (docs/lab/profiles.md).

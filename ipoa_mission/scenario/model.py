@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
@@ -29,12 +30,11 @@ from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
 from ipoa_mission.scenario.site import NO_REACH, Reach
 from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection, with_survey
 from ipoa_mission.scenario.vehicle_section import VehicleSection
 from ipoa_mission.scenario.wind_section import WindSection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.unread import Unread
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, swap_hint

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.errors import BadInput, NothingThere, TooFar, UnknownName
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
@@ -21,7 +22,6 @@ from ipoa_mission.maps.kinds import key_of_height
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.scenario_file import parse_scenario
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, swap_hint
 
 FREE_RADIUS = 12.0  # [m]

@@ -16,7 +16,7 @@ from ipoa_mission.maps.planar import MapExtent, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.site import Reach
-from ipoa_mission.survey.area import LEAST_M2, Area
+from ipoa_mission.scenario.survey_area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.union import union_of
 

@@ -14,15 +14,15 @@ from pydantic import (
     model_validator,
 )
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
+from ipoa_mission.autopilot.energy.consumption import Battery
+from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel
+from ipoa_mission.autopilot.known_parameters import expect_own, translated
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, default_autopilot, registered
-from ipoa_mission.vehicles.energy.consumption import Battery
-from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel
-from ipoa_mission.vehicles.known_parameters import expect_own, translated
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.parameters import SINGLE_MAX, Parameters
-from ipoa_mission.vehicles.version import Version
 
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]

@@ -1,6 +1,9 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame, VehicleCommand
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
@@ -8,7 +11,6 @@ from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
 from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
 from ipoa_mission.link.wire import degrees
-from ipoa_mission.mission.commands import Command, Frame, VehicleCommand
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.conditions import USUAL, Conditions
@@ -18,8 +20,6 @@ from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
 from ipoa_mission.simulator.parameter_server import ParameterServer
 from ipoa_mission.simulator.simulated_flight import FlightMode, SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # of an event

@@ -1,9 +1,9 @@
 import math
 from collections.abc import Sequence
 
+from ipoa_mission.autopilot.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
-from ipoa_mission.mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.simulator.reporting import Reporting
 from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState
 

@@ -1,8 +1,8 @@
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 

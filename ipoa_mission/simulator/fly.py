@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
@@ -17,8 +19,6 @@ from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.mock_server import PERFECT
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.wind import CALM, Wind
 
 

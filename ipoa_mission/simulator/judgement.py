@@ -4,13 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.messages import MissionType, Result
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import values_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 

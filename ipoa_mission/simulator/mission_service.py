@@ -5,6 +5,7 @@ import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
@@ -25,7 +26,6 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
-from ipoa_mission.mission.commands import PLAIN_FRAME
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import home_item

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.firmware_tables import NO_VERSION
+from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.simulator.simulated_flight import FlightMode
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import NO_VERSION
-from ipoa_mission.vehicles.firmware_tables import Firmware as Tables
-from ipoa_mission.vehicles.version import Version
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768

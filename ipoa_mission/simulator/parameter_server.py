@@ -1,11 +1,11 @@
 import math
 from collections.abc import Mapping
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import REAL32
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRead, ParamSet, ParamValue
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import REAL32
-from ipoa_mission.vehicles.version import Version
 
 #: ArduPilot's PARAM_VALUE.param_index of a named request.
 BY_NAME = 65535

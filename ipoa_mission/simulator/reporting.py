@@ -3,19 +3,19 @@
 import math
 from collections.abc import Mapping
 
+from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.messages import INFO, Message, MissionType
-from ipoa_mission.mission.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.judgement import Infeasible
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState, SimulatedFlight
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.parameters import Parameters
 
 #: In ArduCopter's text at the start of an item.
 _NAMES: Mapping[int, str] = {

@@ -11,13 +11,13 @@ from typing import Protocol
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import USUAL, Conditions, SimulatedVehicle
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, ItemDone, MissionState, Situation
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["FlightMode", "ItemDone", "MissionState", "SimulatedFlight"]

@@ -2,11 +2,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Place, Program
-from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME
 
 STEP_S = 0.02  # [s]
 #: All others are done at once.

@@ -1,9 +1,9 @@
 """A vehicle's list, replaced as a whole or item by item."""
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 
 
 class Store:

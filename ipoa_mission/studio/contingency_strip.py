@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
 from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
@@ -15,7 +16,6 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.studio.view import without_folders
-from ipoa_mission.vehicles.contingency import Contingency
 
 INITIAL_SAMPLES, SAMPLE_LIMIT = 16, 24  # computed costs
 

@@ -3,10 +3,10 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.maps.map_reader import READERS
-from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.studio.edits import parse_table

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.survey.survey_flight import Survey
 
 UNKNOWN = "no scenario gives the obstacles: neither clearance nor contingencies were checked"
 

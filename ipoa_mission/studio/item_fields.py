@@ -1,10 +1,10 @@
 import re
 from collections.abc import Iterator, Mapping
 
+from ipoa_mission.autopilot.commands import Command, short_name
+from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.link.definitions import params_in_words
-from ipoa_mission.mission.commands import Command, short_name
 from ipoa_mission.studio.mission_answers import ItemField, ItemKind
-from ipoa_mission.vehicles.firmware_tables import Firmware
 
 LONGEST = 32  # letters
 HOLD, HEADING = ("Stay for", "s"), ("Heading there", "°, empty: its own")

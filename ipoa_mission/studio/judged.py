@@ -3,6 +3,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
@@ -23,7 +24,6 @@ from ipoa_mission.studio.mission_answers import Checked, Flaw, MissionItem, Open
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import LocalFrame
 
 MAP_MARGIN = 0.25  # of the places' extent

@@ -4,8 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command, Frame, plain_frame
 from ipoa_mission.mission.item_edits import with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.kept_whole import text_with
@@ -13,7 +14,6 @@ from ipoa_mission.mission.mission_io import parse_mission
 from ipoa_mission.mission.stored_mission import settle_frames, values_of
 from ipoa_mission.studio.requests import Change, InsertItem, MoveItem, PlainItems, Put, PutItem, Shift, TakeItem
 from ipoa_mission.studio.vocabulary import LngLat
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic
 
 DEFAULT_HEIGHT = 20.0  # if no item before has a height [m]

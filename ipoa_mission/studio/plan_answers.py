@@ -3,6 +3,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.deviation.promise import Promise
@@ -14,7 +15,6 @@ from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route_time import kinematics
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline

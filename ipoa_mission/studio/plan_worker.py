@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -14,7 +15,6 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.flight.survey_flight import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
@@ -37,7 +37,7 @@ from ipoa_mission.studio.survey_answers import CoarseSurvey
 from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
 from ipoa_mission.studio.view import world_of
 from ipoa_mission.survey.laying import sketch_survey
-from ipoa_mission.vehicles.autopilot import autopilot_named
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 PROGRESS_INTERVAL_S = 0.1

@@ -3,6 +3,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
 from ipoa_mission.mission.mission_file import MissionFile
@@ -12,7 +13,6 @@ from ipoa_mission.studio.edits import changed, parse_table
 from ipoa_mission.studio.journal import SUFFIX, Journal
 from ipoa_mission.studio.mission_changes import mission_changed
 from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
-from ipoa_mission.vehicles.autopilot import autopilot_named
 
 BOM = b"\xef\xbb\xbf"
 

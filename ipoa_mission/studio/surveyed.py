@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_view import in_words
@@ -17,6 +16,7 @@ from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.survey.laying import SurveySketch
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow
@@ -20,7 +21,6 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.studio.flight_answers import OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.harness import Answer, Order
 from ipoa_mission.studio.vocabulary import InFlight
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
 POSITION_INTERVAL_S = 0.2  # by the vehicle's clock

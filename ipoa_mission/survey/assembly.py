@@ -3,11 +3,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission import Command, Frame
 from ipoa_mission.checks.way_home import clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route

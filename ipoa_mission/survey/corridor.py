@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.tour import Swath, Tour
 
 MAX_TRIM = 1 / 8

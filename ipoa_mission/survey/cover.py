@@ -9,9 +9,9 @@ import shapely
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
-from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.line_gaps import MAX_UNSEEN, Closing, SensedPath
 from ipoa_mission.survey.outline import narrower, wider

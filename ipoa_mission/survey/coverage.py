@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.survey.area import ARC, Area
+from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 

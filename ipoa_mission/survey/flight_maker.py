@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission import NotEnoughBattery
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
@@ -18,15 +19,14 @@ from ipoa_mission.routing.planned_returns import or_else, settled, why_not_plann
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start, between
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.laying import lay_lines, leg_times, way_over
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.starting import RouteCost, by_start, nearest_areas, nearest_parts, quickest_parts
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 
 MAX_EVERY_SUBSET = 3
 MIN_ONLY_FULL_SET = 10

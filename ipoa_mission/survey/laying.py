@@ -11,8 +11,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import Coverage, coverage

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission import Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.survey.line_heights import lifted
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour

@@ -4,8 +4,8 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission import Command
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Mission
 from ipoa_mission.scenario import Scenario

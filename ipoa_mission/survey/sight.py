@@ -6,8 +6,8 @@ import shapely
 
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import BAND, SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Tour
 
 FLAT_RANGE = 0.05  # of level ground [m]

@@ -8,7 +8,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, first_cut, part_of

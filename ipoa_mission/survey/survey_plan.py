@@ -19,8 +19,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, parts_of, returning
 from ipoa_mission.survey.flown_coverage import AsFlown, as_flown, expected_lines

@@ -31,7 +31,7 @@ class LegTimes:
     """Times at one speed [m/s] in one wind; `past_corners`: overshoot past 90 degrees [m].
 
     Example:
-        >>> from ipoa_mission.vehicles.autopilot import default_autopilot
+        >>> from ipoa_mission.autopilot.autopilot import default_autopilot
         >>> from ipoa_mission.world.frame import Geodetic
         >>> times = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), default_autopilot()), 5.0)
         >>> there, back = np.array([[0.0, 0.0], [90.0, 0.0]]), np.array([[90.0, 0.0], [0.0, 0.0]])

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -26,7 +27,6 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.held import PX4_117

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -12,7 +13,6 @@ from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_forecast
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.examples import vehicles
 from tests.held import waypoint
 

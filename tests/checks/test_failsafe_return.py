@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
@@ -16,8 +18,6 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.vehicles.contingency import Contingency
 
 FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])

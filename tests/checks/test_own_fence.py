@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 

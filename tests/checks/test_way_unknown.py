@@ -6,15 +6,15 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import JUMPS, Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import JUMPS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

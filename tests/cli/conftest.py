@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
@@ -22,7 +23,6 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.held import waypoint
 from tests.quick_link import hurry

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from tests.cli.conftest import Run
 from tests.refused import refuses
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
 from tests.quick_search import search_quickly

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
+from ipoa_mission.autopilot.autopilot import registered
+from ipoa_mission.autopilot.known_parameters import expect_known, expect_own, firmware_of, translated
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.vehicles.autopilot import registered
-from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of, translated
 from tests.cli.conftest import Run
 from tests.refused import refuses
 

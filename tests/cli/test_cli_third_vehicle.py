@@ -15,6 +15,20 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot import autopilot as register
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.modes import Modes
+from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
+from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.refusal import Refusals, Refused
+from ipoa_mission.autopilot.returning import Place
+from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.quantiles import Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
@@ -24,25 +38,11 @@ from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
-from ipoa_mission.vehicles import autopilot as register
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters, ParameterTable, Quantity
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
-from ipoa_mission.vehicles.refusal import Refusals, Refused
-from ipoa_mission.vehicles.returning import Place
-from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
 
@@ -296,7 +296,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
         disarm_delay="TOY_WAIT",
     )
     monkeypatch.setattr(Toy, "parts", {**Toy.parts, "MockProfile": spoken})
-    monkeypatch.setitem(register._REGISTERED, vehicle.name, vehicle)
+    monkeypatch.setitem(register._registered(), vehicle.name, vehicle)
     return vehicle
 
 

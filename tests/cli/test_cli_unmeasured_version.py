@@ -16,14 +16,14 @@ from ipoa_mission import (
     read_scenario,
     upload_mission,
 )
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.version import Version
 from tests.cli.conftest import Run
 from tests.refused import refuses
 

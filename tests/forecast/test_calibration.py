@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 import scipy
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
 from ipoa_mission.forecast.deviation.measured_law import law_of
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 LONG = 120.0  # a flight that is longer is a long one [s]
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))

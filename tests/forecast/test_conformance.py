@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission import read_mission
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
@@ -21,8 +23,6 @@ from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.logs.flight_log import read_flights as read_log
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.forecast.test_items_flown import FOLDERS as ITEMS_FLOWN
 from tests.forecast.test_items_flown import read as read_items

@@ -8,17 +8,17 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.vehicles.arducopter.circling import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 

@@ -14,17 +14,17 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
 from ipoa_mission.forecast.contingency_paths import MAX_SPARE, ContingencyPaths
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.version import Version
 from tests.examples import examples
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.cli.real_flight import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingencies import Contingencies
@@ -17,7 +18,6 @@ from ipoa_mission.forecast.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.refused import refuses
 

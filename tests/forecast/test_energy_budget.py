@@ -5,15 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.energy_budget import Budget, budget_of, flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}

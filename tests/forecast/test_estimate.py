@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate as predict
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -21,8 +23,6 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
-from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.version import Version
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.landing_ground import landing_on
-from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.version import Version
 from tests.examples import some
 
 FOLDERS = sorted((Path(__file__).parents[1] / "flights_judged").iterdir())

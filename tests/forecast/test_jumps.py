@@ -5,19 +5,19 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.mission.item_edits import without_item
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.refused import refuses

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import scipy
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.recorded_flights import LANDINGS, Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT, LANDINGS)

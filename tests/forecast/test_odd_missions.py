@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -20,7 +21,6 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.forecast.test_timing_models import BOTH, HOME, lasted, place
 
 

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.itinerary.program import Program
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.simulator.situation import MissionState, Situation
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
-from ipoa_mission.vehicles.version import Version
 
 FOLDER = Path(__file__).parents[1] / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]

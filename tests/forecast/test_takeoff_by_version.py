@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 ROWS = list(csv.DictReader(Path(__file__).with_name("takeoffs-4.8.csv").read_text(encoding="utf-8").splitlines()))

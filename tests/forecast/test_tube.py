@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
@@ -19,7 +20,6 @@ from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds

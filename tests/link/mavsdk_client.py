@@ -5,13 +5,13 @@ import signal
 import sys
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import Departure
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
@@ -17,7 +18,6 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, PREARM_CHECK, VehicleState
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176, 224, 300, 400, 401, 511

@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.flight.procedure import Stage, fly_mission
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -17,13 +19,11 @@ from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.refused import refuses

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from pymavlink.generator.mavcrc import x25crc
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import codec, telemetry, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
@@ -21,7 +22,6 @@ from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 NOW = 1_767_225_600.0

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import (
@@ -31,7 +32,6 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
 

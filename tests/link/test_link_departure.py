@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.kind import Kind
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import (
@@ -13,8 +15,6 @@ from ipoa_mission.link.messages import (
     Message,
 )
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.kind import Kind
 from tests.link.scripted import (
     ARDUPILOT,
     ARM,

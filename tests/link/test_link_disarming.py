@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import depart, prepare
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
@@ -14,7 +15,6 @@ from ipoa_mission.link.messages import (
     Message,
 )
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted
 from tests.refused import refuses

@@ -6,6 +6,8 @@ put into BRAKE; on its way to a waypoint it stops within two seconds and stays i
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
@@ -13,11 +15,9 @@ from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 from tools import REPOSITORY
 

@@ -7,6 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import plain_frame
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
@@ -17,12 +19,10 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.mission.commands import plain_frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import HOME, items_of
 
 US, VEHICLE = Target(245, 190), Target(1, 1)

@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
@@ -19,9 +22,6 @@ from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -4,6 +4,9 @@ import logging
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
@@ -14,12 +17,9 @@ from ipoa_mission.link.mode_watch import SETTLED_S, ModeWatch
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import ON_GROUND, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.held import waypoint

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 MAVPROXY = Path(sys.executable).parent / "mavproxy.py"
 pytestmark = [

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 MISSION = """QGC WPL 110
 0\t1\t0\t16\t0\t0\t0\t0\t47.4\t8.5\t400\t1

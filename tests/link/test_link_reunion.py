@@ -8,6 +8,8 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
@@ -20,11 +22,9 @@ from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionT
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_setup import without_station
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.held import waypoint

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import offer
@@ -13,7 +14,6 @@ from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.stored_mission import compare, home_item
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 from tools.fuzz import strangers

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.vehicle_setup import without_station
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 

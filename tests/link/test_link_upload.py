@@ -2,6 +2,7 @@
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
@@ -18,7 +19,6 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link.scripted_answers import lead
 from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of
 from tests.refused import refuses

@@ -2,6 +2,7 @@
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.events import event_number, mission_event, words_of
 from ipoa_mission.link.messages import (
     Ack,
@@ -16,7 +17,6 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.scripted_answers import lead
 from tests.link_pair import CLIENT, STRANGER, items_of
 from tests.refused import refuses

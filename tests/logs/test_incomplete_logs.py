@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.messages import (
@@ -32,7 +33,6 @@ from ipoa_mission.logs.logged import Fixes, Log, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.logs.vehicle_clock import unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter import log as ulog
 from tests.refused import refuses
 

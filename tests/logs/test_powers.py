@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.energy.consumption import Interval
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.logs.learn.evidence import flights_in
-from ipoa_mission.logs.learn.fit import fit
-from ipoa_mission.logs.learn.powers import PowerSeconds, learned_powers
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.learn.evidence import flights_in
+from ipoa_mission.learn.fit import fit
+from ipoa_mission.learn.powers import PowerSeconds, learned_powers
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import Interval
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 from tests.recorded_flights import FLOWN_ON
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 
 COLUMNS = ("timestamp", "sequence_current", "nav_cmd", "altitude_is_relative", "latitude", "longitude", "altitude")

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flight, read_flights
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 LOGS = Path(__file__).parents[1] / "logs"

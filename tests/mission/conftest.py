@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 
 class MavsdkImport:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")

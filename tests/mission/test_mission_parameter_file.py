@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameter_file, read_parameters
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.world.spherical_plane import SphericalPlane

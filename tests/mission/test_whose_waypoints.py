@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.waypoints_file import waypoints_text, write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

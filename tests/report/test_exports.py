@@ -10,6 +10,7 @@ import pytest
 import shapely
 from pyproj import Geod
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import (
     FenceCircle,
@@ -26,7 +27,6 @@ from ipoa_mission.report.exports import EXPORTS, write_export
 from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

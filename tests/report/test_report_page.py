@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.centimeters import down
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.timing.track import thinned
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -20,7 +21,6 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some, vehicles
 from tests.quick_search import QUICK

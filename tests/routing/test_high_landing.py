@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import estimate
@@ -16,8 +18,6 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.checks.test_check_ground import ARDUPILOT, PX4, slope
 from tests.examples import some

@@ -9,6 +9,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import MissionError
@@ -19,7 +20,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.quick_search import search_quickly
 from tests.refused import refuses

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from ipoa_mission import plan_flight, read_mission
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.shortfalls import highest_return
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.quick_search import search_quickly
 

@@ -8,12 +8,12 @@ import pytest
 import shapely
 
 from ipoa_mission import plan_flight
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission import check_mission, plan_flight
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some, vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses

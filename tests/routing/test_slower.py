@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -18,7 +19,6 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.route import Route
 from ipoa_mission.routing.seek import TooNear
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from shapely import LineString, box
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.repairs import climb_for_way_home
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.messages import CommandAck, CommandLong, Count, Current, ItemAt, Message
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link_pair import CLIENT, HOME, items_of, plain
 
 

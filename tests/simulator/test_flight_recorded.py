@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 from tests.examples import some
 from tests.flown_here import fly_here
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flight, read_flights

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
@@ -31,7 +32,6 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER
 

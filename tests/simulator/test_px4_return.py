@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.recorded_flights import Recorded, read_flights

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -37,11 +39,9 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from tests.held import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"

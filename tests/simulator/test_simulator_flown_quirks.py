@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.link.messages import (
     Ack,
@@ -23,12 +25,10 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.simulator.simulated_flight import FlightMode
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown

@@ -4,6 +4,9 @@ import math
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.modes import mode_number
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
     ClearAll,
@@ -30,10 +33,7 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
 )
 from ipoa_mission.link.wire import INT32_MAX
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import HOME
 from tests.simulator.flown import Flown

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
     Ack,
@@ -21,7 +22,6 @@ from ipoa_mission.link.messages import (
     WritePartialList,
 )
 from ipoa_mission.mission.items import Item, land
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of, plain
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

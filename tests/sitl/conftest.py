@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.sitl.simulated import Sitl
 
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)

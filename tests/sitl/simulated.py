@@ -10,12 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A square beside home, flown out and back [m]: east, north, up.

@@ -20,13 +20,13 @@ from urllib.parse import urljoin
 import pytest
 
 from ipoa_mission import Forecast, read_mission
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.contingency_bars import LOOK
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
 from tests.studio.pointing import PATIENCE_S, Hand, feature, found, settled, stroke

@@ -10,14 +10,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import coverage
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import examples
 from tests.refused import refuses

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.coverage import coverage
 from ipoa_mission.survey.tour import Swath, Tour
 

@@ -12,24 +12,24 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.flight.survey_flight import Survey, plan_survey, survey_as_json
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_flight import Survey, plan_survey, survey_as_json
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.survey.tour_split import part_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

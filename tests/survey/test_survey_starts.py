@@ -12,23 +12,23 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
 from ipoa_mission.errors import BadInput
-from ipoa_mission.flight.survey_flight import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start
 from ipoa_mission.survey.flight_maker import _sets
 from ipoa_mission.survey.starting import RouteCost, nearest_areas, quickest_parts
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.survey.tour_split import part_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic, apart
 from tests.refused import refuses
 from tests.survey.test_survey_flights import AIRFRAME, HOME, TOWER, scenario

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, consumption, hovering, shortage
-from ipoa_mission.vehicles.energy.power import PowerModel, power
+from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, consumption, hovering, shortage
+from ipoa_mission.autopilot.energy.power import PowerModel, power
 from tests.refused import refuses
 
 QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel, air_density, induced_speed, power
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel, air_density, induced_speed, power
 from tests.refused import refuses
 
 SEA_LEVEL = np.array([1.225])

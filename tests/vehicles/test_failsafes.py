@@ -10,12 +10,12 @@ import re
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from tests.refused import refuses
 from tools.generate import failsafes as page
 

@@ -6,10 +6,10 @@ release/1.18 (05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rt
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import MissionLanding, ReturnBy, ReturnRoute
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.version import Version
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)

@@ -1,5 +1,5 @@
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 
 def not_measured(autopilot: Autopilot, wind: float) -> str | None:

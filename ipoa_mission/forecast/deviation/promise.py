@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of, limits_kept
@@ -17,10 +19,8 @@ from ipoa_mission.forecast.deviation.tight_places import TightPlace, round_place
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
 PAYLOAD_RADIUS = 0.5  # of a descent with a payload [m]

@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
 MIN_TURN = math.radians(1.0)

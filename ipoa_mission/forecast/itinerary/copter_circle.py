@@ -8,10 +8,10 @@ import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.circle import FlownCircle
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.circle import FlownCircle
 
 NEAR_CIRCLE = 3.0  # [m]
 CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards

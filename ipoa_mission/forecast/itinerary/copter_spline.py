@@ -9,9 +9,9 @@ import struct
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.program import Place, over_terrain
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
 NO_TANGENT = (0.0, 0.0, 0.0)

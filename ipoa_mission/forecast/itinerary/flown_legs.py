@@ -11,6 +11,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
+from ipoa_mission.autopilot.returning import ReturnBy
 from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
 from ipoa_mission.forecast.itinerary.copter_circle import (
     NEAR_CIRCLE,
@@ -23,9 +25,7 @@ from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_ch
 from ipoa_mission.forecast.itinerary.jump_targets import led_to
 from ipoa_mission.forecast.itinerary.program import Place, as_flown, next_navigated, onward, over_terrain
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from ipoa_mission.mission.commands import JUMPS, Command
+from ipoa_mission.autopilot.commands import JUMPS, Command
 from ipoa_mission.mission.items import Item
 
 

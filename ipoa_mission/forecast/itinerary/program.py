@@ -13,9 +13,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
-from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import (
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import (
     FLOWN_TO,
     JUMPS,
     LAST_NAV,
@@ -26,10 +25,11 @@ from ipoa_mission.mission.commands import (
     Frame,
     plain_frame,
 )
+from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
+from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]

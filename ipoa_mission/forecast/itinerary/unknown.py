@@ -4,13 +4,13 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated, program_of
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
 NEVER_REACHED = "never-reached"

@@ -8,14 +8,14 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 

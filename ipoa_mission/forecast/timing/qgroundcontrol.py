@@ -8,7 +8,7 @@
 
 import math
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Mission
 
 COUNTED_TERMS = (

@@ -7,14 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
-from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 
 ROUTE_STARTS = WAYPOINTS | {Command.NAV_TAKEOFF}
 PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # [m], averaged over

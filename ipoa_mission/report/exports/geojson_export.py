@@ -8,8 +8,8 @@ import json
 import math
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.report.exports.export_lines import lines_of, ring
 

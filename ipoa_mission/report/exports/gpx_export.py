@@ -6,8 +6,8 @@
 import math
 from xml.etree import ElementTree as Tree
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.report.exports.export_lines import lines_of
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"

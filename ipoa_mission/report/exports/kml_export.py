@@ -6,8 +6,8 @@
 from collections.abc import Iterable
 from xml.etree import ElementTree as Tree
 
+from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Frame, command_name, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.report.exports.export_lines import lines_of, ring
 

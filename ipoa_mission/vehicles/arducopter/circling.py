@@ -6,8 +6,8 @@ from the target's velocity. It is tan t = w / k with k = jerk / acceleration.
 
 import math
 
+from ipoa_mission.autopilot.circle import FlownCircle
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
-from ipoa_mission.vehicles.circle import FlownCircle
 
 CIRCLE_SHARE = 0.5  # of the acceleration limit
 ITERATIONS = 60

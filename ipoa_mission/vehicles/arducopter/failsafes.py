@@ -8,9 +8,8 @@ scripts.
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import (
+from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
     STATION_LOST,
@@ -21,7 +20,8 @@ from ipoa_mission.vehicles.failsafe import (
     StationLoss,
     ordered,
 )
-from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]
 LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)

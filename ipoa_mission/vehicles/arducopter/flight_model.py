@@ -1,6 +1,7 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
@@ -9,7 +10,6 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits, copter_limits
 from ipoa_mission.vehicles.arducopter.timing import fly_aborted, fly_arducopter
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import Wind
 
 

@@ -6,12 +6,12 @@ Ground times are read and measured in SITL (docs/lab/flight-time.md).
 import math
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.returning import CopterReturn
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 
 ARMING_DELAY_S = 2.0  # motors are off after arming
 LIFT_S = 0.2  # from full spin to lift-off

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.mission.commands import Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dataflash import BYTES, read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER

@@ -1,8 +1,8 @@
 import math
 
-from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Place, level_distance
+from ipoa_mission.autopilot.own_fence import FenceLimit, OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME, Place, level_distance
 
 CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4: polygons
 #: These enable the fence, always or from arming or take-off.

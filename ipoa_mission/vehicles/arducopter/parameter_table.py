@@ -2,8 +2,7 @@
 
 from collections.abc import Mapping
 
-from ipoa_mission.vehicles.arducopter.renamed import RENAMED
-from ipoa_mission.vehicles.parameters import (
+from ipoa_mission.autopilot.parameters import (
     INT8,
     INT16,
     INT32,
@@ -14,6 +13,7 @@ from ipoa_mission.vehicles.parameters import (
     Quantity,
     declared,
 )
+from ipoa_mission.vehicles.arducopter.renamed import RENAMED
 
 #: ArduCopter 4.7's (cm, cm/s, cm/s^2 and centidegrees).
 DEFAULTS: Parameters = {

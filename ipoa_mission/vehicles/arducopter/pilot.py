@@ -4,8 +4,9 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
@@ -29,7 +30,6 @@ from ipoa_mission.vehicles.arducopter.limits import (
     copter_limits,
     usable,
 )
-from ipoa_mission.vehicles.parameters import Parameters
 
 
 class ArduPilotPilot:

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.refusal import POLYGON, Refusals, Refused
 
 DEG_E7 = 1e-7
 UINT16_MAX = 2**16 - 1

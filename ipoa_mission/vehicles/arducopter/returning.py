@@ -8,10 +8,10 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME, OverTerrain, Place, level_distance
 from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, OverTerrain, Place, level_distance
 
 LEAST_CONE = 0.5  # RTL_CONE_SLOPE below is ignored
 LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]

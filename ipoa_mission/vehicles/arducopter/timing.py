@@ -8,6 +8,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
+from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
@@ -15,7 +17,6 @@ from ipoa_mission.forecast.timing.flight_model import Abort
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
@@ -38,7 +39,6 @@ from ipoa_mission.vehicles.arducopter.limits import (
     CopterLimits,
 )
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.wind import CALM, Wind
 
 NO_PLACE = (math.nan,) * 3

@@ -5,28 +5,28 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.arming import ArmingWords
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.circle import FlownCircle
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile
+from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
+from ipoa_mission.autopilot.modes import Modes
+from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.returning import OverTerrain, Place
+from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.arducopter import failsafes, returning
 from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, limits_on
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
 from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
-from ipoa_mission.vehicles.arming import ArmingWords
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.circle import FlownCircle
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
-from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
-from ipoa_mission.vehicles.returning import OverTerrain, Place
-from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -108,6 +108,7 @@ class ArduCopter(Autopilot):
     """ArduPilot on a multicopter."""
 
     name = "ardupilot"
+    rank = 1
     model = "ArduCopter"
     mav_autopilot = 3
     mav_types = MULTICOPTERS

@@ -2,8 +2,8 @@
 
 import math
 
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.way_known import EQUIPMENT, SIMPLE, WayKnown
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.way_known import EQUIPMENT, SIMPLE, WayKnown
 
 #: Stored, and skipped.
 SKIPPED_COMMANDS = frozenset(

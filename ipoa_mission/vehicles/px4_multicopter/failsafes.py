@@ -8,8 +8,8 @@ covered: VTOL, offboard, seconds after arming.
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import (
+from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
     STATION_LOST,
@@ -20,7 +20,7 @@ from ipoa_mission.vehicles.failsafe import (
     StationLoss,
     ordered,
 )
-from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters
 
 V1_18, V1_19 = (1, 18), (1, 19)
 FALLS = FailsafeAction(Contingency.TERMINATE)

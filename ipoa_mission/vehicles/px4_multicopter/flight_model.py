@@ -3,13 +3,13 @@ from typing import ClassVar
 
 import numpy as np
 
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_aborted, fly_px4

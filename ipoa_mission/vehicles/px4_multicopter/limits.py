@@ -6,11 +6,11 @@ The land detector is read and measured (docs/lab/flight-time.md).
 import math
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
-from ipoa_mission.vehicles.version import Version
 
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]

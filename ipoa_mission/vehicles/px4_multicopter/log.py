@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.modes import mode_number
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
@@ -17,7 +18,6 @@ from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reach
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_name
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.spherical_plane import SphericalPlane

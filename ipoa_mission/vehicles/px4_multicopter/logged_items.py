@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.logs.logged import Begun
-from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item
 
 

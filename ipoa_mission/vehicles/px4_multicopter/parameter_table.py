@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ipoa_mission.vehicles.parameters import (
+from ipoa_mission.autopilot.parameters import (
     INT32,
     REAL32,
     Declared,
@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.parameters import (
     Quantity,
     declared,
 )
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.version import Version
 
 #: Since then the vertical setpoint has its own speed (1ae8f2383f), and a passed waypoint is not flown back to
 #: (d0004403a3).

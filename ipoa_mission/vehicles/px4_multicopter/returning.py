@@ -7,10 +7,9 @@ Heights count from the goal's. From 1.19 on RTL flies around fences, except on t
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.vehicles.failsafe import Series
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
-from ipoa_mission.vehicles.returning import (
+from ipoa_mission.autopilot.failsafe import Series
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import (
     HOME,
     MissionLanding,
     Place,
@@ -18,6 +17,7 @@ from ipoa_mission.vehicles.returning import (
     ReturnRoute,
     level_distance,
 )
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
 
 REQUIRED_ADVANTAGE = 2.0  # of a rally point or landing [m]
 LEAST_RALLY_DISTANCE = 10.0  # from home [m]

@@ -12,6 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError, NotModeled
@@ -21,9 +25,6 @@ from ipoa_mission.forecast.timing.prediction import Missed, Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
@@ -39,7 +40,6 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE

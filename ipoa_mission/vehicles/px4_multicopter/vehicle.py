@@ -6,19 +6,22 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.mission.commands import FLOWN_TO, Command
-from ipoa_mission.vehicles.arming import ArmingWords
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
-from ipoa_mission.vehicles.modes import Modes, mode_number
-from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.arming import ArmingWords
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, WaypointDefaults
+from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
+from ipoa_mission.autopilot.modes import Modes, mode_number
+from ipoa_mission.autopilot.own_fence import FenceLimit, OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.returning import MissionLanding, Place, ReturnRoute
+from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,
@@ -30,9 +33,6 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
 )
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
-from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
-from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -100,6 +100,7 @@ class Px4Multicopter(Autopilot):
     """PX4 on a multicopter."""
 
     name = "px4"
+    rank = 0
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS

@@ -3,8 +3,8 @@
 LOITER_TURNS and DO_ORBIT are refused in a mission.
 """
 
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.way_known import WayKnown
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.way_known import WayKnown
 
 WAY_KNOWN = WayKnown(
     why={

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY, Points
-from ipoa_mission.vehicles.learned import LearnedVehicle
 
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # of air density with height [1/m]

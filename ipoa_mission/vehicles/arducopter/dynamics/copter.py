@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
@@ -13,7 +14,6 @@ from ipoa_mission.forecast.itinerary.copter_circle import bearing_from
 from ipoa_mission.forecast.itinerary.copter_spline import place_after
 from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (

@@ -3,15 +3,15 @@
 import math
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import NEAR_CIRCLE, circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place, Program
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.legs import straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE
-from ipoa_mission.vehicles.returning import HOME
 
 #: LAND flies to its place at the present height truncated to centimetres, for 0 s or 1 to 1.8 s. 0.8 s are assumed:
 #: this share of a 1 cm leg.

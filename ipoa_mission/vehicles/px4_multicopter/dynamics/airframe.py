@@ -3,8 +3,8 @@
 import math
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import GRAVITY, Points
-from ipoa_mission.vehicles.learned import LearnedVehicle
 
 
 class Airframe(NamedTuple):

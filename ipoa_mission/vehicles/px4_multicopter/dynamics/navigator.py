@@ -2,10 +2,10 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order

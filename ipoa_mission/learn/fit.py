@@ -11,14 +11,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import least_squares
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.logs.learn.evidence import Evidence, errors, scatter
-from ipoa_mission.logs.learn.powers import learned_powers
-from ipoa_mission.logs.learn.witness import hover_power
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
+from ipoa_mission.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.learn.powers import learned_powers
+from ipoa_mission.learn.witness import hover_power
 
 NINE_IN_TEN = 1.645  # standard deviations
 KNOWN_SHARE = 0.5  # of the prior deviation

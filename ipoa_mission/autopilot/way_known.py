@@ -1,7 +1,7 @@
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 
 #: Cameras, mounts, servos, messages.
 EQUIPMENT = frozenset({

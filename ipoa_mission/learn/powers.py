@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.special import stdtrit
 
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.logs.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.learned import Learned
+from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack
 
 NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
 REFERENCE_SPEED = 10.0  # of the prior deviations [m/s]

@@ -4,12 +4,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import stdtrit
 
+from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError
+from ipoa_mission.learn.lean import drag_by_lean
+from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged_track
+from ipoa_mission.learn.powers import PowerSeconds
 from ipoa_mission.logs.flight_log import LoggedFlight
-from ipoa_mission.logs.learn.lean import drag_by_lean
-from ipoa_mission.logs.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged_track
-from ipoa_mission.logs.learn.powers import PowerSeconds
-from ipoa_mission.vehicles.learned import Learned
 
 MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
     2.0,

@@ -18,10 +18,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.version import Version
 
 NO_VERSION = Version(0, 0)
 
@@ -114,7 +114,7 @@ class FirmwareTables:
     def of(self, version: Version) -> Firmware:
         """Return a series' table, that of the nearest older one, or the oldest.
 
-        >>> from ipoa_mission.vehicles.autopilot import Autopilot
+        >>> from ipoa_mission.autopilot.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
         'PX4 1.16'
         """

@@ -4,18 +4,17 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission import Geodetic, Mission
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Vector
+from ipoa_mission.learn.witness import Witness, witness_of
 from ipoa_mission.link.logbook import brings_down
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
-from ipoa_mission.logs.learn.witness import Witness, witness_of
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import Wind
-from ipoa_mission.world.frame import Geodetic
 
 NO_HOME = Geodetic(0.0, 0.0, 0.0)
 

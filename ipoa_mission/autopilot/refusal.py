@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.firmware_tables import Firmware
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.firmware_tables import Firmware
 
 POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
 PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")

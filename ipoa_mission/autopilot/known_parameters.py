@@ -3,9 +3,9 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.parameters import Parameters
 
 
 def known_parameters() -> frozenset[str]:

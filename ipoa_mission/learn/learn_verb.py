@@ -11,9 +11,9 @@ from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConfli
 from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
-    from ipoa_mission.logs.learn.evidence import Evidence
-    from ipoa_mission.logs.learn.judge import LeftOut
-    from ipoa_mission.vehicles.learned import LearnedVehicle
+    from ipoa_mission.autopilot.learned import LearnedVehicle
+    from ipoa_mission.learn.evidence import Evidence
+    from ipoa_mission.learn.judge import LeftOut
 
 
 def learn(
@@ -38,9 +38,9 @@ def learn(
 
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
-    from ipoa_mission.logs.learn.fit import PRIOR_DEVIATIONS, fit
-    from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors
-    from ipoa_mission.logs.learn.vehicle_file import write_vehicle
+    from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, fit
+    from ipoa_mission.learn.judge import energy_error, left_out, median_errors
+    from ipoa_mission.logs.vehicle_file import write_vehicle
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files, system)
@@ -82,8 +82,8 @@ def learn(
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
     """Return usable flights, remarks, and the firmware's version."""
-    from ipoa_mission.logs.learn.evidence import flights_in
-    from ipoa_mission.mission.mission_io import read_mission
+    from ipoa_mission import read_mission
+    from ipoa_mission.learn.evidence import flights_in
 
     flights: list[Evidence] = []
     remarks: list[str] = []
@@ -119,7 +119,7 @@ def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
 
 
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
-    from ipoa_mission.logs.learn.vehicle_file import NUMBERS, UNITS
+    from ipoa_mission.logs.vehicle_file import NUMBERS, UNITS
 
     for name in NUMBERS:
         learned = getattr(vehicle, name)

@@ -9,11 +9,11 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import GRAVITY, Points, Vector
-from ipoa_mission.logs.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack
 
 SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (
     0.2,

@@ -3,10 +3,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.energy.power import PowerModel, air_density, power
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.energy.power import PowerModel, air_density, power
 from ipoa_mission.wind import CALM, Wind
 
 JOULES_PER_WATT_HOUR = 3600.0

@@ -3,10 +3,10 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import read_bytes
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
 POWERS = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power", "airspeed", "energy_ratio")
 NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", *POWERS)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ipoa_mission.vehicles.arming import NO_ARMING_WORDS, ArmingWords
+from ipoa_mission.autopilot.arming import NO_ARMING_WORDS, ArmingWords
 
 
 @dataclass(frozen=True)

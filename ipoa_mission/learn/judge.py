@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.errors import LogUseless, MissionError
-from ipoa_mission.logs.learn.evidence import Evidence
-from ipoa_mission.logs.learn.fit import fit
-from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.learn.evidence import Evidence
+from ipoa_mission.learn.fit import fit
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from urllib.parse import quote
 from ipoa_mission.report.number_format import seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
-from ipoa_mission.report.panels.survey_panel import survey_panel
 from ipoa_mission.report.seen import dangers, follow
+from ipoa_mission.survey.survey_panel import survey_panel
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 

@@ -6,7 +6,7 @@ A range finder, terrain data or ArduCopter 4.7's LAND altitude in AUTO would tak
 import math
 from dataclasses import dataclass
 
-from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 
 TOUCHDOWN_TOLERANCE = 0.05  # above the landing speed [m/s]
 SLOWEST = 0.05  # [m/s]

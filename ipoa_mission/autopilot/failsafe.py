@@ -2,8 +2,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.parameters import Parameters
 
 Series = tuple[int, int]
 STATION_LOST = "ground station lost"

@@ -1,39 +1,51 @@
-"""Base class and registry of vehicle plug-ins.
+"""Base class and registry of vehicle plug-ins: a firmware on one class of vehicle.
 
-A new vehicle is a folder with one class and a call of `register`.
+`Autopilot` defines what only needs the lowest packages. Higher packages define their own interfaces (flight model,
+deviation law, mock profile) and find the implementation by `part`. A new vehicle is a folder with one class, an object
+of it, and its entry point.
 """
 
 import re
-from abc import ABC, abstractmethod
+from abc import ABCMeta, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
+from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from ipoa_mission.errors import NotModeled
-from ipoa_mission.vehicles.circle import FlownCircle
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
-from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
-from ipoa_mission.vehicles.refusal import Refusals
-from ipoa_mission.vehicles.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
-from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
-from ipoa_mission.vehicles.way_known import WayKnown
+from ipoa_mission.autopilot.circle import FlownCircle
+from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, StationLoss
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, WaypointDefaults
+from ipoa_mission.autopilot.modes import Modes
+from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
+from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.refusal import Refusals
+from ipoa_mission.autopilot.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.autopilot.way_known import WayKnown
+from ipoa_mission.errors import BadInput, NotModeled
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
+GROUP = "ipoa_mission.vehicles"  # entry points of vehicle plug-ins
 STATIONARY_SPEED = 0.1  # [m/s]
 
 
-class Autopilot(ABC):
+class _ByName(ABCMeta):
+    def __getattr__(cls, name: str) -> "Autopilot":
+        """Return the registered autopilot of this name in capitals, as `Autopilot.PX4`."""
+        if name.isupper() and name.lower() in _registered():
+            return _registered()[name.lower()]
+        raise AttributeError(f"no autopilot is registered as {name.lower()!r}", name=name, obj=cls)
+
+
+class Autopilot(metaclass=_ByName):
     """A firmware on one class of vehicle; a singleton, compared by identity.
 
     Names are stable; methods may change.
@@ -48,6 +60,8 @@ class Autopilot(ABC):
 
     name: ClassVar[str]
     """In scenarios, files and the command line."""
+    rank: ClassVar[int] = 9
+    """The place in lists; the lowest is the default."""
     model: ClassVar[str]
     """Its display name."""
     mav_autopilot: ClassVar[int]
@@ -81,7 +95,7 @@ class Autopilot(ABC):
         return f"<Autopilot {self.name}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _known, (self.name,)
+        return autopilot_named, (self.name,)
 
     def part(self, asked: type[Part]) -> Part:
         """Return this autopilot's implementation of an interface.
@@ -263,15 +277,30 @@ class Autopilot(ABC):
         return f"{self.model} {' and '.join(series)} {'were' if len(series) > 1 else 'was'}"
 
 
-_REGISTERED: dict[str, Autopilot] = {}
+@cache
+def _registered() -> dict[str, Autopilot]:
+    """Load the vehicle plug-ins.
 
-
-def register(autopilot: Autopilot) -> Autopilot:
-    return _REGISTERED.setdefault(autopilot.name, autopilot)
+    Raises:
+        BadInput: one cannot be imported, or is no `Autopilot`.
+    """
+    found = list[Autopilot]()
+    for entry in entry_points(group=GROUP):
+        try:
+            vehicle = entry.load()
+        except (ImportError, AttributeError) as error:
+            raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which fails: {error}") from error
+        if not isinstance(vehicle, Autopilot):
+            raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which is no Autopilot")
+        found.append(vehicle)
+    if not found:
+        raise BadInput("no vehicle is registered among the entry points", hint="install ipoa-mission again")
+    return {one.name: one for one in sorted(found, key=lambda one: (one.rank, one.name))}
 
 
 def registered() -> tuple[Autopilot, ...]:
-    return tuple(_REGISTERED.values())
+    """Return the registered autopilots, the default first."""
+    return tuple(_registered().values())
 
 
 def default_autopilot() -> Autopilot:
@@ -287,17 +316,13 @@ def autopilot_named(name: str) -> Autopilot:
     >>> autopilot_named("px4") is Autopilot.PX4
     True
     """
-    if name in _REGISTERED:
-        return _REGISTERED[name]
+    if name in _registered():
+        return _registered()[name]
     raise ValueError(f"expected {' or '.join(repr(str(one)) for one in registered())}, not {name!r}")
 
 
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
     return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
-
-
-def _known(name: str) -> Autopilot:
-    return _REGISTERED[name]
 
 
 @cache

@@ -1,14 +1,14 @@
 from dataclasses import dataclass
 
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_of, default_autopilot, registered
-from ipoa_mission.vehicles.mav_types import class_name
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_of, default_autopilot, registered
+from ipoa_mission.autopilot.mav_types import class_name
 
 
 @dataclass(frozen=True)
 class Kind:
     """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE).
 
-    >>> from ipoa_mission.vehicles.mav_types import QUADROTOR
+    >>> from ipoa_mission.autopilot.mav_types import QUADROTOR
     >>> str(Kind(3, 1)), str(Kind(12, QUADROTOR)), str(Kind(0, QUADROTOR))
     ('ArduPilot plane', 'PX4 multicopter', 'multicopter with another firmware (MAV_AUTOPILOT 0)')
     """
