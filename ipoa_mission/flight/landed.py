@@ -1,4 +1,4 @@
-"""A simulator's ground may be at home's height everywhere."""
+"""Report where a flight landed; a simulator's ground may be at home's height everywhere."""
 
 import math
 

@@ -37,7 +37,7 @@ class Row:
     latitude_deg: float | None = None
     longitude_deg: float | None = None
     altitude_amsl: float | None = None
-    height: float | None = None
+    height: float | None = None  # above home
     height_above_ground: float | None = None  # if known
     length: float | None = None
     heading_deg: float | None = None
