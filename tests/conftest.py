@@ -1,5 +1,3 @@
-"""What every test may lean on."""
-
 import gc
 import os
 import signal
@@ -61,26 +59,26 @@ settings.load_profile("steady")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Simulations to fly on: see tests/sitl."""
+    """See tests/sitl."""
     for name in ("ardupilot", "px4"):
         parser.addoption(f"--{name}", metavar='LINK|"COMMAND @ LINK"', help=f"a simulated {name} for the sitl tests")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest first."""
+    """Run the longest first."""
     places = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: places.get(item.path, len(LONGEST)))
 
 
 def pytest_collection_finish() -> None:
-    """What has been imported and collected stays: it is not looked through for garbage again and again."""
+    """Exclude imports and collected tests from garbage collection."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """A test that waits without end fails, with all that pytest tells of it."""
+    """Fail a test that hangs, with pytest's report."""
 
     def too_long(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(f"{item.nodeid} takes more than {LONGEST_S:g} s")
@@ -97,13 +95,12 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 
 @pytest.fixture
 def missions() -> Path:
-    """The folder of scenarios that ship with the repository."""
     return REPOSITORY / "missions"
 
 
 @pytest.fixture
 def samples() -> Path:
-    """Other people's files, kept beside the repository or at IPOA_SAMPLES; not everybody has them."""
+    """Other people's files, beside the repository or at IPOA_SAMPLES; may be missing."""
     named = os.environ.get("IPOA_SAMPLES")
     folders = [Path(named)] if named else [parent / "shared" / "samples" for parent in REPOSITORY.parents]
     found = next((folder for folder in folders if folder.is_dir()), None)
@@ -113,5 +110,4 @@ def samples() -> Path:
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:
-    """A test of an autopilot has its name."""
     return str(val) if isinstance(val, Autopilot) else None

@@ -1,4 +1,4 @@
-"""Waypoints as `plan` writes them for PX4 1.18: with a hold and a radius. ArduCopter holds for whole seconds only."""
+"""Waypoints as `plan` writes them for PX4 1.18: with a hold and a radius. ArduCopter holds for whole seconds."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""The walls of the house: who may import whom, and what must stay out of the pure rooms."""
+"""The rules of imports between rooms."""
 
 import ast
 import re
@@ -99,7 +99,6 @@ def imports(path: Path) -> set[str]:
 
 
 def allowed(here: str) -> set[str]:
-    """What a room may import, itself among it."""
     return {here, "errors"} if here in GROUND else MAY_IMPORT.get(here, set()) | GROUND | {here}
 
 
@@ -119,7 +118,7 @@ def test_rooms_import_only_what_the_plan_of_the_house_allows() -> None:
 
 
 def test_no_room_names_an_autopilot() -> None:
-    """A vehicle is an object that rooms ask: outside its folder and the register nobody tells one from another."""
+    """A vehicle is an object that rooms ask."""
     named = re.compile(r"Autopilot\.(PX4|ARDUPILOT)\b|is_(ardupilot|px4)|[\"'](px4|ardupilot)[\"']")
     found = {
         f"{path.relative_to(PACKAGE)}: {line.strip()}"
@@ -133,7 +132,7 @@ def test_no_room_names_an_autopilot() -> None:
 
 @pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "return_ways", "promise_of"])
 def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
-    """Whoever asks for legs, times or a promise asks a forecast, which keeps them."""
+    """A forecast keeps legs, times and promises."""
     callers = {
         path.relative_to(PACKAGE).as_posix()
         for path in FILES
@@ -159,7 +158,7 @@ def test_parts_of_rooms_import_no_later_ones() -> None:
 
 
 def test_a_vehicle_is_known_before_its_flight_is() -> None:
-    """What a vehicle's object imports leans on no room above: models and mocks are loaded when they are asked for."""
+    """Models and mocks are loaded at first use."""
     modules, reached = {module(path): path for path in FILES}, set[str]()
     ahead = {f"ipoa_mission.vehicles.{one}.vehicle" for one in VEHICLES}
     while ahead:
@@ -184,7 +183,7 @@ def test_nothing_imports_a_plug_in() -> None:
 
 
 def test_the_rooms_stand_in_order() -> None:
-    """A room is listed after all that it may import, so that there is no circle."""
+    """A room is listed after all that it may import."""
     listed: list[str] = []
     for name, allowed in MAY_IMPORT.items():
         assert allowed <= set(listed) | {name}, name
@@ -192,7 +191,7 @@ def test_the_rooms_stand_in_order() -> None:
 
 
 def code_of(path: Path) -> list[str]:
-    """The lines of a file without its strings that are documentation and without comments."""
+    """Return lines without docstrings and comments."""
     whole = path.read_text(encoding="utf-8")
     lines = whole.splitlines()
     for node in nodes(path):
@@ -214,7 +213,7 @@ VOCABULARIES = {"link/messages.py", "studio/answers.py", "studio/flight_answers.
 
 
 def test_one_word_is_one_thing() -> None:
-    """No two classes have one name; vehicles have parts of the same names, as they answer the same questions."""
+    """No two classes have one name, except parts of vehicles."""
     where = dict[str, set[str]]()
     for path in FILES:
         here = path.relative_to(PACKAGE)
@@ -268,7 +267,6 @@ OF_A_VERB = 12  # options, or groups of them, that a verb of the command line ta
 
 
 def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
-    """Every function by file and name."""
     for path in files:
         for node in nodes(path):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -276,7 +274,7 @@ def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.As
 
 
 def is_verb(name: str) -> bool:
-    """Whether it is a verb of the command line: its parameters are its options, its docstring is its help."""
+    """A verb's parameters are its options, its docstring is its help."""
     return any(f"{verb.__code__.co_filename}:{verb.__name__}".endswith(f"/{name}") for verb in chain(*VERBS.values()))
 
 
@@ -315,7 +313,6 @@ def test_tools_use_what_is_public() -> None:
 
 
 def called(path: Path) -> set[str]:
-    """The names of the methods that a file calls."""
     return {
         node.func.attr for node in nodes(path) if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
@@ -326,7 +323,7 @@ STARTED = {"link_benchmark/clients.py", "link_benchmark/speed_clients.py", "plan
 
 
 def test_a_tool_tells_of_itself_before_it_writes_anything() -> None:
-    """`--help`, or a word that it does not know, is never taken for a folder to write to, or passed over."""
+    """`--help`, or an unknown word, is never a folder to write to."""
     programs = [path for path in TOOLS if '__name__ == "__main__"' in path.read_text(encoding="utf-8")]
     deaf = {"/".join(path.parts[-2:]) for path in programs if "parse_args" not in called(path)}
     assert deaf == STARTED

@@ -1,5 +1,3 @@
-"""Every name in backticks in a docstring or comment exists: stale references lead a reader astray."""
-
 import io
 import re
 import tokenize

@@ -1,7 +1,7 @@
-"""Items generated over all commands, params and kinds of values, and what real autopilots said to each.
+"""Items over all commands, params and kinds of values, and real autopilots' verdicts.
 
 A record's rows are by command and frame: a letter for each of 7 params times 4 values, in the order of `VALUES`. The
-letter is the MAV_MISSION_RESULT in base 36. In an item all params but one are 0, and its place is near home.
+letter is the MAV_MISSION_RESULT in base 36. All other params are 0, and its place is near home.
 """
 
 import json
@@ -46,7 +46,7 @@ def row(command: int, frame: int) -> Iterator[Item]:
 
 @dataclass(frozen=True)
 class Record:
-    """One autopilot's verdicts: `rows` by command and frame; `table`: the version whose table is to agree."""
+    """`rows` by command and frame; `table`: the version whose table is to agree."""
 
     autopilot: Autopilot
     table: Version
@@ -55,7 +55,6 @@ class Record:
     rows: dict[tuple[int, int], str]
 
     def verdicts(self) -> Iterator[tuple[Item, int]]:
-        """Each item and the result that it got."""
         for (command, frame), letters in self.rows.items():
             for one, letter in zip(row(command, frame), letters, strict=True):
                 if letter != UNKNOWN:
@@ -63,7 +62,6 @@ class Record:
 
 
 def read_record(path: Path) -> Record:
-    """A record from its file."""
     read = json.loads(path.read_text(encoding="utf-8"))
     rows = {tuple(map(int, key.split())): letters for key, letters in read["rows"].items()}
     return Record(autopilot_named(read["autopilot"]), Version.parsed(read["table"]), read["says"], read["commit"], rows)  # type: ignore[arg-type]

@@ -1,5 +1,3 @@
-"""Each rule of `check` by its code, and silence about missions that real autopilots have flown."""
-
 import math
 import re
 from collections.abc import Callable

@@ -1,5 +1,3 @@
-"""A landing where the ground is not as high as home is told: how fast it touches down, or how long it takes."""
-
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +18,7 @@ PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 
 
 def slope(height: float, autopilot: Autopilot, at_home: float = 0.0) -> Scenario:
-    """Ground that is level round home, and `height` above it round the goal, 200 m to the east."""
+    """Level round home, `height` above it round the goal, 200 m east."""
     row = [at_home, at_home, at_home, height, height]
     return parse_scenario(
         f"""

@@ -1,5 +1,3 @@
-"""A flight near something that a map does not say to be nothing is refused, unless the scenario says so itself."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -31,7 +29,7 @@ Read = Callable[..., Scenario]
 
 @pytest.fixture
 def read(tmp_path: Path) -> Read:
-    """The flight with a map of one building far off and one polygon, 20 m square, whose near side is at `north`."""
+    """Return a flight near a polygon, 20 m square, whose near side is at `north`."""
 
     def make(north: float, keys: str = "", kind: str = "buildings", geometry: str = "Polygon") -> Scenario:
         features = [feature(40, 300, {"building": "yes"}), feature(40, north, {"name": "thing"}, geometry)]

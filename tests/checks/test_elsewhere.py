@@ -1,5 +1,3 @@
-"""A file whose home is not where its mission is flown: ArduCopter puts in its place where it is armed."""
-
 from dataclasses import replace
 from pathlib import Path
 

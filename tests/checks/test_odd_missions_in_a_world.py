@@ -1,5 +1,3 @@
-"""Missions of one or two items of any kind in the world of a scenario: judged and drawn, however little is flown."""
-
 from contextlib import suppress
 from itertools import product
 from pathlib import Path

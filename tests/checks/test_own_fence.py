@@ -1,5 +1,3 @@
-"""The fence that the vehicle has by its own parameters: a mission that it would break off is not sent."""
-
 import math
 from dataclasses import replace
 
@@ -23,7 +21,6 @@ AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 
 def mission(autopilot: Autopilot, away: float, height: float) -> Mission:
-    """Out to a place so far east of home, so high, and back [m]."""
     place = FRAME.geodetic(np.array([away, 0.0, height]))
     items = (takeoff(HOME, 20.0), waypoint(place, height), return_to_launch())
     return Mission(HOME, items, autopilot)

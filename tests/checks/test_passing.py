@@ -1,4 +1,4 @@
-"""Waypoints that PX4 1.18 may pass for good: h6_rally flew away so in simulation, three times of three."""
+"""PX4 1.18 may pass waypoints for good: h6_rally flew away in simulation, three times of three."""
 
 from dataclasses import replace
 

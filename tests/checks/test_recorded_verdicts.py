@@ -1,5 +1,3 @@
-"""Every verdict that real autopilots gave to generated items: the stand-ins give it too, and `check` says the same."""
-
 from pathlib import Path
 
 import pytest
@@ -40,7 +38,6 @@ def test_the_stand_in_judges_as_the_real_one(file: Path) -> None:
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_check_passes_what_the_real_one_takes_and_nothing_else(file: Path) -> None:
-    """0 false refusals, 0 false passes: of what is sent, which is not always what stands in a file."""
     record = read_record(file)
     verdicts = asked(record)
     known = {repr(item): result for item, result in verdicts}

@@ -1,4 +1,4 @@
-"""Files made to stop a reader: an error in words within 5 s and 500 MB, whatever the format."""
+"""Malicious files: an error within 5 s and 500 MB."""
 
 import io
 import json
@@ -42,7 +42,7 @@ def nested(opening: str, times: int, closing: str = "") -> bytes:
 
 
 def holes() -> bytes:
-    """A GeoTIFF of 60,000 by 60,000 posts of which none is stored."""
+    """A GeoTIFF of 60,000 by 60,000 posts, none of them stored."""
     import rasterio
 
     with rasterio.io.MemoryFile() as memory:
@@ -119,7 +119,6 @@ BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
 
 
 def reader(suffix: str) -> Callable[[Path], object]:
-    """What reads a file called so."""
     if suffix in LOGS:
         return read_flights
     if suffix in (".tif", ".hgt"):

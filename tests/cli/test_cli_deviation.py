@@ -1,5 +1,3 @@
-"""`fly` on a vehicle that flies otherwise than it was forecast: what is printed, and how it ends."""
-
 import json
 from dataclasses import replace
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""`show --endings`: a bar of characters for each ending over the time in the air, and in words what is not clear."""
-
 import json
 import math
 import re

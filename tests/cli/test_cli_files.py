@@ -1,5 +1,3 @@
-"""Verbs that read and write files: what they print, and how they end."""
-
 import json
 import shutil
 import subprocess

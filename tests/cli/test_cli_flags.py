@@ -1,5 +1,3 @@
-"""One table of verbs and flags: a flag means the same wherever it is taken, and files are never lost by a verb."""
-
 import json
 import os
 import signal
@@ -258,7 +256,7 @@ main()
 
 @pytest.mark.parametrize("number", some(3, [2, 60, 420, 3, 4, 15, 150, 300]))
 def test_ctrl_c_while_the_command_is_imported_is_one_line(number: int) -> None:
-    """Of the first two, the package and `__main__`, nothing of ours runs yet."""
+    """Of the first two modules, the package and `__main__`, nothing of ours runs yet."""
     command = [sys.executable, "-c", PRESSED.format(number=number + 1), "check", str(MISSIONS / "campus.plan")]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert (ended.returncode, ended.stdout) == (130, "")
@@ -324,7 +322,6 @@ def test_new_goes_back_to_a_home_that_was_swapped(run: Run, monkeypatch: pytest.
 def test_new_reads_the_altitude_where_home_is(
     run: Run, monkeypatch: pytest.MonkeyPatch, home: str, altitude: str
 ) -> None:
-    """Whoever answers home has the ground there, not that of the home that the map would suggest."""
     pytest.importorskip("rasterio")
     maps = f"--buildings {MISSIONS / 'oldtown.geojson'} --elevation {MISSIONS / 'oldtown.tif'}"
     said = json.loads(run(f"new a.toml {maps} --yes --json --answer 'home={home}'").out)

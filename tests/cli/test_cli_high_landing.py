@@ -1,5 +1,3 @@
-"""A vehicle that has not the parameters for a landing above home is refused before it is armed."""
-
 from pathlib import Path
 
 import pytest

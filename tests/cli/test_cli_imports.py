@@ -1,5 +1,3 @@
-"""What a verb has to import before it can begin: none of the large packages that it has no use for."""
-
 import subprocess
 import sys
 import threading
@@ -38,7 +36,7 @@ for line in sys.argv[1].splitlines():
 
 
 def imported(*lines: str, before: str = "") -> list[set[str]]:
-    """What is imported after each of these command lines, run one after the other."""
+    """Return the imports after each of these command lines."""
     run = subprocess.run(
         [sys.executable, "-c", before + WATCHED, "\n".join(lines)],
         capture_output=True, text=True, timeout=300, cwd=MISSIONS.parent,
@@ -51,7 +49,6 @@ def imported(*lines: str, before: str = "") -> list[set[str]]:
 
 @pytest.fixture
 def link() -> Iterator[str]:
-    """Where the built-in autopilot answers."""
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
     server = Server(channel, Station(Mock(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0))), 60.0, Faults(), 0)
     stop = threading.Event()

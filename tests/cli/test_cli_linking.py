@@ -1,5 +1,3 @@
-"""Verbs that speak with a vehicle: the built-in autopilot behind a real port of this machine."""
-
 import json
 import signal
 from dataclasses import replace

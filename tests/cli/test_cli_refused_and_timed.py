@@ -1,5 +1,3 @@
-"""What `check` refuses, `estimate` notes with the same words."""
-
 import json
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""How the command line speaks: to machines, to people, to terminals, and when it is stopped."""
-
 import io
 import json
 import logging

@@ -1,5 +1,3 @@
-"""`plan` of a survey, of an area without a scenario, and its flights flown on the built-in autopilot."""
-
 import json
 import subprocess
 import sys
@@ -122,8 +120,6 @@ def flown_lines(folder: Path, flight: int) -> int:
 
 
 class Terminal(StringIO):
-    """Somebody who answers."""
-
     def isatty(self) -> bool:
         return True
 

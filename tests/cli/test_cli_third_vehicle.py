@@ -1,8 +1,4 @@
-"""A third vehicle, whole, in this one file: read, checked, planned, timed, shown, uploaded to its stand-in and flown.
-
-It flies at one speed along straight lines, turns on the spot and keeps to its path within half a meter. No other file
-knows of it.
-"""
+"""A third vehicle in one file: it flies straight at one speed, within half a meter of its path."""
 
 import json
 import math
@@ -70,7 +66,6 @@ FIRMWARE = Firmware(
 
 
 def way(program: Program, index: int, here: Place, ground: float) -> list[Place]:
-    """The places to which item `index` leads, one after the other."""
     item, (east, north, up) = program.items[index], here
     match item.command:
         case Command.NAV_TAKEOFF:
@@ -86,8 +81,6 @@ def way(program: Program, index: int, here: Place, ground: float) -> list[Place]
 
 
 class Model(FlightModel):
-    """Straight lines at one speed."""
-
     scatter = (0.1, 0.01, 0.1)
     simulated: ClassVar[Mapping[str, float]] = {}
 
@@ -113,8 +106,6 @@ class Model(FlightModel):
 
 
 class StraightPilot:
-    """Goes on from place to place."""
-
     def __init__(self, body: SimulatedVehicle, now: Situation, *_: object) -> None:
         self.body, self.now = body, now
         self.ahead: list[Place] = []
@@ -198,8 +189,6 @@ LAW = DeviationLaw(
 
 
 class Toy(Autopilot):
-    """The third one."""
-
     name, model = "toy", "Toycopter"
     mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
     measured = (Version(1, 0),)
@@ -283,7 +272,6 @@ iterations = 8
 
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
-    """The third vehicle, registered for as long as a test lasts."""
     vehicle = Toy()
     spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
         Autopilot.PX4.part(MockProfile),

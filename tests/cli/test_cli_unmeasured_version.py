@@ -1,5 +1,3 @@
-"""A version whose flights were not measured is refused at every door, and goes on only where it is asked for."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -38,7 +36,6 @@ def plain(autopilot: Autopilot) -> Mission:
 
 
 def aboard(autopilot: Autopilot, version: Version | None) -> Vehicle:
-    """A vehicle that says this version; None: that says none."""
     return board(Forecast(replace(plain(autopilot), firmware_version=version or Version(0, 0, 0, "dev"))))
 
 

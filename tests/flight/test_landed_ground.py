@@ -1,5 +1,3 @@
-"""The ground where a mission lands: NAME.json keeps it, and a flight that came down elsewhere is told of."""
-
 import json
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""The conformance monitor on recorded flights: a fly-away is found in time, and ordinary flights raise nothing."""
-
 import csv
 import json
 import math
@@ -42,7 +40,7 @@ RECORDED = [
 
 
 def by_times(forecast: Forecast, done: dict[int, float], time: float) -> int | None:
-    """Which item is flown to; one whose time nobody reported was done with the next one."""
+    """An item whose time was not reported was done with the next one."""
     seqs = [visit.seq for visit in forecast.itinerary.visits]
     for n, seq in enumerate(seqs):
         if time < next((done[later] for later in seqs[n:] if later in done), math.inf):
@@ -72,7 +70,6 @@ def test_no_recorded_flight_deviates(folder: Path) -> None:
 
 
 def rally_on_px4() -> Forecast:
-    """The flight as promised for 1.17, for which it was planned."""
     return Forecast(replace(read_mission(AWAY / "h6_rally-px4.plan"), firmware_version=Version(1, 17)))
 
 

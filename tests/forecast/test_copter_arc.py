@@ -1,5 +1,3 @@
-"""NAV_ARC_WAYPOINT, ArduCopter 4.7's: its circle, the leg that is checked, the time, and the flight."""
-
 import math
 from dataclasses import replace
 

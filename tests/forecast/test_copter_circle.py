@@ -1,5 +1,3 @@
-"""NAV_LOITER_TURNS on ArduCopter: the circle as the board keeps it, its entry, what is flown, the leg, the exports."""
-
 import math
 
 import numpy as np
@@ -110,7 +108,7 @@ def test_the_words_name_radius_and_sense() -> None:
 
 
 def test_the_way_past_a_church_by_a_circle_is_no_longer_clear() -> None:
-    """The circle led through it, and was judged as its center."""
+    """The circle leads through the church; it was checked as its center."""
     legs = [leg for leg in forecast(circle(1.0, 60.0)).legs if leg.seq == 3]
     center: Place = (40.0, 110.0, 20.0)
     distances = np.hypot(*(legs[-1].points[:-1, :2] - center[:2]).T)

@@ -1,5 +1,3 @@
-"""What RTL and LAND would do at one second of a flight, for where the vehicle is then."""
-
 import math
 from contextlib import nullcontext
 from pathlib import Path
@@ -60,7 +58,7 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 
 
 def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
-    """A few seconds later the same flight climbs by 45 m before it returns: 37 s become 98."""
+    """A few seconds later the flight climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []

@@ -1,5 +1,3 @@
-"""The estimate as a whole: what it numbers, how it follows jumps, what it refuses."""
-
 import math
 import re
 from dataclasses import replace
@@ -99,7 +97,7 @@ def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopil
 
 
 def test_no_route_takes_less_than_the_least() -> None:
-    """ArduCopter follows splines over a crest faster down than it may: what it takes is then the least."""
+    """ArduCopter follows splines over a crest faster down than it may."""
     heights = {243: 55.0, 271: 44.0, 294: 22.0, 318: 10.0}
     places = [(Geodetic(39.101, 121.82 + east * 1e-5, 20.0), up) for east, up in heights.items()]
     items = (

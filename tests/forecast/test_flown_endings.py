@@ -1,6 +1,6 @@
-"""Endings ordered at random seconds on the real autopilots: what was foretold of each second, and what was flown.
+"""Endings ordered at random seconds on real autopilots, against the forecast of each second.
 
-docs/returns.csv has every order, as `tools.fly.endings_judge` writes it; `flown_endings/` has some of the missions.
+docs/returns.csv has every order (`tools.fly.endings_judge`), `flown_endings/` some missions.
 """
 
 import csv
@@ -60,7 +60,7 @@ def flown(autopilot: str) -> list[Row]:
 
 
 def by_obstacles(autopilot: str) -> Iterator[tuple[Row, bool, bool]]:
-    """Rows in which obstacles decide, whether they were called clear, and whether they kept what is required."""
+    """Return rows in which obstacles decide: called clear, kept the required distance."""
     for row in flown(autopilot):
         if row["ending"] in list(Contingency) and math.isfinite(float(row["least"])) and row["to"] != "the ground":
             kept = float(row["flown_least"]) >= float(row["required"])
@@ -82,7 +82,7 @@ def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
 
 
 def test_what_is_not_clear_comes_nearer_and_most_of_what_comes_nearer_is_not_clear() -> None:
-    """PX4's spread is wide: what only some of it does is called perhaps not clear."""
+    """PX4's spread is wide: some is perhaps not clear."""
     graded = [(row["grade"], kept) for row, _, kept in by_obstacles("px4") if row["grade"]]
     would, nearer = [kept for grade, kept in graded if grade == "would"], [grade for grade, kept in graded if not kept]
     assert len(would) >= LIKELY
@@ -101,7 +101,6 @@ def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
 
 
 def timed(autopilot: str, contingency: Contingency) -> list[Row]:
-    """What was ordered, and of which a time was forecast."""
     ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == contingency and not row["trigger"])
     return [row for row in ordered if math.isfinite(float(row["expected_s"]))]
 
@@ -129,7 +128,7 @@ def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency
 
 @pytest.mark.parametrize(("autopilot", "contingency", "median"), TOUCHES)
 def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency: Contingency, median: float) -> None:
-    """How long PX4 then stands there is its own affair: until it has disarmed the forecast is farther off."""
+    """PX4 then stays armed for a time of its own."""
     rows = [row for row in timed(autopilot, contingency) if math.isfinite(float(row["touched_s"]))]
     names = ("touch_low_s", "touch_expected_s", "touch_high_s", "touched_s", "flown_s")
     low, expected, high, touched, lasted = (np.array([float(row[name]) for row in rows]) for name in names)
@@ -140,7 +139,6 @@ def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency:
 
 
 def said_of(row: Row) -> str:
-    """What the model says of the failsafe of a row, by its parameters."""
     found = re.fullmatch(r"(.+) \(([^()]*)\)", row["trigger"])
     assert found
     cause, settings = found.groups()

@@ -1,7 +1,4 @@
-"""Ten loops as real autopilots flew them: ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 and release/1.18 (05deebf313).
-
-The places are those that MISSION_CURRENT named, in the order in which they were left.
-"""
+"""Ten loops of ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 and release/1.18 (05deebf313), by MISSION_CURRENT."""
 
 import pytest
 

@@ -1,6 +1,6 @@
 """LAND on ground that is not as high as home, as real autopilots flew it.
 
-Home was set 40 m over, at, and 12 m under the ground (DO_SET_HOME); LAND from 25 m over home, 60 m from the take-off.
+Home was 40 m over, at, and 12 m under the ground (DO_SET_HOME); LAND from 25 m over home, 60 m from the take-off.
 ArduCopter 4.7.0-dev has no range finder; PX4 1.17 flew with SIH's own and without one (SIH_DISTSNSR_OVR 20000).
 """
 

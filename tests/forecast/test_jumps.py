@@ -1,5 +1,3 @@
-"""Jumps by each firmware's own bookkeeping: inputs of public reports, and loops flown by real autopilots."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -29,7 +27,7 @@ PHOTOS = Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (20.0, 0.0, 0.0, 0.0
 
 
 def at(north: float, east: float) -> Item:
-    """A waypoint so many thousandths of a degree from home."""
+    """A waypoint thousandths of a degree from home."""
     return waypoint(Geodetic(HOME.latitude_deg + north / 1000, HOME.longitude_deg + east / 1000), 20.0)
 
 
@@ -124,7 +122,6 @@ def test_a_loop_without_end_is_found_and_has_no_time(again: Item) -> None:
 
 
 def visits(flown: Mission) -> list[int]:
-    """The places in the order in which they are flown to."""
     return [v.seq for v in itinerary(flown).visits if v.item.command in FLOWN_TO - {Command.NAV_TAKEOFF}]
 
 

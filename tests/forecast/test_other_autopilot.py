@@ -1,5 +1,3 @@
-"""A mission in the scenario of another autopilot: judged by what flies it."""
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""The one reader of mission items: what comes after what, and where."""
-
 from dataclasses import replace
 
 import pytest

@@ -1,4 +1,4 @@
-"""PX4 release/1.18 (05deebf313) as it flew missions whose waypoints have a hold, and h6_rally without: it flew away."""
+"""PX4 release/1.18 (05deebf313): waypoints with a hold, and h6_rally without: it flew away."""
 
 import csv
 import json

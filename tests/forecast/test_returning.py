@@ -1,5 +1,3 @@
-"""Where RTL leads: the rules of both firmwares, and that time, drawing and stand-in follow the same one."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -60,7 +58,7 @@ def test_the_height_of_a_rally_point_counts() -> None:
 
 @pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
 def test_a_return_to_a_rally_point_is_timed_and_drawn_as_it_is_flown(autopilot: Autopilot) -> None:
-    """Flown on ArduCopter 4.7 with the rally point: 136.1 s where home would have taken 145.8."""
+    """ArduCopter 4.7 with the rally point: 136.1 s where home would have taken 145.8."""
     beside, at_home = mission(autopilot, place(150.0, 30.0, 10.0)), mission(autopilot)
     ended = estimate(beside).track.points[-1]
     assert np.hypot(ended[0] - 150.0, ended[1] - 30.0) < 2.5

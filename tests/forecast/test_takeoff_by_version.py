@@ -1,6 +1,6 @@
-"""Take-offs of ArduCopter 4.8.0-dev (master of 21 March 2026), each flown once; nothing was fitted to them.
+"""Take-offs of ArduCopter 4.8.0-dev (master of 21 March 2026), each flown once; nothing was fitted.
 
-takeoffs-4.8.csv: of the 25 missions of docs/lab/flown.md height, climbing speed, and when the take-off was done.
+takeoffs-4.8.csv: height, climb speed and end of the take-off, for the 25 missions of docs/lab/flown.md.
 """
 
 import csv

@@ -1,5 +1,3 @@
-"""What missions ask of the models beside legs: speeds, parameters, turns, wind, endings, things they do not know."""
-
 import math
 from typing import Any
 

@@ -1,5 +1,3 @@
-"""A built-in autopilot behind a real socket on an ephemeral loopback port, for clients in other processes."""
-
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -47,6 +45,6 @@ def running(
 
 @pytest.fixture
 def run_mock(monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
-    """Run a mock while a `with` block lasts; it is many times as fast as real, and so silence is told much sooner."""
+    """Run a mock while a block lasts, many times as fast as real."""
     hurry(monkeypatch.setattr)
     return running

@@ -1,4 +1,4 @@
-"""A vehicle that is prepared, armed and started on a virtual clock, for tests that have it refuse or be silent."""
+"""A vehicle on a virtual clock that may refuse or be silent."""
 
 from collections.abc import Callable
 
@@ -24,7 +24,7 @@ TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176,
 
 
 class Scripted:
-    """A vehicle that does as it is told, but for what a test changes; `told` is what it was told, in order."""
+    """Obeys, except for a test's changes; `told` has its orders."""
 
     def __init__(self, autopilot: Autopilot, first: int = 1) -> None:
         self.autopilot = autopilot
@@ -44,7 +44,7 @@ class Scripted:
         cancel_s: float = 1e9,
         cancel: MissionError | None = None,
     ) -> None:
-        """A dialogue with it, on a virtual clock; it streams four times a second."""
+        """Hold a dialogue on a virtual clock, with streams four times a second."""
         exchange = Exchange(make(Departure(self.state, self.first, self.first + 1, climb)), self.now, SPECIFIED)
         while not exchange.finished:
             heard = [answer for message in exchange.outgoing() for answer in self.answer(message)]

@@ -1,5 +1,3 @@
-"""A vehicle that has just booted is waited for until it can be armed; what waiting does not mend ends at once."""
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -36,7 +34,7 @@ PLACED_S = {ARDUPILOT: 41.4, PX4: 40.0}
 
 
 class Booting(BuiltInAutopilot):
-    """Just powered up; it tells that its checks pass before it lets itself be armed, as real ones do."""
+    """Reports passed checks before it can be armed, as real ones do."""
 
     def __init__(self, autopilot: Autopilot, hinders: str = "", placed_s: float = 0.0) -> None:
         super().__init__(autopilot, HOME, cold=True)
@@ -57,8 +55,6 @@ def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehi
 
 
 class Told:
-    """What is told of each stage."""
-
     def __init__(self) -> None:
         self.words: list[tuple[Stage, str]] = []
 

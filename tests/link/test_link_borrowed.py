@@ -1,5 +1,3 @@
-"""What pymavlink's users bring along: an open connection as our channel, its messages said and heard."""
-
 import socket
 from types import SimpleNamespace
 

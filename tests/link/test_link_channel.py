@@ -1,5 +1,3 @@
-"""Serial lines that do not drain or are pulled out, and addresses that nobody can have."""
-
 import os
 import select
 import sys
@@ -26,7 +24,7 @@ AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, MavAutopilot.PX4), EVERYONE, 0.0)
 
 
 class Cable:
-    """A serial line: the vehicle's end is `vehicle`, a file; ours has a name."""
+    """A serial line: `vehicle` is the vehicle's end, a file."""
 
     def __init__(self) -> None:
         self.vehicle, self._ours = os.openpty()

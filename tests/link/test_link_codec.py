@@ -1,5 +1,3 @@
-"""Frames and messages, held against pymavlink's own encoder and parser."""
-
 import dataclasses
 import math
 import random
@@ -31,7 +29,7 @@ KINDS = sorted({layout.kind for layout in wire._BY_NAME.values()}, key=lambda ki
 
 
 def example(kind: type[m.Message]) -> m.Message:
-    """Some message of a kind, each field with a value of its type that the wire can hold exactly."""
+    """Return a message with values that the wire holds exactly."""
     special = {
         m.ItemAt: m.ItemAt(7, Item(16, 3, (1.0, 2.0, 3.0, 4.0), 39.1234567, 121.7654321, 12.5), 1, 1),
         m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),

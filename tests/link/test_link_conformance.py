@@ -1,5 +1,3 @@
-"""A vehicle that flies otherwise than it was forecast is ordered once what was chosen, and never to disarm."""
-
 import logging
 from dataclasses import replace
 
@@ -38,7 +36,7 @@ def mission(family: Autopilot, *places: Geodetic) -> Mission:
 
 
 def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, list[CommandLong]]:
-    """A built-in autopilot that flies 150 m east, and 60 m north; it is compared with another forecast."""
+    """Fly 150 m east and 60 m north, against another forecast."""
     vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
     vehicle.upload(flown)

@@ -1,5 +1,3 @@
-"""The client's conversations, message by message, and against the mock's own end."""
-
 from collections.abc import Callable
 from typing import Any
 
@@ -41,7 +39,7 @@ FAR = 1000.0
 
 
 class Talk:
-    """One end of a conversation, led by hand; each message comes a second after the last."""
+    """One end of a conversation; each message comes a second after the last."""
 
     def __init__(self, dialogue: Dialogue[object]) -> None:
         self.now = 0.0
@@ -65,7 +63,6 @@ class Talk:
         return self
 
     def until(self, kind: type[Message]) -> "Talk":
-        """Let time pass until this is said."""
         while not any(isinstance(message, kind) for message in self.said):
             self.now = max(self.now, self.exchange.deadline)
             self.exchange.tick(self.now)

@@ -1,5 +1,3 @@
-"""Ctrl-C, whenever it is pressed: the vehicle is left with a whole mission, and the user is told which."""
-
 import contextlib
 import signal
 import sys
@@ -58,7 +56,7 @@ def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[
 
 @contextlib.contextmanager
 def each_instruction(act: Callable[[int], None]) -> Iterator[None]:
-    """Call `act` with its number before each instruction of the link that is executed."""
+    """Call `act` with a number before each instruction of the link."""
     done = 0
 
     def trace(frame: FrameType, event: str, argument: object) -> object:
@@ -130,7 +128,7 @@ def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None
 
 
 class Pressing(Loopback):
-    """Whoever sits before it presses Ctrl-C at these moments."""
+    """Presses Ctrl-C at these moments."""
 
     def __init__(self, *presses: float) -> None:
         super().__init__(Station(Mock(PX4, HOME)))

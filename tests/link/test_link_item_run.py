@@ -1,5 +1,3 @@
-"""Items that go in a row: byte for byte what the dialogue would have said, and nothing else is taken for the next."""
-
 import math
 from dataclasses import replace
 
@@ -99,8 +97,6 @@ def test_with_a_key_only_signed_frames_count_and_each_once() -> None:
 
 
 class Counting(Loopback):
-    """Counts the frames of each end."""
-
     said = heard = 0
 
     def send(self, data: bytes, peer: Peer | None) -> None:

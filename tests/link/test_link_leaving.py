@@ -1,5 +1,3 @@
-"""A vehicle that leaves its mission in the air is told of at once, and so is its going on."""
-
 import logging
 
 import pytest
@@ -42,7 +40,6 @@ def flying(family: Autopilot) -> Vehicle:
 
 
 def ordered_into(vehicle: Vehicle, mode: int) -> None:
-    """Another station changes the mode."""
     main, sub, *_ = (*vehicle.autopilot.modes.numbers(mode), 0.0)
     order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
     far_end(line_of(vehicle)).autopilot.receive(order, PILOT, vehicle.line.now())

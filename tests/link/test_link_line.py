@@ -1,5 +1,3 @@
-"""Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
-
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -75,8 +73,6 @@ def test_nobody_at_the_other_end_is_an_error_that_says_so() -> None:
 
 
 class UdpChannelClosed:
-    """A port that nobody listens at."""
-
     def __enter__(self) -> int:
         channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
         port = channel.port
@@ -146,8 +142,6 @@ def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None
 
 
 class Flock:
-    """Several vehicles at the far end of one loopback."""
-
     def __init__(self, *stations: Station) -> None:
         self._stations = stations
 

@@ -1,5 +1,3 @@
-"""MAVSDK, which we did not write, on either side of our link: real sockets, a process of its own."""
-
 import json
 import subprocess
 import sys

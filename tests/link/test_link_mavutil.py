@@ -1,5 +1,3 @@
-"""pymavlink's own tools go through a whole session with the built-in autopilot."""
-
 import json
 import subprocess
 import sys

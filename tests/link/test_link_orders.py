@@ -1,5 +1,3 @@
-"""Commands, the current item, home, streams, parameters: message by message."""
-
 import struct
 from collections.abc import Sequence
 from typing import TypeVar
@@ -40,7 +38,6 @@ T = TypeVar("T")
 
 
 def lead(dialogue: Dialogue[T], *answers: Sequence[Message]) -> Exchange[T]:
-    """Each thing said gets the next of the answers; then there is silence."""
     script = list(answers)
     return lead_by(dialogue, lambda message: script.pop(0) if script else ())
 

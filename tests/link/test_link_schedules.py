@@ -1,4 +1,4 @@
-"""Random radios: whatever they lose, double, delay and reorder, an upload is exact or an error, never false."""
+"""Random radios: an upload is exact or an error, never false."""
 
 from collections import Counter
 
@@ -46,7 +46,7 @@ def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot,
 
 
 class Rivalry(Air):
-    """Another station puts a mission of its own on the vehicle, which says five times a second how long its is."""
+    """Another station uploads its mission; the vehicle reports the count five times a second."""
 
     def begin(self, moment: float, count: int) -> None:
         self.moment, self.count, self.replaced = moment, count, False
@@ -122,7 +122,7 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
 
 @pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
-    """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
+    """`python -m tools.fuzz.strangers` runs many more."""
     ended = [strangers.schedule(seed) for seed in range(first, first + 15)]
     endings = Counter(ending for ending, _ in ended)
     assert endings[Outcome.FALSE] == 0
@@ -132,6 +132,6 @@ def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
 
 
 def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An uploader that believes the Ack, and neither reads back nor listens on."""
+    """An uploader that believes the Ack, and neither reads back nor listens."""
     monkeypatch.setattr(strangers, "upload", lambda job: offer(job.items, job.kind))
     assert any(strangers.schedule(seed)[0] is Outcome.FALSE for seed in range(30, 60))

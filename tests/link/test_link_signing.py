@@ -1,5 +1,3 @@
-"""Signed links: keys, timestamps that only grow, and whom one hears."""
-
 import gc
 import hashlib
 import os

@@ -1,5 +1,3 @@
-"""What a vehicle has told of its state, in words and as numbers, and by what it carries with a mission."""
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -45,8 +43,6 @@ def test_a_state_is_told_as_far_as_it_is_known(name: str) -> None:
 
 @dataclass
 class Table:
-    """A vehicle that has these parameters."""
-
     autopilot: Autopilot
     values: Mapping[str, float] = field(default_factory=dict)
 

@@ -1,5 +1,3 @@
-"""What a vehicle does when it loses its ground station, in words, by its own parameters."""
-
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,8 +11,6 @@ ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 
 def words(autopilot: Autopilot, values: Parameters) -> str:
-    """Of a vehicle with these values."""
-
     def parameters(wanted: Any) -> Parameters:
         names = {name for one in wanted for name in ((one,) if isinstance(one, str) else one)}
         assert values.keys() <= names

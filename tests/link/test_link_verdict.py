@@ -1,5 +1,3 @@
-"""What a vehicle says of a mission after its upload: that it cannot be flown, or that another one came."""
-
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
@@ -108,7 +106,7 @@ def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message,
 
 
 def test_the_first_id_after_our_count_is_ours_and_a_later_one_is_a_doubt() -> None:
-    """A second station with our ids: its Ack comes to us too, and the mission is its own from there on."""
+    """A second station with our ids: its Ack comes to us too."""
     theirs = items_of(PX4, 2)[1:]
     script = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 78)) | {
         ItemAt: [[Ack(0, 0, 77)]],

@@ -1,5 +1,3 @@
-"""Logs that lack something: a topic, a package, a heartbeat. What is missing is named, and the rest is read."""
-
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -41,7 +39,7 @@ Break = Callable[[dict[str, Any]], None]
 
 
 def spoiled(monkeypatch: pytest.MonkeyPatch, spoil: Break) -> None:
-    """Have the log lack something: `spoil` gets its topics by name."""
+    """Change a log's topics by name."""
     opened = ulog._open
 
     def broken(path: Path) -> object:
@@ -129,7 +127,7 @@ def heartbeat(armed: bool, kind: int = 2) -> Heartbeat:
 
 
 def written(folder: Path, *said: tuple[float, Message]) -> Path:
-    """A log of what a vehicle (and, of orders, a station) said at these times."""
+    """Write a log of a vehicle's messages at these times."""
     path = folder / "said.tlog"
     vehicle, station = Codec(1, 1), Codec(245, 190)
     with TlogWriter(path) as log:
@@ -210,7 +208,7 @@ def test_arming_is_dated_back_to_the_agreement_and_an_order_to_another_vehicle_i
 
 
 def begun_armed(told: bool) -> Break:
-    """The first state that the log has is armed; `told`: with the time of the arming."""
+    """The first state is armed; `told`: with the time of the arming."""
 
     def spoil(topics: dict[str, Any]) -> None:
         status = topics["vehicle_status"].data

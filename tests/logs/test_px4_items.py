@@ -1,5 +1,3 @@
-"""PX4's mission out of its own log, as PX4 1.12 and 1.17 write navigator_mission_item."""
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,5 +1,3 @@
-"""A `.tlog` of several vehicles: all are listed, and one is read, the first multicopter or that with a system id."""
-
 from pathlib import Path
 
 import pytest
@@ -16,7 +14,6 @@ OTHERS = "the log holds {} vehicles: read is system {}, not read "
 
 
 def flown(path: Path, system: int | None = None) -> list[float]:
-    """How long the flights in a log took [s]."""
     return [round(flight.record(flight.mission).total_s, 1) for flight in read_flights(path, system).flights]
 
 

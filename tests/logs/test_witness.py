@@ -1,8 +1,8 @@
-"""What real logs measured besides times: power in hover, energy, and the drag by the lean.
+"""Hover power, energy and drag by lean in real logs.
 
-`other_vehicle-*` are cut from flights of the vehicles of `test_learning`, by `tools.fly.trim_log`: ArduCopter's
-missions 0 and 4 (its simulated battery gives 22 A at 12.09 V in hover, 266 W; 0 also as the ground station logged it,
-and in a wind of 5 m/s), and PX4's mission 0, whose simulated battery measures no current.
+`other_vehicle-*` are cut from flights of `test_learning` by `tools.fly.trim_log`: ArduCopter's missions 0 and 4 (22 A
+at 12.09 V in hover, 266 W; 0 also by the ground station, and in a wind of 5 m/s), and PX4's mission 0, whose battery
+measures no current.
 """
 
 import math

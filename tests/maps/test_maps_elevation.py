@@ -1,5 +1,3 @@
-"""Elevation models become local ground: held against rasterio's pixels, pymap3d's frame and pyproj's projections."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -70,7 +68,7 @@ def read(path: Path, home: Geodetic = HOME, area: Any = AREA, **rules: Any) -> t
 
 
 def ground_at(grid: Any, latitude: Any, longitude: Any, height: Any) -> tuple[Any, Any]:
-    """What the grid says under places given by pymap3d, and their own height above home's plane."""
+    """Return the grid's heights and true ones above home's plane, by pymap3d."""
     east, north, up = pymap3d.geodetic2enu(latitude, longitude, height, HOME.latitude_deg, HOME.longitude_deg, 500.0)
     return grid.height(np.column_stack([east, north])), up
 
@@ -285,8 +283,6 @@ def test_a_depth_is_no_height(write_model: Write) -> None:
 
 
 def test_zeros_among_mountains_are_missing_heights(write_model: Write) -> None:
-    """Where the ground may be as low, 0 m is a height."""
-
     def holed(least: float) -> Heights:
         return lambda lat, lon: np.where(
             abs(lat - 47.001) + abs(lon - 8.001) < 4e-4, 0.0, hills(lat, lon) - 500 + least

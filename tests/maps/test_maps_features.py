@@ -1,5 +1,3 @@
-"""Map files of several writers say the same; what is wrong in one is named with its place."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Heights as OpenStreetMap's mappers write them."""
-
 import pytest
 
 from ipoa_mission.errors import BadInput

@@ -1,8 +1,4 @@
-"""Keys of height and width as maps really have them: OpenStreetMap's, those cut or rewritten by GDAL, other makers'.
-
-The right values are those of public reports: openstreetmap-carto #4236 (wind turbines), CityEnergyAnalyst #3218
-(est_height), blosm #339 (spellings).
-"""
+"""Public reports: openstreetmap-carto #4236 (turbines), CityEnergyAnalyst #3218 (est_height), blosm #339 (spellings)."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -102,7 +98,6 @@ def test_an_area_is_as_high_as_any_spelling_says(
 def test_a_height_that_is_not_understood_is_named_where_it_is(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], named: str, height: float
 ) -> None:
-    """The number in it, or what is high for the kind, is taken; a flight beside it is refused."""
     found = find(write_map((square(0, 0), tags)), frame)
     (thing,) = found.standing
     (doubt,) = found.passed_over

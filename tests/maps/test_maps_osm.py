@@ -1,5 +1,3 @@
-"""OpenStreetMap's XML says the same as GDAL reads of it, and what an extract lacks is told, not lost."""
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,4 @@
-"""Maps of public reports, most of 2025 and 2026, rebuilt small: each with the right value.
-
-Sources are named with each; the log is docs/lab/readers.md.
-"""
+"""Maps of public reports, rebuilt small; docs/lab/readers.md has the log."""
 
 import json
 from collections.abc import Callable

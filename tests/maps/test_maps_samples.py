@@ -1,5 +1,3 @@
-"""Maps that others wrote: accepted, or refused for a reason that the format shares. Kept beside the repository."""
-
 from pathlib import Path
 
 import pytest

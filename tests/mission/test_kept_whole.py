@@ -1,5 +1,3 @@
-"""A mission file that is changed by one item keeps all else that it says, and is read by others as before."""
-
 import json
 from dataclasses import replace
 from pathlib import Path

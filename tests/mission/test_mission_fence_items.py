@@ -1,5 +1,3 @@
-"""Fence and rally lists: there and back, and what the two firmwares keep of them."""
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

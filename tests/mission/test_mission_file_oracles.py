@@ -1,5 +1,3 @@
-"""Other people's readers, MAVSDK's import and pymavlink's mavwp, read what we write and agree item by item."""
-
 import math
 from pathlib import Path
 from typing import Any
@@ -86,7 +84,7 @@ def _zeroed(item: Item) -> tuple[float, float, float, float]:
 
 
 def _as_written(mission: Mission) -> list[Item]:
-    """NaN stands only in a file for PX4: ArduPilot's ground stations cannot read it."""
+    """NaN is only in a file for PX4: ArduPilot's ground stations cannot read it."""
     if mission.autopilot is Autopilot.PX4:
         return list(mission.items)
     zeros = (_zeroed(item) for item in mission.items)

@@ -1,5 +1,3 @@
-"""Any mission file is read by what is in it, and written by its suffix."""
-
 from pathlib import Path
 
 import pytest

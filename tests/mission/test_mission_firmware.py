@@ -1,4 +1,4 @@
-"""What goes over the wire and what comes back, against what was measured on ArduCopter 4.7.0-dev and PX4 1.17.0."""
+"""Measured on ArduCopter 4.7.0-dev and PX4 1.17.0."""
 
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Files that are not as they should be and yet read: as their firmware reads them, and with what is to be said."""
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path

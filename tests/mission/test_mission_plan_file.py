@@ -1,5 +1,3 @@
-"""`.plan`: there and back, the rules of QGroundControl's loader, and files as QGroundControl writes them."""
-
 import json
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""Structure scans: no plan holds their waypoints, so they are laid out as QGroundControl does."""
-
 import json
 from pathlib import Path
 from typing import Any

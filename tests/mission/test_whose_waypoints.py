@@ -1,5 +1,3 @@
-"""A `.waypoints` file does not say for which autopilot it is: what decides it, and that nobody guesses in silence."""
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""An optimizer is made from a name and settings that a user wrote: what is wrong is said in the user's own terms."""
-
 import dataclasses
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -86,8 +84,6 @@ OTHERS = {
 
 @dataclasses.dataclass(frozen=True)
 class Endless:
-    """An optimizer without `short_settings`."""
-
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         while True:
             yield box.sample(100, rng)

@@ -1,5 +1,3 @@
-"""Runs on other processes and on a Dask cluster: the same rows, and a worker that dies loses nothing."""
-
 import os
 import signal
 from collections.abc import Iterator

@@ -1,5 +1,3 @@
-"""The page of tables and figures says what the recorded rows say."""
-
 from collections.abc import Sequence
 from pathlib import Path
 

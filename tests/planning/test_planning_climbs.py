@@ -1,5 +1,3 @@
-"""Where climbs are limited: a way climbs sooner rather than in loops, and every seed finds the same one."""
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Kicks: what is worse than it must be somewhere is mended there, and what is best stays."""
-
 from dataclasses import replace
 
 import numpy as np

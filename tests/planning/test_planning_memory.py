@@ -1,5 +1,3 @@
-"""What a plan among very many obstacles holds in memory at a time."""
-
 import tracemalloc
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Encodings: what the origin and the axes of a search space stand for."""
-
 import numpy as np
 import pytest
 

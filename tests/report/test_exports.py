@@ -1,5 +1,3 @@
-"""Exports as independent libraries read them: fastkml, geojson, gpxpy, and the way measured by PROJ's geodesics."""
-
 import csv
 import io
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""A flight against its estimate: legs, totals, and the flown path; held against flights of real autopilots."""
-
 import csv
 import json
 import math
@@ -27,7 +25,7 @@ RECORDED = Path(__file__).parents[1] / "flights"
 
 
 def flown_as(timed: Estimate, mission: Mission, factor: float, offset: float) -> FlightRecord:
-    """The flight that the estimate predicts, but slower by a factor, and later by an offset."""
+    """Fly as estimated, slower by a factor, later by an offset."""
     track = timed.track
     latitude, longitude, altitude = LocalFrame(mission.home).to_geodetic(track.points)
     times = offset + factor * track.times

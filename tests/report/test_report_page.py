@@ -1,5 +1,3 @@
-"""The report's page as a file: whole, self-contained, safe, and its numbers those of the flight."""
-
 import json
 import re
 from collections.abc import Callable
@@ -33,14 +31,13 @@ VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours 
 
 
 def _data(page: str) -> str:
-    """What the page's script is given."""
     found = re.search(r'id="data">(.*?)</script>', page)
     assert found is not None
     return found[1]
 
 
 class Reader(HTMLParser):
-    """Collects elements and complains where tags do not pair."""
+    """Expects tags to pair."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -72,13 +69,11 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def planned_page(planned: Planned) -> Callable[[str], str]:
-    """The page of a bowed flight with its plan, made once for all tests that only read it."""
     return cache(lambda name: report_html(*planned(name)))
 
 
 @pytest.fixture(scope="module")
 def bowed_page(forecast: Foreseen) -> Callable[[str], str]:
-    """The same without a plan."""
     return cache(lambda name: report_html(forecast(name)))
 
 

@@ -1,5 +1,3 @@
-"""Pictures: the same bytes each time, readable by the color-blind, and geometry that is right."""
-
 import xml.etree.ElementTree as ET
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""What a report shows of a survey: shaded is as much as is seen, and a flight has one color in map and table."""
-
 import re
 from functools import reduce
 

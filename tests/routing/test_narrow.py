@@ -1,5 +1,3 @@
-"""What is refused without a search: no promise of any passage asks for less than what is called the least."""
-
 from typing import Any
 
 import numpy as np
@@ -48,7 +46,7 @@ def test_one_passage_nearer_than_the_least_reach_breaks_the_promise(
 
 
 def gate(width: float, autopilot: str, confidence: float | str = 0.99) -> dict[str, Any]:
-    """80 m to the east over a via point, through a gate between two walls that are higher than one may fly."""
+    """80 m east over a via point, through a gate between two walls above the ceiling."""
     wall = {"kind": "box", "east": 40.0, "width": 4.0, "depth": 60.0, "height": 60.0}
     return {
         "home": {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0},

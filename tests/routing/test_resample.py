@@ -1,5 +1,3 @@
-"""Waypoints stay where they were promised and are as few as may be: held against shapely and plain geometry."""
-
 from itertools import combinations
 
 import numpy as np
@@ -53,7 +51,6 @@ def test_of_the_fewest_legs_those_are_taken_that_stay_nearest(curve: Spline) -> 
 
 
 def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-    """Distance of a place to a leg in space."""
     way = end - start
     share = np.clip((place - start) @ way / (way @ way), 0.0, 1.0)
     return float(np.linalg.norm(place - start - share * way))
@@ -61,7 +58,7 @@ def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
 
 @pytest.mark.parametrize("tolerance", [0.4, 4.0])
 def test_a_long_curve_with_short_bends_is_kept_to_as_closely(tolerance: float) -> None:
-    """Six kilometres with a swerve of 12 m every kilometre: even steps of few spots would miss it."""
+    """Six kilometres with a swerve of 12 m every kilometre."""
     east = np.linspace(0.0, 6000.0, 400)
     curve = Spline(np.column_stack([east, 12.0 * np.exp(-(((east + 500) % 1000 - 500) ** 2) / 900.0), 0 * east + 30]))
     beside = (-0.6 * tolerance, 0.0, 0.6 * tolerance)

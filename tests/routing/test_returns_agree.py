@@ -1,5 +1,3 @@
-"""What `plan` writes with planned returns, `check` calls clear: random scenes, each for every autopilot."""
-
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +22,7 @@ FENCE = "[[fence]]\ninclusion = false\npolygon = [[{0}, {1}], [{2}, {1}], [{2}, 
 
 
 def scene(seed: int) -> Scenario:
-    """Blocks, masts and what hangs, at times a keep-out fence, rally points, low bounds, a return altitude."""
+    """Blocks, masts, hanging bodies, at times a fence, rally points, low bounds, a return altitude."""
     rng = np.random.default_rng(seed)
 
     def body(n: int) -> str:

@@ -1,5 +1,3 @@
-"""Flights of which every ending is planned: what they keep by another geometry, and how that is seen to."""
-
 from itertools import pairwise
 from pathlib import Path
 
@@ -63,7 +61,7 @@ def towers(autopilot: Autopilot, seed: int) -> Scenario:
 
 
 def kept_by_dense_sampling(flight: Flight) -> float:
-    """The least that returns from many seconds keep, looked at every few centimeters."""
+    """Return the least clearance of returns from many seconds, every few centimeters."""
     ways = Contingencies(flight.forecast).ways
     begin, end = ways.in_air
     assessments = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
@@ -91,7 +89,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> None:
-    """RTL climbs: under a balloon it is laid aside, or so low a return is chosen that it does not come to it."""
+    """Under a balloon the path is laid aside, or a low return is chosen."""
     flight = plan_flight(scene(autopilot, BALLOON), seed=0)
     assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance

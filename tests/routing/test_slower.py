@@ -1,5 +1,3 @@
-"""A bend that is too fast at the cruise speed is flown slower, and what is written keeps what is required."""
-
 from typing import Any
 
 import numpy as np
@@ -51,7 +49,7 @@ def bend(autopilot: Autopilot) -> tuple[dict[str, Any], Route]:
 
 
 def along(route: Route, scenario: Scenario) -> Attempt:
-    """The only attempt that a search is to find: this route, and a curve along it."""
+    """Return the only attempt of a search: this route, and a curve along it."""
     at = np.linspace(0.0, 1.0, 400)
     points = np.column_stack([np.interp(at, np.linspace(0.0, 1.0, len(route.points)), axis) for axis in route.points.T])
     curve = Spline(np.asarray(np.linalg.lstsq(basis(24, at), points, rcond=None)[0], float))
@@ -61,7 +59,6 @@ def along(route: Route, scenario: Scenario) -> Attempt:
 
 
 def found_only(route: Route, patch: pytest.MonkeyPatch) -> None:
-    """Have every search find this route and no other."""
     search_quickly(patch.setattr)
 
     def seek(scenario: Scenario, *_: object, **__: object) -> Attempt:

@@ -1,5 +1,3 @@
-"""A mission too long for one battery is flown in parts: each comes home, and together they fly all of it."""
-
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -72,7 +70,7 @@ def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
 
 
 def test_the_fewest_flights_are_taken() -> None:
-    """No flight could have gone on to the next waypoint; so by the triangle's law none can be spared."""
+    """No flight could have gone on to the next waypoint: by the triangle's law none can be spared."""
     scenario = world(22.0)
     mission = strips(scenario)
     parts = split(mission, scenario)
@@ -101,7 +99,7 @@ def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
 
 
 def test_where_the_straight_way_back_is_not_clear_it_is_as_high_as_the_return() -> None:
-    """A wall stands between home and all places but the first, higher than the take-off and lower than the return."""
+    """A wall between home and all places but the first, higher than the take-off and lower than the return."""
     wall = {"kind": "box", "name": "wall", "east": 10.0, "north": -10.0, "width": 6.0, "depth": 36.0, "height": 22.0}
     scenario = world(22.0, wall)
     mission = strips(scenario, 12.0, [(40, 150), *((east, 0) for east in (90, 150, 210))])

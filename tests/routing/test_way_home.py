@@ -1,5 +1,3 @@
-"""A mission sees to a clear way from home and back, whatever return altitude the vehicle has."""
-
 from pathlib import Path
 
 import numpy as np
@@ -49,14 +47,14 @@ def mission(scenario: Scenario) -> Mission:
 
 
 def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
-    """How high the way home crosses the hall, seen from outside the package's own clearances."""
+    """Return the height of the way home over the hall, without the package's clearances."""
     ways = [leg for leg in flown_legs(flown, scenario.frame) if leg.phase is Phase.RETURN]
     assert all(LineString(way.points[:, :2]).intersects(HALL) for way in ways)
     return float(min(way.points[-1, 2] for way in ways))
 
 
 def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home() -> None:
-    """If it flew on into the climb its curve would dip before the goal, to rise there."""
+    """Else the curve would dip before the goal, and rise there."""
     scenario = world(Autopilot.ARDUPILOT, 18.0)
     raised = build_mission(Route(np.array(ROUND_THE_HALL), spline=True, brakes_on_curve=True), scenario)
     assert [(item.command, round(item.altitude)) for item in raised.items[-3:]] == [(82, 20), (16, 25), (20, 0)]

@@ -1,5 +1,3 @@
-"""Maps that a scenario names become bounds, ground, obstacles and a geofence."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -30,7 +28,7 @@ def box(west: float, south: float, east: float, north: float) -> Ring:
 
 @pytest.fixture
 def read(tmp_path: Path) -> Read:
-    """Reads the flight with one map, `keys` of its table, of polygons given in local metres."""
+    """Read a flight with one map of polygons in local metres, and `keys` of its table."""
 
     def make(keys: str, *rings: Ring | list[Ring], flight: str = FLIGHT, **tags: Any) -> Scenario:
         features = []
@@ -114,7 +112,7 @@ def test_fences_drawn_by_hand_come_first(read: Read) -> None:
 
 
 def test_the_path_keeps_a_fence_that_was_drawn_by_hand(read: Read) -> None:
-    """Inside what a box and a circle of 60 m have in common, and out of a circle of 10 m, at any height."""
+    """Inside a box and a circle of 60 m, outside of a circle of 10 m."""
     fence = """
     fence = [
       { polygon = [[-30, -40], [200, -40], [200, 40], [-30, 40]] },

@@ -1,5 +1,3 @@
-"""A scenario made from answers is one that can be read, and says what was answered."""
-
 from pathlib import Path
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""Profiles set what a task wants, and the file's own words win; the battery is asked before the flight."""
-
 from pathlib import Path
 
 import numpy as np

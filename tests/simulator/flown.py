@@ -1,4 +1,4 @@
-"""A whole built-in autopilot without a link: told things, and flown for a while."""
+"""A built-in autopilot without a link."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,8 +11,6 @@ from tests.link_pair import CLIENT, HOME, items_of, plain
 
 
 class Flown:
-    """A mock with a mission, and what it says."""
-
     def __init__(self, autopilot: Autopilot, items: Sequence[Item], mock: Mock | None = None) -> None:
         self.mock = mock or Mock(autopilot, HOME)
         self.now = 1.0

@@ -1,8 +1,4 @@
-"""What other missions and parameters take by the estimate, they take by the built-in autopilot.
-
-Each of these once told two models apart: a name, a limit or a habit that one of them did not know. ArduCopter has one
-model for both by now; what differs is only who tells it where to fly next.
-"""
+"""Missions and parameters that once told model and built-in autopilot apart."""
 
 from collections.abc import Mapping
 

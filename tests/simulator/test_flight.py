@@ -1,5 +1,3 @@
-"""What any flight must do, whichever autopilot flies it."""
-
 import math
 
 import pytest

@@ -1,7 +1,7 @@
-"""What others measured on real PX4 and ArduCopter (hamishwillee/mavsdk_mavlink_tests, 2026): our tables say the same.
+"""Measured by others on real PX4 and ArduCopter (hamishwillee/mavsdk_mavlink_tests, 2026).
 
-Measured there on PX4 main and 1.18.0-beta (SIH), PX4 1.17.0, and ArduCopter 4.8.0-dev: one item of each frame in each
-of the three lists, and take-offs, gates and waypoints with odd values.
+PX4 main and 1.18.0-beta (SIH), PX4 1.17.0, ArduCopter 4.8.0-dev: one item of each frame in each of the three lists, and
+take-offs, gates and waypoints with odd values.
 """
 
 import math

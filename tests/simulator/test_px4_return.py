@@ -1,5 +1,3 @@
-"""How high PX4 returns: the recorded flights, and all rooms that have something to say about it, agree."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The built-in autopilot behind a port: how its clock goes, for a busy machine and for those whom it waits for."""
-
 import logging
 import time
 
@@ -19,7 +17,7 @@ HOME = Geodetic(47.397742, 8.545594, 488.0)
 
 
 class Slow(Station):
-    """A station whose every tick takes a twentieth of a second; it remembers the times that it was told."""
+    """Every tick takes a twentieth of a second; keeps the reported times."""
 
     times: list[float]
 
@@ -51,7 +49,7 @@ STATION, VEHICLE = Target(255, 190), Target(1, 1)
 
 
 class Beside:
-    """A channel to one ground station on a clock of its own, which a look at it moves by a microsecond at least."""
+    """A channel to one station on a clock that each look moves by a microsecond at least."""
 
     datagrams = True
 
@@ -83,7 +81,6 @@ class Beside:
 
 
 def beside(family: Autopilot, speedup: float) -> tuple[Beside, BuiltInAutopilot, Server]:
-    """An autopilot that a station is heard by, many times as fast as real."""
     channel, autopilot = Beside(), BuiltInAutopilot(family, HOME)
     server = Server(channel, Station(autopilot), speedup)
     channel.say(Heartbeat(6, MavAutopilot.INVALID))

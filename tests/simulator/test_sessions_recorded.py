@@ -1,8 +1,7 @@
-"""Sessions of this client with the real ArduCopter and PX4 in simulation, as recorded, held against both of our ends.
+"""Recorded sessions of this client with ArduCopter and PX4 in simulation, against both of our ends.
 
-What the vehicle said goes into the client, which must come to the same flight; what the client said goes into the
-built-in autopilot, which must answer and fly as the real one did. Recordings are thinned: telemetry, words of sensors,
-what ArduCopter tells of its own counters, the client's heartbeats.
+The vehicle's messages go into the client, the client's into the built-in autopilot: both must act as recorded.
+Recordings are thinned: telemetry, sensors' words, ArduCopter's counters, the client's heartbeats.
 """
 
 import math
@@ -87,7 +86,7 @@ def autopilot_of(name: str) -> Autopilot:
 
 
 class Playback:
-    """A `FarEnd` that says what was recorded, each thing only when the client has said what came before it."""
+    """A `FarEnd` that sends each recorded message once the client has sent what came before it."""
 
     def __init__(self, recorded: list[Said]) -> None:
         self._ahead: list[Said] = []
@@ -116,7 +115,7 @@ class Playback:
         self.tick(now)
 
     def _asked(self, spoken: Message) -> int | None:
-        """Which of those ahead this is: the next that the client said, or one after what may go unsaid."""
+        """Return which message ahead this is: the next, or one after what may go unsaid."""
         if self._waits is None:
             return None
         for number, one in enumerate(self._ahead):
@@ -149,7 +148,7 @@ class Playback:
 
 
 def first_checksum(recorded: list[Said]) -> int:
-    """The number of the first question for a checksum, if there is one: the answers are to those that follow it."""
+    """Return the number of the first question for a checksum."""
     asked = [unpack(one.message) for one in recorded if one.by_client and isinstance(one.message, FileTransfer)]
     return next((one.sequence for one in asked if one.opcode == Opcode.CALC_FILE_CRC32), 0)
 
@@ -174,7 +173,7 @@ def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> N
 
 
 def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
-    """What the client said, and when by the vehicle's own clock."""
+    """Yield the client's messages by the vehicle's own clock."""
     known = [(one.at, one.message.time_s) for one in recorded if isinstance(one.message, Position)] or [(0.0, 100.0)]
     down = [one.at for one in recorded if isinstance(one.message, Text) and one.message.text.startswith("Disarm")]
     for one in recorded:
@@ -185,7 +184,7 @@ def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
 
 
 def answers(name: str) -> list[tuple[float, Message]]:
-    """What the built-in autopilot says to the client's side of a recording, and when."""
+    """Return the built-in autopilot's answers, with times."""
     autopilot = autopilot_of(name)
     recorded = said(name)
     home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
@@ -213,7 +212,7 @@ def answers(name: str) -> list[tuple[float, Message]]:
 
 
 def talk(messages: list[Message]) -> dict[str, list[Any]]:
-    """What matters of what a vehicle said, by kind; repetitions once."""
+    """Return what matters of a vehicle's messages, by kind, without repetitions."""
     mine = ("Arm", "Disarm", "Mission", "Reached command", "Executing", "Climb to", "Flight plan", "Mode change")
     kinds: dict[str, list[Any]] = {
         "commands": [(one.command, one.result) for one in messages if isinstance(one, CommandAck)],

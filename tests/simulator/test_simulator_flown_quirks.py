@@ -1,4 +1,4 @@
-"""Quirks of a whole autopilot, on the ground and in flight, as measured on ArduCopter 4.7 and PX4 1.17."""
+"""Quirks measured on ArduCopter 4.7 and PX4 1.17."""
 
 from collections.abc import Sequence
 
@@ -148,7 +148,6 @@ LEGS = [takeoff(HOME, 10.0), north(60.0), north(120.0), north(180.0), return_to_
 
 
 def under_way(autopilot: Autopilot, items: Sequence[Item] = LEGS) -> Flown:
-    """A vehicle on its way to the second waypoint."""
     flown = arm_and_start(Flown(autopilot, items))
     while flown.mock.flight.current < 2:
         flown.fly(0.5)
@@ -197,7 +196,7 @@ def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Messa
 
 
 def reached(flown: Flown) -> list[int]:
-    """The numbers that are told as reached until the vehicle has disarmed, as in a file: home is 0."""
+    """Return the numbers reported as reached until disarmed, as in a file: home is 0."""
     told: list[int] = []
     while flown.mock.flight.armed:
         told += [said.seq + 1 - flown.first for said in flown.fly(1.0) if isinstance(said, Reached)]

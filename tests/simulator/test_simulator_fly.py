@@ -1,5 +1,3 @@
-"""A whole job over real MAVLink bytes: upload, read back, arm, start, fly, on a virtual clock."""
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""What ground stations ask besides missions: streams the old way, MAVLink's version, a battery, "go there"."""
-
 import math
 
 import pytest
@@ -61,7 +59,6 @@ def test_px4_tells_its_version_of_mavlink_when_asked(autopilot: Autopilot, numbe
 
 
 def rates(flown: Flown, *kinds: type) -> list[int]:
-    """How often each kind is told in ten seconds."""
     said = flown.fly(10.0)
     return [sum(isinstance(message, kind) for message in said) for kind in kinds]
 
@@ -125,7 +122,7 @@ NAN = math.nan
 
 
 def climbed(height: float = 15.0) -> Flown:
-    """A PX4 that has taken off as QGroundControl has it do: the order first, arming then."""
+    """A PX4 that has taken off as QGroundControl does: the order first, arming then."""
     flown = Flown(PX4, [])
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + height) == OK
     assert (flown.mock.mode, flown.mock.flight.armed) == (TAKEOFF, False)

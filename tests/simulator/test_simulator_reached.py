@@ -1,5 +1,3 @@
-"""What the built-in autopilot tells as reached, and where, against what real autopilots told on recorded flights."""
-
 import json
 import math
 from collections.abc import Mapping
@@ -24,7 +22,7 @@ FLIGHTS = Path(__file__).parent.parent / "flights"
 
 
 def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:
-    """A recorded mission, where the mock was when it told of each item (numbered as in the file), and the record."""
+    """A recorded mission, the mock's place at each item (numbered as in the file), and the record."""
     told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
     mission = read_mission(folder / "mission.waypoints", autopilot_named(folder.name.rsplit("-", 1)[1]))
     parameters = {name: float(value) for name, value in told["params"].items()}

@@ -1,5 +1,3 @@
-"""The admission of a firmware version: its scenes, its watch over a flight, its verdict, and a whole run."""
-
 import argparse
 import sys
 from dataclasses import replace

@@ -1,5 +1,3 @@
-"""`ipoa-mission studio`: what it refuses before it serves anything, and what a new scenario begins with."""
-
 from pathlib import Path
 
 import pytest

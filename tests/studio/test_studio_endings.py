@@ -1,5 +1,3 @@
-"""The strip of endings under the page's profile: the rows of the forecast, where the report has them, with costs."""
-
 from dataclasses import replace
 from pathlib import Path
 

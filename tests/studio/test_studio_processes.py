@@ -1,5 +1,3 @@
-"""Workers are asked one thing at a time, can be told to stop, and cost nothing when they die."""
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path

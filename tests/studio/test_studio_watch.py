@@ -1,5 +1,3 @@
-"""What the page is told of a vehicle in flight, by what the vehicle says."""
-
 import queue
 from pathlib import Path
 from types import SimpleNamespace

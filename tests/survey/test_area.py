@@ -1,5 +1,3 @@
-"""What is refused as an area, and by which place the message names it."""
-
 import math
 
 import pytest

@@ -1,5 +1,3 @@
-"""Coverage of lines whose gaps are known in closed form."""
-
 import math
 from itertools import pairwise
 

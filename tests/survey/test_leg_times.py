@@ -1,5 +1,3 @@
-"""The times of legs and corners, held against the forecast of whole missions."""
-
 import numpy as np
 import pytest
 
@@ -47,7 +45,6 @@ def test_a_sharper_corner_costs_more_and_none_nothing(autopilot: Autopilot) -> N
 
 
 def test_against_the_wind_it_takes_longer() -> None:
-    """Where the vehicle cannot fly as fast as it is asked to; a wind that it cannot fly against at all is named."""
     against, along = np.array([[0.0, 0.0], [-900.0, 0.0]]), np.array([[-900.0, 0.0], [0.0, 0.0]])
     mission = Mission(HOME, (), registered()[1])
     times = LegTimes.of(mission, 14.0, wind=Wind(5.0, from_deg=270.0))

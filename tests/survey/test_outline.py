@@ -1,5 +1,3 @@
-"""Outlines with fewer corners hold what they are drawn round, and are hardly wider."""
-
 import math
 
 import numpy as np

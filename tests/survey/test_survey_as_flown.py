@@ -1,5 +1,3 @@
-"""What flights see as they are flown: judged by dense samples, and by tracks whose gaps are known in closed form."""
-
 import math
 
 import numpy as np
@@ -35,7 +33,7 @@ def test_only_lines_see_and_all_that_is_flown_between_them_may_lead_outside() ->
 
 
 def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) -> float:
-    """Of places all over an area those that lie near some place of the tracks (n, 2)."""
+    """Return the share of an area near the tracks (n, 2)."""
     west, south, east, north = area.bounds
     places = shapely.points(np.random.default_rng(2).uniform((west, south), (east, north), (20_000, 2)))
     places = places[shapely.covers(area, places)]
@@ -59,7 +57,6 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
 
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
-    """Where lines are far enough apart that they may end before it."""
     plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
     track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
     way = track.between(ends[0, 0], ends[-1, 1]).points

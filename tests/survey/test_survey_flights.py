@@ -1,5 +1,3 @@
-"""Surveys from their scenario to their flights, judged by dense samples and not by what planned them."""
-
 import html
 import json
 import re
@@ -49,7 +47,7 @@ def scenario(survey: dict[str, Any], autopilot: Autopilot = Autopilot.ARDUPILOT,
 
 
 def waypoints(forecast: Forecast) -> np.ndarray[Any, Any]:
-    """East, north, up of the waypoints of a mission, read from its items (n, 3)."""
+    """Return waypoints from items, east, north, up (n, 3)."""
     frame, home = forecast.frame, forecast.mission.home
     items = [item for item in forecast.mission.items if item.command == Command.NAV_WAYPOINT]
     places = [Geodetic(i.latitude_deg, i.longitude_deg, home.altitude + i.altitude) for i in items]
@@ -57,7 +55,6 @@ def waypoints(forecast: Forecast) -> np.ndarray[Any, Any]:
 
 
 def along(points: np.ndarray[Any, Any], step: float = 0.5) -> np.ndarray[Any, Any]:
-    """Places on straight legs, so far apart at most."""
     shares = [np.linspace(0, 1, int(np.linalg.norm(b - a) / step) + 2)[:, None] for a, b in pairwise(points)]
     return np.vstack([a + share * (b - a) for share, (a, b) in zip(shares, pairwise(points), strict=True)])
 
@@ -119,7 +116,7 @@ def test_photos_are_triggered_on_lines_only_and_counted() -> None:
 
 
 def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
-    """On the ground itself: the camera is nowhere nearer to what it sees than on level ground."""
+    """On the ground itself."""
     world = scenario(PHOTOS, terrain=HILL)
     survey = plan_survey(scenario=world)
     sight, (flight,) = survey.plan.sight, survey.flights
@@ -137,7 +134,7 @@ def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
 
 @pytest.mark.parametrize("terrain", [{}, {"terrain": HILL}])
 def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
-    """Every photo's corners by themselves: what of a grid over it the next photo, and the next line, hold too."""
+    """By every photo's corners: overlap with the next photo, and the next line."""
     world = scenario(PHOTOS, **terrain)
     survey = plan_survey(scenario=world)
     found, ground, (flight,) = survey.plan.overlaps, world.airspace.ground, survey.flights
@@ -329,7 +326,7 @@ def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -
 
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopilot) -> None:
-    """By the item that QGroundControl writes for it, whose seventh param says that angles are meant."""
+    """By QGroundControl's item, whose seventh param says that angles are meant."""
     (told,) = plan_survey(scenario=scenario(PHOTOS | {"gimbal": "nadir"}, autopilot)).flights
     (quiet,) = plan_survey(scenario=scenario(PHOTOS, autopilot)).flights
     items = list(told.mission.items)
@@ -345,7 +342,6 @@ def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopi
 
 
 def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None:
-    """What the wind takes of the same track is counted as it is when the flights are refused."""
     wind = {"speed": 6.0, "from_deg": 270.0}
     used = []
     for blows in ({"speed": 0.0}, wind):
@@ -360,7 +356,7 @@ def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None
 
 
 def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights() -> None:
-    """A battery that is just enough for all in one flight, but not for an RTL from every second of it."""
+    """A battery for all in one flight, but not for an RTL from every second of it."""
     (whole,) = plan_survey(scenario=scenario(LINES, vehicle={"airframe": AIRFRAME})).flights
     assert whole.energy is not None
     battery = {"capacity_wh": 1.0005 * whole.energy.between.high, "reserve": 0.2}

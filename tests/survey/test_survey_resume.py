@@ -1,5 +1,3 @@
-"""What is left of a survey after flights that were broken off: nothing is left out, and little flown twice."""
-
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenar
 
 
 def flown_of(plan: SurveyPlan, flight: int) -> Any:
-    """Where a flight went, east, north, up (n, 3)."""
+    """Return a flight's path, east, north, up (n, 3)."""
     return plan.flights[flight].forecast.estimate.track.points
 
 

@@ -1,5 +1,3 @@
-"""Lines that are shown before a flight is planned: those that the plan has; and how much photos show of each other."""
-
 from itertools import pairwise
 
 import numpy as np

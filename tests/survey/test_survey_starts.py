@@ -1,5 +1,3 @@
-"""Surveys from several start places: the same world from each, and no quicker flights among all cuts and places."""
-
 import json
 import math
 from itertools import combinations, pairwise, product
@@ -92,7 +90,7 @@ CLOCK = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), Autopilot.ARDUPILOT)
 
 
 def fake(limit_s: float, starts: Points) -> Any:
-    """A vehicle that takes 30 s besides its way, on a battery for so many seconds."""
+    """A vehicle that takes 30 s besides its way."""
 
     def tried(part: Sortie) -> RouteCost:
         there, back = (np.linalg.norm(part.tour.path[at] - starts[part.start]) for at in (0, -1))
@@ -164,7 +162,7 @@ def test_what_is_nearest_to_each_start_place_is_all_of_the_area() -> None:
 
 @pytest.fixture(scope="module")
 def from_both_ends() -> Survey:
-    """The field of which one battery sees a third, from both of its ends, round a tower."""
+    """A field of which one battery sees a third, from both ends, round a tower."""
     tower = TOWER | {"east": 330.0, "north": 112.0, "radius": 4.0, "height": 48.0}
     return plan_survey(scenario=scenario(OVER | {"starts": ENDS}, vehicle=SMALL, obstacles=[tower]))
 
@@ -204,7 +202,7 @@ def test_each_flight_begins_and_ends_at_its_own_place_and_comes_home(from_both_e
 
 
 def on_earth(mission: Mission, world: Scenario) -> list[Any]:
-    """The legs of a mission between waypoints in plan, in metres from the scenario's home."""
+    """Return a mission's legs in plan, in metres from the scenario's home."""
     items = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     places = [world.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, world.frame.home.altitude)) for i in items]
     return [shapely.LineString([a[:2], b[:2]]) for a, b in pairwise(places)]

@@ -1,5 +1,3 @@
-"""The energy of whole flights, by sums done by hand, and the battery that must hold them."""
-
 import numpy as np
 import pytest
 from hypothesis import given

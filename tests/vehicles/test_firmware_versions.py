@@ -1,5 +1,3 @@
-"""What changes from version to version, in the tables, in `check`, and in what is said of it."""
-
 import math
 
 import pytest
@@ -30,7 +28,7 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
 
 
 def others(mission: Mission) -> tuple[Finding, ...]:
-    """What is found besides that a version was not measured, and that 1.18 may pass a waypoint."""
+    """Leave out unmeasured versions, and waypoints that 1.18 may pass."""
     aside = (NOT_MEASURED, "waypoint-passed", "waypoint-may-be-passed")
     return tuple(one for one in check_mission(mission) if one.code not in aside)
 

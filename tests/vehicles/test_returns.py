@@ -1,7 +1,7 @@
-"""How returns go by all their parameters: against the firmwares' sources, worked out by hand.
+"""Returns by all their parameters, against the firmwares' sources, by hand.
 
-ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1),
-release/1.18 (05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
+ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1), release/1.18
+(05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
 """
 
 import pytest

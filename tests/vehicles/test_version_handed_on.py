@@ -1,5 +1,3 @@
-"""Whatever is asked about a mission for a named version of PX4 is answered for that version, not for the newest."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -36,7 +34,7 @@ def test_the_acceptance_radius_is_that_of_the_version(version: Version, radius: 
 
 @pytest.mark.parametrize(("version", "up"), [(Version(1, 17), 0.0), (Version(1, 18), 9.0)])
 def test_a_rally_point_at_home_counts_by_the_version(version: Version, up: float) -> None:
-    """RTL_TYPE 5 leads to rally points only since 1.18; before, it is as 0, and one within 10 m of home is none."""
+    """RTL_TYPE 5 leads to rally points since 1.18; before, it is as 0, and one within 10 m of home is none."""
     plain = read_mission(MISSIONS / "sitl.plan")
     home = plain.home
     rally = (Geodetic(home.latitude_deg, home.longitude_deg, 9.0),)

@@ -1,5 +1,3 @@
-"""A kind of obstacle that the package does not have, in one class: it is proved, planned round and drawn."""
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -34,7 +32,7 @@ class Cable(Obstacle):
 
     @property
     def parts(self) -> tuple[Sphere, ...]:
-        """Balls half as far apart as the tube is thick, and as much larger as covers it."""
+        """Balls half as far apart as the tube is thick, and larger to cover it."""
         start, step = np.array(self.start), np.subtract(self.end, self.start)
         count = int(np.ceil(np.linalg.norm(step) / self.radius)) + 1
         places = start + np.linspace(0, 1, count)[:, None] * step
@@ -46,7 +44,7 @@ class Cable(Obstacle):
         return np.asarray(np.linalg.norm(points - start - share[:, None] * step, axis=1) - self.radius)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """By thirds: the distance along a leg is convex."""
+        """The distance along a leg is convex."""
         low, high = 0.0, 1.0
         for _ in range(80):
             third = (high - low) / 3
@@ -60,7 +58,6 @@ CABLE = Cable("cable", (0.0, 60.0, 25.0), (160.0, 60.0, 35.0), 2.0)
 
 @pytest.fixture
 def strung(missions: Path) -> Scenario:
-    """A mission with the cable strung across it."""
     scenario = read_scenario(missions / "sitl.toml")
     middle = (scenario.start_point + scenario.goal_point) / 2
     way = scenario.goal_point - scenario.start_point
@@ -88,7 +85,7 @@ def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
 
 
 def test_its_clearance_as_flown_is_not_that_of_its_box(strung: Scenario) -> None:
-    """A leg beside a slanted cable, inside its box: the bounds are within a part's margin of the exact distance."""
+    """A leg beside a slanted cable, inside its box."""
     slanted = Cable("cable", (0.0, 0.0, 20.0), (100.0, 100.0, 60.0), 2.0)
     a, b = np.array([[60.0, 20.0, 40.0]]), np.array([[90.0, 50.0, 40.0]])
     exact, _ = slanted.leg_clearance(a[0], b[0])

@@ -1,5 +1,3 @@
-"""What an obstacle says of itself to who looks from above: its plan, itself made larger, its roof round a court."""
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -19,7 +17,7 @@ MAST = Cylinder("mast", 5.0, -7.0, 1.0, 0.0, 30.0)
 
 @pytest.mark.parametrize("body", [HOUSE, BALL, MAST])
 def test_a_grown_body_is_nearer_by_so_much(body: Prism | Sphere | Cylinder) -> None:
-    """A plan that is grown has corners of few edges, inside the true round ones."""
+    """A grown plan's corners have few edges, inside the true round ones."""
     aside = 3.0
     grown = body.grown(aside, aside, aside)
     (west, south, low), (east, north, high) = body.bounds
