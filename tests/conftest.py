@@ -6,25 +6,25 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads take more than they give
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads cost more than they give
 
 import pytest
 from hypothesis import settings
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 
-gc.set_threshold(50_000)  # imports and the collection of tests make many objects, and no garbage
+gc.set_threshold(50_000)  # imports make many objects, and no garbage
 REPOSITORY = Path(__file__).parent.parent
 
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every started command compiles the package
 sys.dont_write_bytecode = False  # and every worker rewrites the assertions of all tests
 
-#: A shell has its background jobs ignore Ctrl-C, and so would every command that a test starts and ends so.
+#: A shell's background jobs ignore Ctrl-C, and so would commands that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-#: No test waits for ever for something that does not come: so long it may take [s].
+#: [s]
 LONGEST_S = 900.0
 
-#: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
+#: Begun first: a file's tests are run by one worker.
 LONGEST = (
     "studio/test_studio_page.py",
     "studio/test_studio_keyboard.py",
@@ -51,8 +51,7 @@ LONGEST = (
     "forecast/test_endings.py",
 )
 
-#: CI's machines are noisy; a failure comes again. `--hypothesis-profile thorough`, as in .ci/run, tries four times as
-#: many examples.
+#: CI's machines are noisy. `--hypothesis-profile thorough`, as in .ci/run, tries four times as many examples.
 settings.register_profile("steady", deadline=None, derandomize=True, max_examples=50)
 settings.register_profile("thorough", settings.get_profile("steady"), max_examples=200)
 settings.load_profile("steady")
@@ -85,7 +84,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 
     if hasattr(signal, "setitimer") and item.get_closest_marker("sitl") is None:
         signal.signal(signal.SIGALRM, too_long)
-        signal.setitimer(signal.ITIMER_REAL, LONGEST_S, 10.0)  # again: what it waits for is waited for once more
+        signal.setitimer(signal.ITIMER_REAL, LONGEST_S, 10.0)  # again
     try:
         return (yield)
     finally:

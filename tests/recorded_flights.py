@@ -25,7 +25,7 @@ from ipoa_mission.wind import CALM, Wind
 
 HERE = Path(__file__).resolve().parent
 FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
-#: Of the wind in ArduPilot's simulator, as it was set: it grows with the square root of the height up to 5 m.
+#: ArduPilot's simulated wind grows with the square root of the height up to 5 m.
 SIMULATED_PROFILE = 0.5, 5.0
 FLOWN_ON = {Autopilot.ARDUPILOT: Version(4, 7, 0, "dev"), Autopilot.PX4: Version(1, 17)}
 

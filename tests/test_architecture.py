@@ -13,10 +13,10 @@ import ipoa_mission
 from ipoa_mission.cli.app import VERBS
 
 PACKAGE = Path(ipoa_mission.__file__).parent
-#: Everyone may import these; they import nothing of ours.
+#: Everyone may import these.
 GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind"}
 
-#: Room by room, from the ground up: a room may import those that are named, and all of them come before it.
+#: From the ground up: a room may import the named ones, listed before it.
 _MISSION = {"autopilot", "mission", "world"}  # what all above a mission know
 _PLANNED = {"forecast", "planning", "scenario", *_MISSION}
 MAY_IMPORT = {
@@ -49,7 +49,7 @@ MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli"}
 OF_THE_FACE = {"survey", "paper", "learn", "studio"}  # what they can, they import from `ipoa_mission`
 PLUG_INS = {"vehicles", "paper", "learn", "studio"}
 
-#: Modules that may own a socket, a clock or pymavlink; everything else is pure.
+#: May own a socket, a clock or pymavlink.
 IMPURE = {
     "socket": {"link/channel.py", "studio/web_server.py"},
     "serial": {"link/channel.py"},
@@ -208,7 +208,7 @@ def test_the_readme_has_every_room() -> None:
     assert sorted(named) == sorted(MAY_IMPORT)
 
 
-#: Where names are somebody else's: MAVLink's messages, and what the studio and its page tell each other.
+#: MAVLink's names, and those between studio and page.
 VOCABULARIES = {"link/messages.py", "studio/answers.py", "studio/flight_answers.py", "studio/requests.py"}
 
 
@@ -263,7 +263,7 @@ def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
 
 
 LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
-OF_A_VERB = 12  # options, or groups of them, that a verb of the command line takes
+OF_A_VERB = 12  # or groups of them
 
 
 def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
@@ -318,7 +318,7 @@ def called(path: Path) -> set[str]:
     }
 
 
-#: Programs that another tool starts and speaks to, one of them by an interpreter that has nothing of ours.
+#: Started by other tools.
 STARTED = {"link_benchmark/clients.py", "link_benchmark/speed_clients.py", "planning_benchmark/mealpy_poa.py"}
 
 

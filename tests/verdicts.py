@@ -17,15 +17,15 @@ from ipoa_mission.mission.items import Item
 
 RECORDS = Path(__file__).parent / "recorded_verdicts"
 PLACE = (47.3978, 8.5457, 20.0)
-#: 0, NaN, 1, and out of range, for each of the seven.
+#: 0, NaN, 1, and out of range, for each param.
 VALUES = 4 * ((0.0, math.nan, 1.0, 1e6),) + 2 * ((0.0, math.nan, 1.0, 181.0),) + ((0.0, math.nan, 1.0, 1e6),)
-#: Commands of MAVLink that neither firmware has in a mission, and one that nobody has.
+#: In no mission of either firmware, or unknown.
 STRANGERS = (0, 1, 23, 95, 176, 186, 192, 300, 31_999)
 COMMANDS = tuple(sorted({*map(int, Command), *STRANGERS}))
 FRAMES = (Frame.GLOBAL_RELATIVE_ALT_INT, Frame.MISSION)
 LETTERS = "0123456789abcdefghijklmnopqrstuvwxyz"
 SLOTS = range(7)
-#: An altitude that is no number, where ArduPilot makes a whole number of it: that ends its simulator.
+#: A whole-number altitude in ArduPilot: NaN ends its simulator.
 UNASKED = frozenset({int(Command.DO_GIMBAL_MANAGER_PITCHYAW)})
 UNKNOWN = "?"
 

@@ -47,7 +47,7 @@ def flight(*items: Item, autopilot: Autopilot = PX4, home: Geodetic = HOME) -> M
     return Mission(home, items, autopilot, firmware_version=PX4_117.get(autopilot))
 
 
-#: A mission, and all that is found in it.
+#: A mission and its findings.
 FOUND: dict[str, tuple[Mission, list[str]]] = {
     "nothing is wrong": (flight(UP, change_speed(5.0), AWAY, DOWN), []),
     "nothing to do": (flight(), ["error empty"]),

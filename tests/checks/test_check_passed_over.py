@@ -16,7 +16,7 @@ from tests.quick_search import search_quickly
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-#: Required are 0.5 m of radius and 2 m of distance; the path may leave its legs by 4 m: 6.5 m in all.
+#: Required: 0.5 m of radius, 2 m of distance, 4 m of lateral deviation: 6.5 m.
 WORLD = """
 home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
 start = { east = 0.0, north = 0.0, up = 20.0 }

@@ -35,5 +35,5 @@ def test_each_is_judged(autopilot: Autopilot) -> None:
 @pytest.mark.parametrize("name", ITEMS)
 def test_each_alone_is_drawn_or_it_is_said_why_not(name: str) -> None:
     forecast = Forecast(Mission(HOME, (ITEMS[name],), Autopilot.ARDUPILOT), SCENARIO)
-    with suppress(MissionError):  # which says why nobody can tell how it is flown
+    with suppress(MissionError):
         assert "From above" in report_html(forecast)

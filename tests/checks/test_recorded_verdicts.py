@@ -14,7 +14,7 @@ from ipoa_mission.world.frame import Geodetic
 from tests.verdicts import RECORDS, Record, read_record
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
-#: A build may leave these out, and the simulator that was asked did.
+#: Left out by some builds, as by the recorded one.
 LEFT_OUT = frozenset({Command.NAV_SCRIPT_TIME})
 FILES = sorted(RECORDS.glob("*.json"))
 

@@ -29,7 +29,7 @@ TABLES = [
     for autopilot in registered()
     for series in autopilot.tables.series
 ]
-STOPS_FOR_IT = 2.5  # a corner that is not cut where a command is passed over [m]
+STOPS_FOR_IT = 2.5  # a corner is not cut where a command is passed over [m]
 
 
 @cache

@@ -16,12 +16,12 @@ from tests.quick_search import once, search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 OTHERS = sorted(path.stem for path in MISSIONS.glob("*.toml") if path.stem != "sitl")
-#: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
+#: Slower than the autopilot's defaults.
 SLOW = {
     "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
     "px4": "MPC_ACC_HOR = 2.4\nMPC_JERK_AUTO = 3.5\nMPC_LAND_SPEED = 0.4",
 }
-#: NAME.json knows how high the ground is where a mission lands, not how it slopes beside it [s].
+#: NAME.json knows the ground's height at the landing, not its slope [s].
 SLOPE_S = 0.2
 
 

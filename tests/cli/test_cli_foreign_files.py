@@ -22,7 +22,7 @@ from ipoa_mission.scenario.scenario_file import read_scenario
 from tests.cli.conftest import Run
 from tests.refused import refuses
 
-BEFORE_SPLIT = Version(1, 17)  # of PX4, which stops at waypoints that 1.18 may pass
+BEFORE_SPLIT = Version(1, 17)  # PX4 that stops at waypoints which 1.18 may pass
 
 MAVSDK = "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans/qgroundcontrol_sample"
 QGC = "DonLakeFlyer+qgroundcontrol/test"
@@ -104,8 +104,7 @@ def test_h_a_name_with_a_blank_is_a_name(tmp_path: Path) -> None:
     assert read_scenario(tmp_path / "mein Übungsplatz.toml").name == "mein Übungsplatz"
 
 
-#: Files that were refused without reason, the autopilot for those that do not say, and the code of what is warned of,
-#: or its words where it is of the file.
+#: Accepted files, the autopilot if unnamed, and the code (or the file's words) of a warning.
 TAKEN = [
     (f"{MAVSDK}_with_structured_scan.plan", None, "2 rounds are laid out as QGroundControl does"),
     ("mavlink+MAVSDK-Python/examples/example-mission.plan", None, "home has no altitude: taken as 0 m AMSL"),
@@ -136,7 +135,7 @@ def test_a_plan_that_says_two_heights_of_an_item_is_no_mission_to_send(samples: 
         read_mission(samples / f"{PX4_TESTS}/vtol_mission_with_land_start.plan")
 
 
-#: Files that are still refused, and why: the firmware, or every other reader, refuses them too.
+#: Still refused, as by the firmware or every other reader.
 REFUSED = [
     (f"{MAVSDK}_without_mission.plan", 'expected "mission", but there is none'),
     (f"{MAVSDK}_wrong_mission_version.plan", "mission.version: expected 2, not 7"),

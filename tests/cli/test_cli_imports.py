@@ -19,9 +19,9 @@ from tests.cli.conftest import Run
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
 LARGE = {"numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pymavlink", "mavsdk", "rasterio"}
-#: Of our own: pydantic's models are built when their module is imported.
+#: pydantic's models are built at import.
 OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report.page"}
-#: Runs command lines, one a line, and tells what is imported when each ends.
+#: Runs command lines, and prints the imports after each.
 WATCHED = f"""
 import sys
 from ipoa_mission.cli.app import main

@@ -273,7 +273,7 @@ iterations = 8
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
     vehicle = Toy()
-    spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
+    spoken = replace(  # speaks as PX4, with its own numbers
         Autopilot.PX4.part(MockProfile),
         autopilot=vehicle,
         modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},

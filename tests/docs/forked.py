@@ -21,7 +21,7 @@ import ipoa_mission
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
 
-#: What the shell runs: it hands on what it was given, waits, and passes signals on to the process that does the work.
+#: Hands on its input, waits, and passes signals on to the working process.
 CLIENT = """#!{python} -IS
 import json, os, signal, socket, sys
 there = socket.socket(socket.AF_UNIX)
@@ -60,7 +60,7 @@ def forked(folder: Path) -> Iterator[Programs]:
             server.terminate()
 
 
-#: What no command of the docs needs, or what starts threads, which a fork would lose.
+#: Unneeded by the docs, or starts threads, which a fork would lose.
 LEFT_OUT = ("__main__", "paper", "link.mavsdk_backend", "studio")
 
 

@@ -182,7 +182,7 @@ def returned() -> set[str]:
     return {name for name in TYPES if re.search(rf"\b{name}\b", given)}
 
 
-#: Its methods are asked by the rooms of the package, and are no part of the face.
+#: Internal methods.
 INSIDE = {"Autopilot"}
 
 

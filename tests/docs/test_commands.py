@@ -14,7 +14,7 @@ from tools.generate import tutorial
 HOW_TO = sorted((tutorial.TUTORIAL.parent / "how-to").glob("*.md"))
 EXACT = (tutorial.TUTORIAL, tutorial.README)
 FILES = re.compile(r'^```python title="([\w.]+)"\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-#: How far a number may be from the one that stands in the page: another processor finds another path, a little.
+#: Another processor finds a slightly different path.
 SHARE, UNITS = 0.2, 1.5
 needs_a_shell = pytest.mark.skipif(shutil.which("bash") is None, reason="needs a shell")
 

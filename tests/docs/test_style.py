@@ -6,7 +6,7 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[2]
 WIDTH = 120
-#: British forms in small letters, and where one is somebody else's word.
+#: British forms, and their quotations.
 BRITISH = re.compile(
     r"(?<!ekf3 still )(?<!system not )"
     r"(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"

@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
 from ipoa_mission.forecast.deviation.measured_law import law_of
 
-LONG = 120.0  # a flight that is longer is a long one [s]
+LONG = 120.0  # [s]
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 

@@ -249,7 +249,7 @@ def test_a_hold_is_flown_where_it_is() -> None:
     assert flown(monitor, *((20.0 + t, 100.0, 0.0, 20.0, 1) for t in range(70))) == []
 
 
-#: In `spline_arc` the vehicle did not report that it began item 4.
+#: In `spline_arc` the begin of item 4 was not reported.
 ITEMS = [folder for folder in ITEMS_FLOWN if folder.name != "spline_arc-ardupilot"]
 
 

@@ -70,7 +70,7 @@ def test_the_entry_is_the_nearest_point_and_from_the_center_the_one_behind_the_n
 
 @settings(max_examples=examples(10))
 @given(radius=st.floats(5.0, 300.0), accel=st.floats(100.0, 500.0), speed=st.floats(2.0, 15.0), turns=st.just(2.0))
-@example(radius=20.0, accel=500.0, speed=3.4, turns=1.0)  # the speed limit cuts the pursuit: it falls back for long
+@example(radius=20.0, accel=500.0, speed=3.4, turns=1.0)  # the speed limit cuts the pursuit
 @example(radius=20.0, accel=500.0, speed=3.4, turns=8.0)
 def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
     radius: float, accel: float, speed: float, turns: float

@@ -88,7 +88,7 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
     assert (row.to, row.goal) == ("mast", "home")
     high = Contingencies(forecast_of("sitl", RTL_RETURN_ALT=80.0))
     unclear = [row for row in high.rows(Contingency.RTL, timed=False) if not row.clear]
-    # Where it brakes at a corner no height helps; and the flight may be early or late by two seconds.
+    # No height helps where it brakes at a corner; the flight may be two seconds early or late.
     assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
 
 
@@ -225,7 +225,7 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
         for one in (assessments, replace(assessments, ways=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
-    level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
+    level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home
     seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
     assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == assessments.taken.sum() + 1
 

@@ -119,7 +119,7 @@ def test_a_result_is_one_line_to_look_at() -> None:
 
 def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:
     mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
-    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, on a sphere of 6371 km
+    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, radius 6371 km
     expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
     assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
 

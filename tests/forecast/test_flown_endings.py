@@ -30,11 +30,11 @@ FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
 FLOWN_ON = {"ardupilot": Version(4, 8, 0, "dev"), "px4": Version(1, 17)}
 LEAST_ORDERS, LEAST_KINDS, LEAST_PLANNED = 400, 12, 60
-#: What no simulated vehicle does, so that nothing followed: propellers out of balance, a motor that is switched off.
+#: Impossible in simulation.
 NOT_MADE = ("propeller out of balance", "attitude or motor failure (SYS_FAILURE_EN")
-LIKELY, FALSE_ALARMS = 20, 0.1  # so many are called not clear at least; so many of them may keep what is required
+LIKELY, FALSE_ALARMS = 20, 0.1  # least number called not clear; greatest share of these that keep the distance
 SHORT = 10.0  # of shorter endings no share is counted [s]
-#: By which share times are off, in the median and in nine of ten.
+#: Relative errors: median, and nine of ten.
 TIMES = {
     ("ardupilot", Contingency.RTL): (0.015, 0.03),
     ("ardupilot", Contingency.LAND): (0.01, 0.04),
@@ -42,9 +42,9 @@ TIMES = {
     ("px4", Contingency.LAND): (0.07, 0.17),
 }
 WITHIN = 0.86  # the interval of nine in ten
-#: PX4's from this number on were flown later, with no look at how long they last: they are held against the interval.
+#: PX4's from this number on were flown later, against the interval.
 LATER, WITHIN_LATER = 1000, 0.8
-#: The same until the ground is touched, in the median; so many orders of each say it. Then it stands for so long.
+#: The same until touchdown, in the median; least number of orders; time on the ground.
 TOUCHES = [
     ("ardupilot", Contingency.RTL, 0.015),
     ("ardupilot", Contingency.LAND, 0.015),

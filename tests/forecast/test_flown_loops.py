@@ -22,7 +22,7 @@ def jump(to: float, times: float) -> Item:
     return Item(Command.DO_JUMP, 2, (to, times, 0.0, 0.0))
 
 
-#: The items of each loop; the places flown to by ArduCopter, and by PX4.
+#: Items of each loop; places flown to by ArduCopter and PX4.
 LOOPS = {
     "simple": ((UP, NORTH, CORNER, EAST, jump(2, 2), SOUTH, BACK), "2342342346", "2342342346"),
     "nested": ((UP, NORTH, CORNER, jump(2, 1), EAST, jump(2, 1), BACK), "2323523235", "23235235"),

@@ -20,7 +20,7 @@ from tests.recorded_flights import FLOWN_ON
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 BLIND = {"SIH_DISTSNSR_OVR": 20_000.0}
-#: Autopilot, parameters, ground over home [m], LAND as flown to the disarming [s], and how far off is allowed [s].
+#: Autopilot, parameters, ground over home [m], flown LAND until disarming [s], tolerance [s].
 FLOWN = [
     (Autopilot.ARDUPILOT, {}, -40.0, (115.1,), 0.9),
     (Autopilot.ARDUPILOT, {}, 0.0, (35.2,), 0.9),
@@ -47,7 +47,7 @@ def test_a_landing_takes_as_long_as_the_ground_asks_for(
 ) -> None:
     asked = mission(autopilot, ground, parameters)
     told = estimate(asked)
-    here = [fly(asked, seed=seed) for seed in range(len(flown))]  # as many of ours as of theirs: each differs by 2 s
+    here = [fly(asked, seed=seed) for seed in range(len(flown))]  # each differs by 2 s
     landings = [one.item_reached_s[2] - one.item_reached_s[1] for one in here]
     assert told.items[2].duration_s == pytest.approx(np.mean(flown), abs=near)
     assert np.mean(landings) == pytest.approx(np.mean(flown), abs=near)

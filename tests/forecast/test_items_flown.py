@@ -23,7 +23,7 @@ from ipoa_mission.world.frame import LocalFrame
 FOLDERS = sorted((Path(__file__).resolve().parents[1] / "items_flown").iterdir())
 FLOWN = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name.removesuffix("-ardupilot"))
 WITHIN, SPLINES_WITHIN = 0.5, 0.45  # of the path [m]
-SHARE, SECONDS = 0.025, 0.3  # of the time from the end of the take-off; 2 % in all but loiter_to_alt
+SHARE, SECONDS = 0.025, 0.3  # from the end of the take-off; 2 % in all but loiter_to_alt
 
 
 def read(folder: Path) -> tuple[Forecast, dict[int, float], NDArray[np.float64]]:

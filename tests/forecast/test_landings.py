@@ -63,6 +63,6 @@ def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Record
         return [item.low_s <= run[item.seq] <= item.high_s for item in estimated.items if item.seq in run]
 
     kept = [one for flight in flights for run in flight.runs for one in inside(found(flight.name), run)]
-    # of so few items the share is known to a few per cent: it must not be told from one of 85 to 95 %
+    # few items: not distinguishable from a share of 85 to 95 %
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05

@@ -15,7 +15,7 @@ def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
         )
         assert asked is not None, "the upload stalls"
         if asked.mission_type != kind:
-            continue  # asked twice for the last item of the list before
+            continue  # last item of the list before
         if asked.get_type() == "MISSION_ACK":
             return int(asked.type)
         link.mav.send(loader.wp(asked.seq))

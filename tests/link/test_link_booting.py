@@ -29,7 +29,7 @@ from tests.refused import refuses
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
-#: When each stand-in, long after its checks could first be told as passed, has its position [s].
+#: Position of each stand-in, long after passed checks [s].
 PLACED_S = {ARDUPILOT: 41.4, PX4: 40.0}
 
 

@@ -74,7 +74,7 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
         got += framer.feed(data)
         serial.receive(serial.now())
-    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more once it has moved some on
+    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more
     assert order == sorted(set(order))
     assert 20 < len(got) < len(sent)
 

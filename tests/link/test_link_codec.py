@@ -89,7 +89,7 @@ def test_pymavlink_s_frames_of_both_versions_are_read() -> None:
 
 
 def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
-    # PX4 1.17 sends MISSION_COUNT with an opaque_id behind its type, which this dialect does not know.
+    # PX4 1.17's MISSION_COUNT has an opaque_id, which this dialect lacks.
     kind = dialect.MAVLink_mission_count_message
     payload = b"\x05\x00\xf5\xbe\x00" + b"\x12\x34\x56\x78"
     body = bytes((len(payload), 0, 0, 0, 1, 1, kind.id, 0, 0)) + payload
@@ -101,7 +101,7 @@ def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
 
 
 def test_ids_of_missions_are_read_as_px4_sends_them() -> None:
-    # As PX4 1.17 sent them after an upload of seven items (payloads of a recording).
+    # PX4 1.17 after an upload of seven items (recorded payloads).
     for number, crc_extra, payload, message in (
         (47, 153, "f5be00008e66bf40", m.Ack(0, 0, 0x40BF668E)),
         (42, 28, "0000070002028e66bf40", m.Current(0, 7, 2, 2, 0x40BF668E)),

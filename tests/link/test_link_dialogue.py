@@ -177,7 +177,7 @@ def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answer
     exchange.receive(Request(0), 0.65)  # PX4 asks every quarter of a second
     assert exchange.outgoing() == []
     exchange.receive(Request(1), 0.8)
-    exchange.receive(Request(1), 1.3)  # now something was lost, and twice is better than once
+    exchange.receive(Request(1), 1.3)  # after a loss
     exchange.receive(Request(1), 1.45)
     assert exchange.outgoing() == [Ack(0)] * 3
 

@@ -185,7 +185,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
     record = vehicle.record()
     assert not record.completed
     assert "the mission on the vehicle is no longer ours: " in record.why_not
-    is_asked = family is ARDUPILOT and other == "as long"  # it names no id, so its checksum is asked for now and then
+    is_asked = family is ARDUPILOT and other == "as long"  # without an id its checksum is requested
     assert told[1] - told[0] < (CHECK_INTERVAL_S + 2.0 if is_asked else 1.0)
     assert caplog.text.count("no longer ours") == 1
 

@@ -95,7 +95,7 @@ def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_i
                 upload(new)
         except Cancelled as cancelled:
             words = str(cancelled)
-        except KeyboardInterrupt:  # pressed before the vehicle was told anything, or after it was all over
+        except KeyboardInterrupt:  # before the first message, or after the last
             words = "too late" if moment > counted[0] // 2 else "keeps"
         held = mock.transfers.listed(MissionType.MISSION)
         expected = old if "keeps" in words else new

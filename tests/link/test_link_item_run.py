@@ -155,7 +155,7 @@ def test_a_list_is_compared_in_bulk_as_it_is_item_by_item(
     one_by_one = compare(wanted, unpack_items(data), autopilot)
     if one_by_one is None:
         assert in_bulk is None
-    elif in_bulk != one_by_one:  # what came back bit by bit is no difference, whatever a rounding rule says of it
+    elif in_bulk != one_by_one:  # equal bits are no difference, whatever a rounding rule says
         assert one_by_one.seq is not None
         first, other = wanted[one_by_one.seq], got[one_by_one.seq]
         assert plain_frame(first.frame) == plain_frame(other.frame)

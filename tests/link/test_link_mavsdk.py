@@ -72,7 +72,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
         ) as server,
     ):
         try:
-            vehicle = meet(line, reading=True)  # it says that it is a generic vehicle of no known firmware
+            vehicle = meet(line, reading=True)  # a generic vehicle
             vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             told = next(json.loads(words) for words in server.stderr if words.startswith("{"))

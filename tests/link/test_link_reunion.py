@@ -232,7 +232,7 @@ def test_one_that_came_home_unheard_is_told_as_it_stands(
 def test_one_that_ended_its_mission_unheard_has_completed_it_if_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     record = Flight(PX4, monkeypatch).lose(120.0)
     assert record.completed, record.why_not
-    record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # it begins its mission anew as soon as it stands
+    record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # restarts its mission on the ground
     assert record.why_not.startswith("it was last heard at item 1 of 4, and landed while the link was lost, ")
 
 
@@ -311,7 +311,7 @@ def test_streams_that_were_forgotten_are_asked_for_again(refuses: bool, monkeypa
 
     flight.at_loss = forget
     record = flight.lose(10.0)
-    assert record.completed is not refuses  # it is watched by its heart alone, to its end
+    assert record.completed is not refuses  # watched by heartbeats only
     assert not record.armed
 
 

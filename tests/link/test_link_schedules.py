@@ -21,10 +21,10 @@ from tools.fuzz.strangers import Outcome
 
 DELAYS_S = (0.0, 0.01, 0.05, 0.3, 0.9, 0.3, 2.5)
 FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_s in DELAYS_S]
-#: A byte a message: drawn at once, a schedule costs a fraction of what it does piece by piece.
+#: Drawing a byte a message at once is much quicker.
 SCHEDULES = st.binary(min_size=1, max_size=40).map(lambda drawn: [FATES[byte % len(FATES)] for byte in drawn])
 NO_TOTAL = 65535
-HEARD_WITHIN_S = 1.2  # the vehicle speaks when it is spoken to, or beats once a second
+HEARD_WITHIN_S = 1.2  # answers, or a heartbeat a second
 UNHURRIED = settings(suppress_health_check=[HealthCheck.too_slow])
 
 

@@ -83,7 +83,7 @@ def test_a_refusal_by_an_atomic_vehicle_is_final_at_once() -> None:
 
 def test_another_station_that_uploads_is_waited_for() -> None:
     vehicle = Vehicle(ARDUPILOT)
-    vehicle.hear(Count(3), 0.0, STRANGER)  # and then says nothing more: the vehicle gives it up after 8 s
+    vehicle.hear(Count(3), 0.0, STRANGER)  # then silence: the vehicle gives it up after 8 s
     air = Air(vehicle)
     air.hold(upload(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)))
     assert len(vehicle.holds()) == 4

@@ -57,7 +57,7 @@ def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_cou
     assert vehicle.download().rally == RALLY
     assert any("holds rally points of another mission" in remark for remark in upload_mission(vehicle, plain))
     vehicle.set_current(1)
-    vehicle.home()  # while it answers, it tells what its current item is
+    vehicle.home()  # meanwhile it reports its current item
     current = vehicle.state.current
     assert current is not None
     assert current.seq == (2 if autopilot is Autopilot.ARDUPILOT else 1)

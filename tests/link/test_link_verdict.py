@@ -91,7 +91,7 @@ def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
         ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 2),
         ((Current(0, 1, 2, 2, 77), Ack(0, 0, 77)), 1),  # what comes twice says nothing new
         ((Ack(0, 0, 78), Current(0, 1, 2, 2, 77)), 2),
-        ((Current(0, 5, 2),), 2),  # said before the upload, and came late: it is read again to be sure
+        ((Current(0, 5, 2),), 2),  # from before the upload, late: read again
         ((Current(0, 1, 2, 2, 5),), 2),
     ],
 )
@@ -145,7 +145,7 @@ def test_what_an_event_says_has_its_numbers_in_it() -> None:
 
 
 def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
-    # FNV-1a's published test vectors, cut to 24 bits, with the autopilot's component id before them.
+    # FNV-1a's published vectors, cut to 24 bits, with the autopilot's component id before them.
     assert event_number("") == 0x01000000 | 0x811C9DC5 & 0xFFFFFF
     assert event_number("a") == 0x01000000 | 0xE40C292C & 0xFFFFFF
     assert event_number("foobar") == 0x01000000 | 0xBF9CF968 & 0xFFFFFF

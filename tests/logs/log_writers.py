@@ -53,7 +53,7 @@ def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     for index, time in flown.done.items():
         said += [(time, Reached(index + first)), (time, Current(index + first + 1))]
     said.append((1.0, Text(6, "Takeoff")))
-    said += [(time, _position(flown, time)) for time, _ in said]  # so that it does not depend on the telemetry rate
+    said += [(time, _position(flown, time)) for time, _ in said]  # independent of the telemetry rate
     said += [(float(time), _position(flown, float(time))) for time in flown.times]
     codec = Codec(7, 1)
     with TlogWriter(path) as log:
@@ -89,7 +89,7 @@ def write_dataflash(flown: Flown, path: Path, executed: bool = True) -> None:
     path.write_bytes(data)
 
 
-#: Number, layout for struct, ArduPilot's format characters, column names.
+#: Number, struct layout, ArduPilot's format characters, columns.
 FORMATS = {
     "FMT": (128, "BB4s16s64s", "BBnNZ", "Type,Length,Name,Format,Columns"),
     "POS": (11, "Qiifff", "QLLfff", "TimeUS,Lat,Lng,Alt,RelHomeAlt,RelOriginAlt"),

@@ -21,7 +21,7 @@ from tests.refused import refuses
 
 LOGS = Path(__file__).parent.parent / "logs"
 HEAD = b"\xa3\x95"
-#: Records as ArduCopter 3.3, 3.5, 4.0 and 4.7 lay them out: format for struct, ArduPilot's letters, columns.
+#: Records of ArduCopter 3.3, 3.5, 4.0 and 4.7: struct format, ArduPilot's letters, columns.
 LAYOUTS = {
     "3.3": ("CURR", "QhhhHfh", "QhhhHfh", "TimeUS,Throttle,Volt,Curr,Vcc,CurrTot,Volt2"),
     "3.5": ("CURR", "Qfff", "Qfff", "TimeUS,Volt,Curr,CurrTot"),

@@ -117,7 +117,7 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     vehicle = read_vehicle(out)
     assert vehicle.drag is None
     assert vehicle.hover_power is not None
-    assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V, as the simulator has it
+    assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V in the simulator
     assert fit(flights_in(LOG)[0]).square_power is not None
 
 

@@ -19,7 +19,7 @@ from tests.refused import refuses
 LOGS = Path(__file__).parents[1] / "logs"
 CLOSE = 0.3  # [s]
 
-#: By flight: seconds from the arming until items were done; the last one is the landing, done by disarming.
+#: Seconds from arming until items were done; the landing by disarming.
 SITL_COPTER = {1: 12.32, 3: 23.01, 4: 37.59, 5: 68.08}
 SLOW_COPTER = {1: 11.12, 3: 24.10, 4: 36.07, 5: 48.75, 6: 61.99, 7: 87.01}
 TWICE_COPTER = ({1: 11.12, 3: 21.30, 4: 29.36, 5: 54.38}, {1: 11.13, 3: 20.97, 4: 29.56, 5: 54.62})

@@ -1,4 +1,4 @@
-"""Public reports: openstreetmap-carto #4236 (turbines), CityEnergyAnalyst #3218 (est_height), blosm #339 (spellings)."""
+"""openstreetmap-carto #4236 (turbines), CityEnergyAnalyst #3218 (est_height), blosm #339 (spellings)."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +16,7 @@ At = Callable[[float, float], list[float]]
 Square = Callable[..., dict[str, Any]]
 WIND = {"power": "generator", "generator:source": "wind"}
 
-#: Tags of a point, and the height and radius that it has [m].
+#: Tags of a point, height and radius [m].
 POINTS = [
     (WIND | {"height": "125", "rotor:diameter": "90"}, 125.0, 45.0),
     (WIND | {"height:hub": "80", "rotor:diameter": "90"}, 125.0, 45.0),
@@ -38,7 +38,7 @@ POINTS = [
     ({"building": "no", "man_made": "mast"}, 120.0, 10.0),
 ]
 
-#: Properties of an area, and its foot and height [m].
+#: Properties of an area, foot and height [m].
 AREAS = [
     ({"building": "yes", "est_height": "30"}, 0.0, 30.0),
     ({"building": "yes", "building:height": "45"}, 0.0, 45.0),

@@ -14,7 +14,7 @@ from tests.refused import refuses
 
 RING = "8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.001 8.0,47.0"
 OTHER = RING.replace("8.00", "8.01").replace("8.0,", "8.01,")
-AREA = 76.05 * 111.18  # of the ring [m^2], by pymap3d's metres in a degree here
+AREA = 76.05 * 111.18  # of the ring [m^2], by pymap3d
 
 
 def ring(coordinates: str = RING) -> str:

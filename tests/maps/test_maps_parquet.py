@@ -35,7 +35,7 @@ ABOUT: dict[str, Any] = {
 COVERED = ABOUT | {
     "columns": {"geometry": {"encoding": "WKB", "covering": {"bbox": {side: ["bbox", side] for side in SIDES}}}}
 }
-#: Columns as Overture's buildings and building parts have them.
+#: Overture's columns.
 KINDS = {
     "id": pa.string(),
     "geometry": pa.binary(),

@@ -13,7 +13,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]
-#: Tags, and why a polygon with them is passed over on a map of OpenStreetMap, if it is, and whether it may stand.
+#: Tags, reason to pass over a polygon in OpenStreetMap, possible obstacle.
 POLYGONS: list[tuple[dict[str, Any], tuple[str, bool] | None]] = [
     ({}, ("an area untagged", True)),
     ({"name": "hall", "@id": "way/7"}, ("an area untagged", True)),

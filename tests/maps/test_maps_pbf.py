@@ -19,7 +19,7 @@ from tests.refused import refuses
 
 osmium = pytest.importorskip("osmium")
 pytestmark = pytest.mark.alone
-#: The town, a wood far round it, a cable car across it, an area of two far ways, a hut, and a road far from all of it.
+#: The town, a far wood, a cable car, an area of two far ways, a hut, a far road.
 COUNTRY = TOWN.replace(
     "</osm>",
     "".join(

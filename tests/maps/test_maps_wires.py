@@ -121,7 +121,7 @@ def test_no_rope_sticks_out_of_its_walls(
     under = ground(places)
     straight = under[0] + share * (under[-1] - under[0])
     rope = np.maximum(under, straight) + height
-    for level in (rope - 1.0, under + 0.9):  # within what the ground bends between the places that are looked at
+    for level in (rope - 1.0, under + 0.9):  # as the ground bends between samples
         inside = np.min([wall.distance(np.column_stack([places, level])) for wall in walls], axis=0)
         assert (inside <= 1e-6).all()
     assert len(walls) <= max(span.length // 20, 1)

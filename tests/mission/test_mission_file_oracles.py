@@ -55,7 +55,7 @@ def test_mavsdk_reads_our_waypoints_and_agrees_item_by_item(
     got = mavsdk.read(path.read_text(), "waypoints", mission.autopilot)
     rows = read_by_mavsdk(got["mission"])
     if mission.autopilot is Autopilot.ARDUPILOT:
-        rows.pop(0)  # MAVSDK puts home before an ArduPilot list by itself, though the file has it
+        rows.pop(0)  # MAVSDK adds home to an ArduPilot list
     assert rows == [as_mavsdk_has_it(item) for item in (home_item(mission.home), *_as_written(mission))]
 
 

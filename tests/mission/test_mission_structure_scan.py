@@ -61,7 +61,7 @@ def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], t
     flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     count = len(corners) + 1
     assert [item.altitude for item in (flown[0], flown[-1])] == [60.0, 60.0]
-    heights = [57.5, 32.5, 7.5] if tops else [22.5, 47.5, 72.5]  # 60 m in layers of 25 m, from half a layer on
+    heights = [57.5, 32.5, 7.5] if tops else [22.5, 47.5, 72.5]  # layers of 25 m from half a layer on
     assert [item.altitude for item in flown[1:-1]] == [height for height in heights for _ in range(count)]
     assert {item.frame for item in flown} == {Frame.GLOBAL_RELATIVE_ALT}
     ring = [[item.latitude_deg, item.longitude_deg] for item in flown[1 : 1 + count]]

@@ -13,7 +13,7 @@ from ipoa_mission.world.frame import Geodetic
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME, NORTH = Geodetic(47.06, 9.71, 612.0), Geodetic(47.061, 9.71)
 UP, AWAY, DOWN = takeoff(HOME, 20.0), waypoint(NORTH, 20.0), return_to_launch()
-#: As Mission Planner writes a take-off: at no place.
+#: Mission Planner's take-off: no place.
 HERE = replace(UP, latitude_deg=0.0, longitude_deg=0.0, params=(0.0, 0.0, 0.0, 0.0))
 
 

@@ -20,7 +20,7 @@ def small(name: str) -> Optimizer:
     return build_optimizer(name, {"evaluations": 6000} if name == "adaptive-pelican" else {"iterations": 100})
 
 
-#: The median error over eleven runs that each reaches on the ellipsoid, within a factor of five: its known ability.
+#: Known median error over eleven runs on the ellipsoid, within a factor of five.
 ABILITY = {
     "ipoa": 20.0,
     "dbo": 250.0,

@@ -95,7 +95,7 @@ def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
     ):
         measure(TRIALS, path, Here())
     measure(TRIALS, path, Here())
-    with open_to_append(path):  # who has nothing to add may still tell what is there
+    with open_to_append(path):
         assert len(measure(TRIALS, path, Here(breaks_after=0))) == 4
 
 

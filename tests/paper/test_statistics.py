@@ -74,7 +74,7 @@ def test_after_friedman_the_control_is_compared_as_in_demsars_example() -> None:
     itself, m, cf, both = post_hoc(test, 0)
     assert itself == 1
     assert both == pytest.approx(3 * 0.0157, abs=2e-4)
-    assert m == pytest.approx(both, abs=1e-12)  # twice 0.0192 is less than that, and Holm's p never fall
+    assert m == pytest.approx(both, abs=1e-12)  # Holm's p never fall, as twice 0.0192 would
     assert cf == pytest.approx(0.609, abs=2e-3)
 
 

@@ -59,7 +59,7 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
         found, expected = path_costs(paths, grid, rules), twins.path_costs(paths, airspace, rules, limits)
         np.testing.assert_allclose(found, expected, rtol=1e-7)
         feasible += (expected < rules.collision).sum()
-    assert (feasible > 20) != limited  # with limits next to nothing keeps them: the penalty is what is tested
+    assert (feasible > 20) != limited  # with limits next to nothing keeps them
 
 
 def model(

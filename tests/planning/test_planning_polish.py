@@ -56,7 +56,7 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> 
     }
     job = scenario(obstacles=[wall], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.5)
     candidate, proof = settle(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
-    reach = np.hypot(49.9, 20)  # to an edge, round which the clearance makes an arc of 2 m
+    reach = np.hypot(49.9, 20)  # to an edge, with an arc of 2 m
     tangent, angle = np.sqrt(reach**2 - 2**2), np.arctan2(20, 49.9) + np.arcsin(2 / reach)
     assert proof.worst.slack >= 0
     assert candidate.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)

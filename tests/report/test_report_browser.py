@@ -180,7 +180,7 @@ def test_pointing_at_a_moment_draws_the_way_home_from_there(open_page: Callable[
     assert way[-1] == pytest.approx((0.0, 0.0), abs=0.5)  # home
     view = page.evaluate("({...document.getElementById('map').dataset})")
     left = 100 * (way[0][0] - float(view["west"])) / float(view["width"])
-    assert left == pytest.approx(here, abs=8.0)  # where the mark is, or within a second of it
+    assert left == pytest.approx(here, abs=8.0)  # within a second of it
     page.keyboard.press("Escape")
     assert page.evaluate(drawn) == ""
 
@@ -257,13 +257,13 @@ def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_o
     assert zoom() == pytest.approx(3.0, rel=0.05)
 
 
-#: The mark at the moment that was chosen lies on the button that was clicked.
+#: The mark is on the clicked button.
 HERE_IS_ON_ITS_STOP = """() => {
   const middle = (e) => { const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; };
   const [a, b] = [middle(document.querySelector("#map .here")), middle(document.querySelector("#map .chosen"))];
   return Math.hypot(a[0] - b[0], a[1] - b[1]) < 12;
 }"""
-#: Two fingers 40 pixels apart at a place on the map, then 120.
+#: Two fingers 40, then 120 pixels apart.
 PINCH = """([x, y]) => {
   const map = document.getElementById("map");
   const send = (kind, id, dx) => map.dispatchEvent(new PointerEvent(kind,
@@ -334,7 +334,7 @@ def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, t
     file = tmp_path / "flown.html"
     write_report(Forecast(mission, scenario), file, None, fly(mission))
     page = tab.visit(file, width=390)
-    assert page.locator("path.flown").count() == 3  # on the map, in the height profile, in the speed
+    assert page.locator("path.flown").count() == 3  # map, height profile, speed
     for text in ("flown", "Estimate against flight", "off by"):
         assert page.get_by_text(text).first.is_visible()
     assert page.locator("#drift .dot").count() == len(timed.items)

@@ -128,7 +128,7 @@ def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     assert sum(leg.flown_s for leg in comparison.legs) == pytest.approx(facts["item_done_s"][str(known[-1])])
     track = flown_track(mission, flight)
     assert track is not None
-    # the autopilot passed every waypoint that it says it reached
+    # the autopilot passed every waypoint that it reports
     for item in timed.items:
         place = mission.items[item.seq - 1]
         if str(item.seq) in facts["item_done_s"] and place.has_position:

@@ -27,7 +27,7 @@ from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Foreseen, Planned
 
-VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
+VOID = {"meta", "br", "i", "path", "rect"}  # without an end, or closed at once
 
 
 def _data(page: str) -> str:
@@ -150,7 +150,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, 
     scenario, _, _ = bowed("downtown.toml")
     found = stops(forecast("downtown.toml"))
     least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
-    assert least.distance < 0  # an arc through a city does not miss its towers
+    assert least.distance < 0  # an arc through a city hits towers
     page = report_html(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg

@@ -26,10 +26,10 @@ from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 
 FLIGHTS = Path(__file__).parent.parent / "flights"
-#: The best that was flown on this curve, from take-off done to the last waypoint [s], and how far from it [m].
+#: Best flown on this curve, from take-off done to the last waypoint [s], and its distance [m].
 BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
 WITHIN = 4.0
-#: What the route chosen may take of the least time on the curve.
+#: Greatest ratio to the least time on the curve.
 RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
 
 

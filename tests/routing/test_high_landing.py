@@ -89,7 +89,7 @@ def test_a_planned_landing_on_high_ground_is_slow(
     ("autopilot", "height", "parameters", "wanted"),
     [
         (ARDUPILOT, 7.0, {}, {}),  # a slow stretch of 3 m is left
-        (ARDUPILOT, 8.5, {}, {"LAND_ALT_LOW": 1900.0}),  # 1.5 m are too few, as heights are off by 2
+        (ARDUPILOT, 8.5, {}, {"LAND_ALT_LOW": 1900.0}),  # 1.5 m are too few: heights are off by 2
         (ARDUPILOT, -40.0, {}, {}),
         (ARDUPILOT, 12.0, {"LAND_ALT_LOW": 500.0}, {"LAND_ALT_LOW": 500.0}),  # the scenario's own, told by the check
         (ARDUPILOT, 12.0, {"LAND_ALT_LOW_M": 5.0}, {"LAND_ALT_LOW_M": 5.0}),

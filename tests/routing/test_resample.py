@@ -75,7 +75,7 @@ def test_a_straight_curve_is_two_waypoints() -> None:
 def test_a_quarter_circle_takes_as_many_legs_as_geometry_says() -> None:
     angle = np.linspace(0, np.pi / 2, 40)
     circle = Spline(100 * np.column_stack([np.sin(angle), 1 - np.cos(angle), 0 * angle]))
-    widest = 2 * np.arccos(1 - 1.0 / 100)  # a chord over this angle is a metre from its arc
+    widest = 2 * np.arccos(1 - 1.0 / 100)  # its chord is a metre from the arc
     assert len(corridor(circle, 1.0)) - 1 == int(np.ceil(np.pi / 2 / widest))
 
 

@@ -166,7 +166,7 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
 def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.undo()  # such a corner is on the path of a whole search
+    monkeypatch.undo()
     scenario = read_scenario(MISSIONS / "sitl.toml")
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))

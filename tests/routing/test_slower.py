@@ -23,7 +23,7 @@ from tests.refused import refuses
 from tests.routing.test_promise_kept import nearest, way
 
 CRUISE = 15.0
-#: Waypoints of a way that bends, and a post outside of the bend.
+#: A bent way, and a post outside of the bend.
 BENDS = {
     Autopilot.PX4: ([(0, 0), (60, 0), (100, 0), (100, 40), (100, 100)], (102.2, -2.2), False),
     Autopilot.ARDUPILOT: ([(0, 0), (50, 0), (90, 10), (100, 50), (100, 100)], (91.6, 8.4), True),

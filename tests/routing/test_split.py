@@ -54,7 +54,7 @@ def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
     assert len(parts) > 1
     flown = [places_of(part) for part in parts]
     for own, following in pairwise(flown):
-        assert own[-1] == following[0]  # it goes on where the one before it turned home
+        assert own[-1] == following[0]  # continues where the other turned home
     assert [*flown[0], *(item for part in flown[1:] for item in part[1:])] == places_of(mission)
     for part in parts:
         budget = budget_of(Forecast(part, scenario))

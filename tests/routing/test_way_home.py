@@ -72,7 +72,7 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home(
 @pytest.mark.parametrize(
     ("autopilot", "height", "climbs_to"),
     [
-        (Autopilot.ARDUPILOT, 12.0, None),  # it is at 20 m already, and RTL_ALT is 15 m
+        (Autopilot.ARDUPILOT, 12.0, None),  # at 20 m already; RTL_ALT is 15 m
         (Autopilot.ARDUPILOT, 18.0, 25.0),
         (Autopilot.ARDUPILOT, 40.0, 45.0),
         (Autopilot.PX4, 12.0, None),  # RTL_RETURN_ALT is 30 m
@@ -90,7 +90,7 @@ def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
     assert end.command == Command.NAV_RETURN_TO_LAUNCH
     assert last.altitude == pytest.approx(20.0 if climbs_to is None else climbs_to, abs=0.01)
     assert height_over_the_hall(flown, scenario) >= height + 2.5
-    findings = check_mission(flown, scenario)  # from where it has not climbed yet RTL may be a matter of its own
+    findings = check_mission(flown, scenario)  # RTL before the climb may differ
     assert [finding.code for finding in findings] == ["return-too-near"] * (climbs_to is not None)
     assert len(list(climb_for_way_home(flown))) == (climbs_to is not None)
 

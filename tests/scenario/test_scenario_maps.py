@@ -72,7 +72,7 @@ def test_a_flight_area_is_the_footprint_of_the_bounds_and_a_fence(read: Read) ->
     scenario = read("kind = 'flight_area'", [area, hole])
     bounds = scenario.airspace.bounds
     assert (bounds.lower[:2], bounds.upper[:2]) == (pytest.approx((-20, -40)), pytest.approx((150, 60)))
-    # By hand: the east edge from (150, -40) to (120, 60) is 30 m west for 100 m north.
+    # East edge from (150, -40) to (120, 60): 30 m west for 100 m north.
     assert bounds.margin(np.array([[100.0, 0.0, 10.0]]))[0] == pytest.approx(
         (138 - 100) * 100 / np.hypot(30, 100), abs=1e-4
     )

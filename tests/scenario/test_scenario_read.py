@@ -131,8 +131,8 @@ def test_what_leaves_its_base_out_stands_on_the_ground() -> None:
     """
     )
     cylinder, box, prism, ball, balloon = (body.bounds[:, 2] for body in parse_scenario(text, HERE).airspace.obstacles)
-    assert cylinder == pytest.approx((9, 16))  # ground rises 1 m in 10 m towards the east
-    assert box == pytest.approx((8, 17))  # turned by 90 degrees: 40 m from west to east
+    assert cylinder == pytest.approx((9, 16))  # ground rises 1 m in 10 m eastwards
+    assert box == pytest.approx((8, 17))  # turned by 90 degrees: 40 m east
     assert prism == pytest.approx((9, 16))
     assert ball == pytest.approx((10, 14))
     assert balloon.tolist() == [48, 52]

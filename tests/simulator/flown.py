@@ -16,7 +16,7 @@ class Flown:
         self.now = 1.0
         self.first = 1 if autopilot is Autopilot.ARDUPILOT else 0
         if autopilot is Autopilot.ARDUPILOT:
-            self.command(511, 42.0, 200_000.0)  # it tells its current item to those alone who ask
+            self.command(511, 42.0, 200_000.0)  # its current item, on request only
         self.uploaded = self.upload(items) if items else []
 
     def upload(self, items: Sequence[Item]) -> list[Message]:

@@ -59,7 +59,7 @@ PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
 CASES = [*((Autopilot.ARDUPILOT, name) for name in COPTER), *some(3, [(Autopilot.PX4, name) for name in PX4])]
 
 
-#: PX4's landings differ by a second and more from one to the next.
+#: PX4's landings differ by a second and more.
 SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(4)}
 
 

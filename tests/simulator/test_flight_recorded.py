@@ -8,7 +8,7 @@ from tests.examples import some
 from tests.flown_here import fly_here
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flight, read_flights
 
-#: PX4's flights differ from one to the next, recorded as flown here: the mean of so many stands for ours.
+#: PX4's flights differ: the mean of several seeds.
 SEEDS = range(2)
 
 

@@ -12,7 +12,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.recorded_flights import Recorded, read_flights
 
 RETURNING = [f for f in read_flights(Autopilot.PX4) if f.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH]
-HOME_JUMPS = 2.0  # [m] how far off PX4 may believe home's height to be when it decides
+HOME_JUMPS = 2.0  # [m] error of PX4's home height at the decision
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 

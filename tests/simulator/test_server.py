@@ -104,7 +104,7 @@ def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot
     assert not autopilot.transfers_with(STATION)
     told = channel.sent
     run(server, channel, begun + 10.0)
-    assert channel.sent > told + 50  # and hurries again: of the least that an autopilot tells, a hundred seconds' worth
+    assert channel.sent > told + 50  # a hundred seconds' worth of telemetry
 
 
 @pytest.mark.parametrize("family", registered())

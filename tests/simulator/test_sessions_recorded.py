@@ -53,7 +53,7 @@ FLOWN = {
     "fly-px4": (10.4, 10.4, 14.44, 20.32, 36.4),
     "fly-again-px4": (19.7, 19.7, 24.636, 30.54, 43.28),
 }
-#: What hangs on whether a telling of the vehicle came in time: a list is read, or an index set, once more or less.
+#: Depends on timing: read a list, or set an index, once more or less.
 MAY_GO_UNSAID = (RequestList, Request, Ack, SetCurrent)
 VERBS = ("fly", "set", "upload", "download", "clear")
 
@@ -97,7 +97,7 @@ class Playback:
                 asked = one.message
                 acknowledged.clear()
             elif one.by_client or one.message in acknowledged:
-                continue  # a repeated question is not waited for; that for a stream was asked up to three times then
+                continue  # repeated; a stream was requested up to three times
             elif isinstance(one.message, CommandAck) and one.message.command == VehicleCommand.SET_MESSAGE_INTERVAL:
                 acknowledged.add(one.message)
             self._ahead.append(one)
@@ -246,9 +246,9 @@ def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
             "reached",
         ):  # they depend on what was before
             continue
-        if kind == "commands":  # the client may have gone before the last answer came
+        if kind == "commands":  # the client may leave before the last answer
             got = got[: len(told)]
-        if kind == "modes":  # one that is shown for a moment falls between two heartbeats
+        if kind == "modes":  # a short one falls between heartbeats
             heard = iter(told)
             assert all(mode in heard for mode in got[1:]), kind
             assert got[-1] == told[-1]

@@ -59,7 +59,7 @@ def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
 
 @pytest.mark.parametrize(("disarm_delay", "lasts"), [(10.0, 10.0), (0.0, 110.0)])
 def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_delay: float, lasts: float) -> None:
-    # copter_nav_delay_takeoff.txt of ArduPilot, flown on ArduCopter 4.7.0-dev: disarmed after 10.0 s, else 110.0 s
+    # ArduPilot's copter_nav_delay_takeoff.txt on ArduCopter 4.7.0-dev: disarmed after 10.0 s, else 110.0 s
     items = (
         change_speed(10.0),
         Item(Command.NAV_DELAY, Frame.MISSION, (60.0, 0.0, 0.0, 0.0)),

@@ -89,7 +89,7 @@ def test_px4_has_no_groups() -> None:
     assert rates(flown, Position, Hud, BatteryStatus) == before == [50, 40, 5]
 
 
-#: What QGroundControl v4.4 misses, in a dialog, where a vehicle does not have it.
+#: QGroundControl v4.4 reports these missing in a dialog.
 WANTED = {
     PX4: "CAL_GYRO0_ID CAL_ACC0_ID CAL_MAG0_ID CAL_MAG1_ID CAL_MAG2_ID SYS_AUTOCONFIG RC_MAP_ROLL RC_MAP_PITCH "
     "RC_MAP_YAW RC_MAP_THROTTLE RC_MAP_FLTMODE COM_FLTMODE1 COM_FLTMODE2 COM_FLTMODE3 COM_FLTMODE4 COM_FLTMODE5 "
@@ -186,7 +186,7 @@ def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
         (PX4, 0.0, CommandResult.UNSUPPORTED),
         (PX4, 3.0, CommandResult.UNSUPPORTED),
         (PX4, NAN, CommandResult.UNSUPPORTED),
-        (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # not built in; the real one flies there in GUIDED
+        (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # the real one flies there in GUIDED
     ],
 )
 def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, result: int) -> None:

@@ -35,7 +35,7 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     for message in (*orders, CommandLong(400, (1.0,) + (0.0,) * 6), start):
         mock.receive(message, CLIENT, 1.0)
     reached: dict[int, tuple[float, float]] = {}
-    left = 50  # steps for what is still to be said once it has disarmed
+    left = 50  # steps for messages after disarming
     while mock.flight.armed or left > 0:
         assert mock.flight.time_s < 1000.0, "it does not come down"
         left -= not mock.flight.armed

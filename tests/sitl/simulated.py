@@ -16,7 +16,7 @@ from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_la
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-#: A square beside home, flown out and back [m]: east, north, up.
+#: A square beside home [m]: east, north, up.
 SQUARE = ((0.0, 0.0, 12.0), (25.0, 0.0, 12.0), (25.0, 25.0, 15.0), (0.0, 25.0, 12.0))
 
 

@@ -16,7 +16,7 @@ from tests.sitl.simulated import Sitl, interrupt
 
 pytestmark = pytest.mark.sitl
 RADIO_LOSS = 0.3
-INTERRUPTED_S = 20.0  # of this computer's time: in the air by then, at any speed of the simulation up to ten
+INTERRUPTED_S = 20.0  # wall clock: in the air at any speedup to ten
 
 
 def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, object]:

@@ -15,7 +15,7 @@ from typing import Any
 
 from tests.studio.pointing import PATIENCE_S, element, settled
 
-#: WebGL also by software, and nothing asked of anyone at the start.
+#: WebGL by software too, and no requests at the start.
 PREFERENCES = {
     "webgl.force-enabled": True,
     "browser.shell.checkDefaultBrowser": False,

@@ -6,14 +6,14 @@ from collections.abc import Callable
 from typing import Any
 
 PATIENCE_S = 120.0
-#: What is open was judged as it is now, nothing is being dragged, and the map is drawn as it will be.
+#: Judged, not dragged, and the map drawn.
 SETTLED = """(
     document.querySelector(".verdict :is(.good, .amber, .refusal)") !== null
     && !/While you drag|Looking at|coarse path|laid at once/.test(document.querySelector(".verdict").textContent)
     && document.querySelector(".progress, .past, .flights.stale") === null
     && (window.map?.loaded() ?? false) && !map.isMoving()
 )"""
-SAME = 3  # looks in a row, each after two frames, that must find it at one place
+SAME = 3  # looks in a row, each after two frames
 FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 

@@ -37,7 +37,7 @@ pytestmark = [in_a_browser, pytest.mark.long]  # what is always tried: test_stud
 
 REPOSITORY = Path(__file__).parents[2]
 WEB = REPOSITORY / "ipoa_mission" / "studio" / "web"
-#: Only the map is drawn by a GPU, which is a program, and that coarsely: nobody looks at it.
+#: Draw only the map by a GPU, coarsely.
 SOFTWARE = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -46,8 +46,8 @@ SOFTWARE = [
     "--disable-gpu-compositing",
     "--webgl-antialiasing-mode=none",
 ]
-COARSE = 0.5  # pixels of the picture for a pixel of the page
-#: What the browser says of being set up so.
+COARSE = 0.5  # of picture pixels to page pixels
+#: The browser's words about this setup.
 OF_THE_SETUP = "GL Driver Message (OpenGL, Performance, GL_CLOSE_PATH_NV, High): GPU stall due to ReadPixels"
 PATIENCE_MS = int(1000 * PATIENCE_S)
 USUAL = {"width": 1280, "height": 800}
@@ -192,11 +192,11 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
     own_page.reload()
-    until(own_page, f"{cells}.length > 0")  # what was kept is there when the page comes back
+    until(own_page, f"{cells}.length > 0")  # kept over a reload
     own_page.get_by_label("forget A").click()
 
 
-#: Notes that the page has told of a flight: a busy machine may look only after the landing.
+#: Notes of a flight: a busy machine may look only after the landing.
 SEEN_FLYING = """() => new MutationObserver(() => {
     window.seenFlying ||= document.body.innerText.includes("flying for");
 }).observe(document.body, {subtree: true, childList: true, characterData: true})"""
@@ -223,7 +223,7 @@ def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
 
 def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:
     name = '<img src="https://evil.example/x" onerror="alert(1)">'
-    proved(page)  # a page that has just been opened hears no keys yet
+    proved(page)  # a new page hears no keys yet
     page.keyboard.press("b")
     for place in places(page, (0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
         page.mouse.click(*place)
@@ -231,7 +231,7 @@ def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path
     until(page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
     field = page.locator("label", has_text="Name").locator("input")
     field.fill(name)
-    proved(page)  # an answer that comes meanwhile takes nothing of what is being typed
+    proved(page)  # an answer keeps what is being typed
     assert field.input_value() == name
     field.press("Tab")
     page.get_by_role("heading", name=name).wait_for()  # text, not markup
@@ -381,7 +381,7 @@ def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any)
     page.keyboard.press("Home")
 
 
-#: Flown over, but not to be landed on.
+#: Too high to land on.
 SHED = """
 [[obstacles]]
 kind = "box"
@@ -426,7 +426,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     until(page, "document.querySelector('.strip .then').textContent.endsWith('it is on the ground')")
     rows = endings.rows(Contingency.LAND, timed=False)
     assert Grade.WOULD in {row.grade for row in rows}
-    for row in rows:  # a key leads to where it is in the air, and on to where that changes
+    for row in rows:  # a key leads to it, and on to its changes
         page.keyboard.press("PageUp")
         until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
     looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")

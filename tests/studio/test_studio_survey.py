@@ -51,7 +51,7 @@ PHOTOS = asked("camera", "DJI Mavic 3E")
 LARGE_BARN = [Put(path=("obstacles", 0, side), value=200.0) for side in ("width", "depth")]
 
 
-#: So low that the way home leads between barn and silo.
+#: The way home leads between barn and silo.
 NARROW: list[Change] = [
     asked("polygon", [[-10, -30], [70, -30], [70, 30], [-10, 30]]),
     *(asked("line_spacing", 8.0), asked("height_above_ground", 20.0)),
@@ -215,7 +215,7 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
     text = drawn(*wrong)
     wanted = parse_scenario(text, MEADOW)
     with monkeypatch.context() as hurried:
-        hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # no more room is given to what is too near
+        hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # give no more room
         with pytest.raises(MissionError) as error:
             plan_survey(scenario=wanted)
     trouble = refused(error.value, wanted, 1)

@@ -27,7 +27,7 @@ def flown(path: Points, autopilot: Autopilot, speed: float, wind: Wind = CALM) -
 def test_a_survey_takes_about_what_its_forecast_says(autopilot: Autopilot, speed: float, spacing: float) -> None:
     path = np.array([(x, spacing * k) for k in range(6) for x in ((0.0, 150.0) if k % 2 == 0 else (150.0, 0.0))])
     times = LegTimes.of(Mission(HOME, (), autopilot), speed)
-    start_and_stop = 2.0 * speed  # at most, as legs are counted between corners at speed
+    start_and_stop = 2.0 * speed  # legs are counted between corners at speed
     took = flown(path, autopilot, speed)
     assert times.seconds(path) == pytest.approx(took, rel=0.08, abs=start_and_stop)
     assert times.seconds(path) > len(path) // 2 * 150.0 / speed

@@ -47,7 +47,7 @@ def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) ->
 def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None:
     plan = plan_survey(scenario=scenario(LINES | {"line_spacing": 5.0, "flights": 2}, autopilot)).plan
     assert plan.flown is not None
-    whole = [  # the sensor on between the lines too: it sees little more
+    whole = [  # the sensor on between lines
         flight.forecast.predicted(sure=True).track.points[:, :2] for flight in plan.flights
     ]
     assert 0.94 < plan.flown.share < plan.coverage.share

@@ -96,7 +96,7 @@ def test_photos_are_triggered_on_lines_only_and_counted() -> None:
     survey = plan_survey(scenario=scenario(PHOTOS))
     (flight,) = survey.flights
     distance, photos, shooting = survey.plan.sight.trigger, 0, 0.0
-    assert distance is not None  # 0.08 m later each: at 8 m/s the way is looked at 50 times a second
+    assert distance is not None  # 0.08 m later: sampled 50 times a second at 8 m/s
     here = np.zeros(2)
     for item in flight.mission.items:
         if item.command == Command.DO_SET_CAM_TRIGG_DIST:
@@ -111,7 +111,7 @@ def test_photos_are_triggered_on_lines_only_and_counted() -> None:
             here = there
     assert shooting == 0.0
     assert photos == survey.plan.photos > 40
-    assert distance == pytest.approx(0.3 * 61.277 * 15.6 / 16.0, abs=0.01)  # a photo of 15.6 by 23.5 mm through 16 mm
+    assert distance == pytest.approx(0.3 * 61.277 * 15.6 / 16.0, abs=0.01)  # 15.6 by 23.5 mm through 16 mm
     assert survey.plan.sight.spacing == pytest.approx(0.3 * 61.277 * 23.5 / 16.0, abs=0.01)
 
 
@@ -156,7 +156,7 @@ def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
         begin, end = legs[int(np.argmin(away))]
         share = np.linalg.norm(camera - begin[:2]) / np.linalg.norm((end - begin)[:2])
         height = begin[2] + share * (end - begin)[2] - ground(camera[None])[0]
-        level = 1 - apart / (wide * height)  # where all that it sees is as low as what is straight below
+        level = 1 - apart / (wide * height)  # on level ground
         assert smallest.share == pytest.approx(level, abs=0.08 if terrain else 0.02)
 
 

@@ -54,7 +54,7 @@ OF_PX4 = {
 }
 OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
 OF_118 = OF_PX4 | {
-    "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": only where it is flown by hand
+    "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": flown by hand only
     "COM_GNSSLOSS_ACT": "0:Warning,1:Return,2:Land,3:Terminate",
     "COM_PARACHUTE": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_ARM_ODID": "0:Disabled,1:Warning only,2:Error only,3:Return,4:Land,5:Terminate",

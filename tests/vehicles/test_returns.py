@@ -26,7 +26,7 @@ FENCE = {"FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0, "FENCE_TYPE": 1.0}
         ({"RTL_CLIMB_MIN": -500.0}, 40.0, 100.0, 0.0, 40.0),
         ({}, 5.0, 4.0, 0.0, 12.0),  # the cone of 3
         ({"RTL_CONE_SLOPE": 0.4}, 5.0, 4.0, 0.0, 15.0),  # too flat to count
-        ({}, 5.0, 4.0, 30.0, 12.0),  # the cone goes before the height of a rally point
+        ({}, 5.0, 4.0, 30.0, 12.0),  # the cone precedes a rally point's height
         ({}, 5.0, 100.0, 30.0, 30.0),
         (FENCE | {"RTL_ALT": 6000.0}, 20.0, 400.0, 0.0, 48.0),  # FENCE_MARGIN is 2
         (FENCE | {"RTL_ALT": 6000.0, "FENCE_MARGIN": 5.0}, 20.0, 400.0, 0.0, 45.0),

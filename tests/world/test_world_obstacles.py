@@ -74,7 +74,7 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
         body, (a, b) = KINDS[kind](rng), a_leg(rng)
         least, where = body.leg_clearance(a, b)
         span = np.linspace(0.0, 1.0, 101)
-        for _ in range(4):  # closes in on the sampled minimum: a 25th of the step each time
+        for _ in range(4):  # closes in: a 25th of the step each time
             sampled = body.distance(a + span[:, None] * (b - a))
             assert least <= sampled.min() + 1e-9
             center, half = span[np.argmin(sampled)], 2 * (span[1] - span[0])
