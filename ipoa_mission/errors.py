@@ -49,11 +49,11 @@ class MissionError(Exception):
     """The job could not be done (exit code 1).
 
     Attributes:
-        code: one of `CODES`; by default the name of the class.
-        place: in a file, the scenario or the options; the message begins with it.
+        code: one of `CODES`; by default of the class.
+        place: in a file, the scenario or the options; begins the message.
         hint: advice to the user.
-        remedies: changes of the scenario that may correct it.
-        known: further data for machines.
+        remedies: changes of the scenario.
+        known: data for machines.
     """
 
     exit_code = 1
@@ -82,7 +82,7 @@ class MissionError(Exception):
         return super().__str__() if self.place is None else f"{self.place}: {self.args[0]}"
 
     def at(self, place: object = None, hint: str | None = None) -> Self:
-        """Return the error with an outer place before its own, and another hint if given."""
+        """Return the error with an outer place before its own."""
         other = self._copied()
         other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
         other.hint = hint or self.hint
@@ -175,7 +175,7 @@ class NotModeled(MissionError):
 
 
 def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = MissionError) -> Any:
-    """Import a library that needs an extra, or raise `wrong` with the message `needed`."""
+    """Import a library of an extra, or raise `wrong` with the message `needed`."""
     try:
         return import_module(module)
     except ImportError as error:

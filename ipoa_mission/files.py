@@ -64,7 +64,7 @@ def in_folder(path: Path) -> Iterator[None]:
     try:
         yield
     except BaseException:
-        with suppress(OSError):  # it is not empty
+        with suppress(OSError):
             for one in made:
                 one.rmdir()
         raise
@@ -116,7 +116,7 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
 
 
 def packed(mission: str) -> Path:
-    """Return a path of `missions/`: within the package in a wheel, else next to it."""
+    """Return a path of `missions/`, inside a wheel's package or next to it."""
     package = Path(__file__).parent
     inside = package / "missions" / mission
     return inside if inside.is_file() else package.parent / "missions" / mission
@@ -132,7 +132,6 @@ def copies(part: str) -> Iterator[Path]:
 
 
 def _read_pipe(path: Path) -> bytes:
-    """Read to the end, if a writer begins within `PIPE_TIMEOUT_S`."""
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     with os.fdopen(pipe, "rb") as file:
         if not select.select([pipe], [], [], PIPE_TIMEOUT_S)[0]:

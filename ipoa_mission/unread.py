@@ -5,14 +5,13 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Unread:
-    """One kind of thing in a file that a reader skipped.
+    """Things of one kind that a reader skipped.
 
     Attributes:
         file: its name.
         what: thing and reason: `tag "hgt", which may be a height`.
         place: of the first one: `features[3]`.
         example: its spelling, or empty.
-        count: number of them.
         may_limit: may be an obstacle, a zone or another limit of the flight: an error.
         remedy: advice to the user.
 

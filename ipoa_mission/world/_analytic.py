@@ -48,7 +48,7 @@ def _bends(landform, peaks, greatest):
 
 @njit(error_model="numpy")
 def _kink(f, x, y, run):
-    """Bound the extra sag of f sin(f r) over a span of squared level length `run` [m].
+    """Bound the extra sag of f sin(f r) over a squared level length `run` [m].
 
     Its curvature f^2 / r has a kink at the origin. Over a length s it sags by at most f^2 s / 2.
     """
@@ -76,7 +76,7 @@ def extreme(points, landform, base, peaks, greatest, enough):
         height = sign * min(ends[n, 0], ends[n, 1])
         if height < best:
             best, leg, fraction = height, min(n, len(points) - 2), 1.0 if n > len(points) - 2 else 0.0
-    spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights above both surfaces at both ends
+    spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights at both ends
     for n in range(len(points) - 1):
         x0, y0, z0 = points[n, 0], points[n, 1], points[n, 2]
         dx, dy, dz = points[n + 1, 0] - x0, points[n + 1, 1] - y0, points[n + 1, 2] - z0

@@ -28,12 +28,12 @@ class Clearance:
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
     def less(self, stray: float) -> "Clearance":
-        """Return the clearance of a path within `stray` [m] of the flight."""
+        """`distance` [m], negative inside, to `what`, at `place` on leg `leg`."""
         return replace(self, distance=self.distance - stray)
 
 
 ROUNDING = 1e-6  # [m]
-PARTS = (2, 16)  # of a leg, before the exact solution
+PARTS = (2, 16)
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -128,7 +128,7 @@ class Airspace:
         return np.minimum(self.obstacle_distance(points), points[:, 2] - self.ground(points))
 
     def obstacle_distance(self, points: Points) -> Vector:
-        """Return signed distances (n,) [m]; infinite without obstacles."""
+        """Return distances (n,) [m], infinite without obstacles."""
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
@@ -155,7 +155,7 @@ class Airspace:
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
-        """Yield each obstacle within `reach` [m] of `points`, their indices and distances (k,) [m]."""
+        """Yield obstacles within `reach` [m] of `points`, with indices and distances (k,) [m]."""
         if not self.obstacles:
             return
         pairs = self._index.query(shapely.points(points[:, :2]), "dwithin", reach)
@@ -165,7 +165,7 @@ class Airspace:
                 yield self.obstacles[body], which[close], distance[close]
 
     def beside(self, lines: NDArray[np.object_], reach: Vector) -> NDArray[np.intp]:
-        """Return indices of `lines` and of obstacles within `reach` (k,) [m] by their boxes, (2, n)."""
+        """Return indices of `lines` and of boxes within `reach` (k,) [m], (2, n)."""
         if not self.obstacles:
             return np.zeros((2, 0), dtype=np.intp)
         spots = shapely.length(lines) == 0  # GEOS finds nothing near a line without length
@@ -174,8 +174,7 @@ class Airspace:
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
     def legs_clearance(self, starts: Points, ends: Points, within: float) -> tuple[Vector, NDArray[np.intp]]:
-        """Bound the distances of legs from `starts` to `ends` (n,) [m] to obstacles `within` a distance, with their
-        indices.
+        """Bound the distances (n,) [m] of legs `starts` to `ends` to obstacles `within` a distance.
 
         A bound is exact for a level or vertical leg outside an upright obstacle.
         """
@@ -226,7 +225,7 @@ class Airspace:
 
     def bounds_margin(self, points: Points) -> Clearance:
         box, margins = replace(self.bounds, footprint=None), self.bounds.box_margin(points)
-        spot = int(np.argmin(margins))  # at an end of a leg
+        spot = int(np.argmin(margins))
         limit = box.nearest_limit(points[spot])
         least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
@@ -252,14 +251,13 @@ class Airspace:
 
 
 def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
-    """Return distances at the ends of equal parts of legs, (n, parts + 1) [m]."""
     shares = np.linspace(0.0, 1.0, parts + 1)[:, None]
     spots = starts[:, None] + shares * (ends - starts)[:, None]
     return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
 
 
 def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
-    """Bound the distance along legs, from distances at the ends of their parts (n, parts + 1).
+    """Bound the distance along legs, from the ends of their parts (n, parts + 1).
 
     It changes by at most 1 m per metre. For a convex obstacle it is not below the line through adjacent ends.
     """
@@ -285,7 +283,6 @@ def _place(point: Vector) -> tuple[float, float, float]:
 
 
 def _grouped(pairs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """Yield (obstacle, queries) from an index's answer (2, k)."""
     queries, bodies = pairs
     order = np.argsort(bodies, kind="stable")
     numbers, first = np.unique(bodies[order], return_index=True)

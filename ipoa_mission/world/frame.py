@@ -55,7 +55,7 @@ def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """Tangent frame at `home`: 1 mm within 50 km, also across the antimeridian."""
+    """Accurate to 1 mm within 50 km, also across the antimeridian."""
 
     home: Geodetic
 
@@ -82,7 +82,7 @@ class LocalFrame:
         return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
-        """Pass a single point as numbers: pyproj warns of arrays of one."""
+        """pyproj warns of arrays of one."""
         transform = _topocentric(self.home).transform
         if len(x) != 1:
             x, y, z = transform(x, y, z, direction=direction)

@@ -13,7 +13,7 @@ from ipoa_mission.geometry import Vector
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], not closed
 Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 MAX_SOLVED_EDGES = 6
-QUARTER_SEGMENTS = 4  # of a quarter turn
+QUARTER_SEGMENTS = 4
 SHORTEST_SPAN = 1e-8  # [m]
 CIRCLE_CORNERS = 32
 
@@ -27,7 +27,6 @@ def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
 
 
 def circle(x: float, y: float, radius: float) -> Plane:
-    """Return a ring (32, 2)."""
     turn = np.arange(CIRCLE_CORNERS) * 2 * np.pi / CIRCLE_CORNERS
     return np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
 
@@ -50,7 +49,7 @@ class Polygon:
         return shapely.Polygon(self.outer, self.holes)
 
     def buffered(self, by: float) -> shapely.Geometry:
-        """Return the shape grown by `by` [m]; shrunk, it may be pieces or nothing."""
+        """Grow by `by` [m]; a shrunk shape may be pieces or nothing."""
         return shapely.buffer(self.shape, by, quad_segs=QUARTER_SEGMENTS)
 
     @property
@@ -63,7 +62,6 @@ class Polygon:
 
     @cached_property
     def _edges(self) -> tuple[Plane, Plane]:
-        """Count repeated corners once."""
         rings = (self.outer, *self.holes)
         starts = np.array([corner for ring in rings for corner in ring], float)
         ends = np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
@@ -77,12 +75,11 @@ class Polygon:
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
 
     def distance(self, points: Plane) -> Vector:
-        """Return signed distances (n,): negative inside."""
+        """Negative inside."""
         nearest = self.edge_distances(points).min(axis=1)
         return np.asarray(np.where(self.contains(points), -nearest, nearest))
 
     def contains(self, points: Plane) -> NDArray[np.bool_]:
-        """Apply the even-odd rule."""
         (e0, n0), (run, rise), _ = self._lines
         east, north = points[:, :1], points[:, 1:2]
         spans = (n0 > north) != (self.ends[:, 1] > north)
@@ -90,7 +87,7 @@ class Polygon:
         return np.asarray(np.count_nonzero(spans & (east < e0 + (north - n0) * slope), axis=1) % 2 == 1)
 
     def edge_distances(self, points: Plane) -> NDArray[np.float64]:
-        """Return distances of points (n, 2) to edges, (n, m)."""
+        """Return (n, m) of points (n, 2)."""
         (east, north), (along_e, along_n), squares = self._lines
         away_e, away_n = points[:, :1] - east, points[:, 1:2] - north
         share = np.minimum(np.maximum((away_e * along_e + away_n * along_n) / squares, 0.0), 1.0)
@@ -105,7 +102,7 @@ class Polygon:
         return self.starts.T.copy(), along, (along**2).sum(axis=0)
 
     def break_parameters(self, a: Vector, b: Vector) -> Vector:
-        """Return parameters at which the line a-b is abreast of a corner or crosses an edge."""
+        """Find the line a-b abreast of a corner or across an edge."""
         step, along, away = b - a, self.ends - self.starts, self.starts - a
         square = float(step @ step)
         feet: Vector = away @ step / square if square > 0 else np.zeros(0)
@@ -158,7 +155,7 @@ class Polygon:
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
-    """Return the real parts of the roots of c0 + c1 t + c2 t^2."""
+    """Return the roots' real parts."""
     flat = np.asarray(c2 == 0)
     root = np.sqrt(np.maximum(c1**2 - 4 * c2 * c0, 0.0))
     q = -0.5 * (c1 + np.copysign(root, c1))

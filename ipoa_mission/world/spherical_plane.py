@@ -1,4 +1,4 @@
-"""PX4's and QGroundControl's plane: azimuthal equidistant, on a sphere."""
+"""Azimuthal equidistant plane on a sphere, of PX4 and QGroundControl."""
 
 from dataclasses import dataclass
 

@@ -1,5 +1,3 @@
-"""Terrain heights, and exact heights of legs above it."""
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, TypeAlias
@@ -21,17 +19,17 @@ class Terrain(Protocol):
         ...
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Return heights [m] under points (n, 2 or 3), (n,)."""
+        """Return heights [m] (n,) under points (n, 2 or 3)."""
         ...
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Return the least height above ground of legs (n, 3), or a bound from `enough` [m] on."""
+        """Return the least height above ground of legs, or a bound from `enough` [m] on."""
         ...
 
     def greatest_height(self, points: Points) -> Spot: ...
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Return lower bounds of legs' heights above ground (n,) [m]."""
+        """Bound legs' heights above ground (n,) [m]."""
         ...
 
 
@@ -106,7 +104,6 @@ class SeaLevel:
         return np.asarray(self.level - points[:, :2] ** 2 @ self._bends)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Solve the convex parabola on each leg."""
         heights, lowest = self._lowest(points[:-1], points[1:])
         leg = int(np.argmin(heights))
         return float(heights[leg]), leg, float(lowest[leg])
@@ -186,7 +183,7 @@ class Grid:
         return float(heights[best]), int(leg[best]), float(fraction[best])
 
     def _candidate_heights(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
-        """Return heights on legs (n, 3), leg numbers and fractions, (k,) each, including the least of each leg.
+        """Return heights on legs, their numbers and fractions, (k,) each, including the least of each leg.
 
         Within a cell the height is quadratic along the leg: ends and vertex are tried.
         """
@@ -254,7 +251,6 @@ class Analytic:
         return float(max(landform, mountains))
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Eq. (3)."""
         return np.maximum(self.landform(points), self.mountains(points))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
@@ -287,7 +283,6 @@ class Analytic:
         return self._extreme(points, greatest=True)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Bound heights by the greatest slope."""
         step = np.abs(ends - starts)
         at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
         return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-TRIED_PER_EDGE = 8  # parameters
+TRIED_PER_EDGE = 8
 
 
 @njit(inline="always")
@@ -51,7 +51,6 @@ def _feet(starts, ends, a, step, tried):
 
 @njit(inline="always")
 def _rims(starts, ends, height, a, step, tried, count):
-    """Add parameters nearest to corners and edges at a height."""
     square, up = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, height - a[2]
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]

@@ -10,7 +10,7 @@ from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
-TOUCHING = 1e-9  # relative lateral tolerance
+TOUCHING = 1e-9  # relative
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def derivative(ascending: Vector) -> Vector:
 
 
 def roots(ascending: Vector) -> Vector:
-    """Return the real parts: rounding turns a double root into a complex pair."""
+    """Return real parts: rounding turns a double root into a complex pair."""
     scale = float(np.abs(ascending).max())
     return (
         np.asarray(np.polynomial.polynomial.polyroots(np.trim_zeros(ascending / scale, "b")).real)

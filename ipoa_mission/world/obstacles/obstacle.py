@@ -64,7 +64,6 @@ class Obstacle(ABC):
 
     @property
     def convex(self) -> bool:
-        """Return whether it is surely convex."""
         return False
 
     @property
@@ -82,18 +81,17 @@ class Obstacle(ABC):
         return shapely.box(*self.bounds[:, :2].ravel())
 
     def grown(self, aside: float, below: float, above: float) -> "Obstacle":
-        """Return it grown [m], if the kind can grow."""
         return self
 
     def passings(self, a: Points, b: Points) -> "tuple[Passing, ...]":
-        """Bound the distances of legs (n, 3) to each body that covers it."""
+        """Bound the distances to each body that covers it."""
         if self.column is not None:
             return (self.passing(a, b),)
         sides = np.full(len(a), 1.0 if self.convex else 2.0)  # a leg may pass between two parts
         return tuple(part.passing(a, b)._replace(sides=sides) for part in self.parts)
 
     def passing(self, a: Points, b: Points) -> Passing:
-        """Bound the distances of legs (n, 3) to its column; a courtyard or corner has two sides."""
+        """Bound the distances to its column; a courtyard or corner has two sides."""
         assert self.column is not None
         lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
         shape, radius, base, top = self.column
@@ -104,7 +102,7 @@ class Obstacle(ABC):
         return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
     def leg_distances(self, a: Points, b: Points) -> Vector:
-        """Bound the signed distances of legs (n, 3), (n,) [m].
+        """Bound the signed distances of legs, (n,) [m].
 
         A bound is exact for a level or vertical leg outside an upright body.
         """
@@ -125,7 +123,7 @@ class Obstacle(ABC):
 
 
 class GridRow(NamedTuple):
-    """A row of `planning.obstacle_grid.ObstacleGrid`, for the planner's kernels.
+    """A row of `planning.obstacle_grid.ObstacleGrid`.
 
     The grid sets the indices of `edges` (m, 4), east, north, east, north, as the first two numbers.
     """

@@ -64,7 +64,6 @@ class Sphere(Part):
         return np.asarray(np.linalg.norm(self._away(a, b), axis=1) - self.radius)
 
     def _away(self, a: Points, b: Points) -> Points:
-        """Return vectors from the center to the nearest place, (n, 3) [m]."""
         step, center = b - a, np.asarray(self.center)
         squares = np.maximum((step**2).sum(axis=1), 1e-12)
         along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
