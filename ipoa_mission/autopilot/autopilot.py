@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
-GROUP = "ipoa_mission.vehicles"  # entry points of vehicle plug-ins
 STATIONARY_SPEED = 0.1  # [m/s]
 
 
@@ -285,7 +284,7 @@ def _registered() -> dict[str, Autopilot]:
         BadInput: one cannot be imported, or is no `Autopilot`.
     """
     found = list[Autopilot]()
-    for entry in entry_points(group=GROUP):
+    for entry in entry_points(group="ipoa_mission.vehicles"):
         try:
             vehicle = entry.load()
         except (ImportError, AttributeError) as error:

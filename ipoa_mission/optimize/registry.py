@@ -14,7 +14,6 @@ from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.optimize.settings import check_setting
 
-GROUP = "ipoa_mission.optimizers"
 BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
 
 
@@ -56,7 +55,7 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
 
 @cache
 def _registered() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=GROUP)}
+    return {entry.name: entry for entry in entry_points(group="ipoa_mission.optimizers")}
 
 
 def _one_of(names: list[str]) -> str:

@@ -67,7 +67,7 @@ def test_what_is_wrong_is_named_with_what_was_expected(
 
 
 def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    entries = {name: EntryPoint(name, value, registry.GROUP) for name, value in OTHERS.items()}
+    entries = {name: EntryPoint(name, value, "ipoa_mission.optimizers") for name, value in OTHERS.items()}
     monkeypatch.setattr(registry, "_registered", lambda: entries)
     assert build_optimizer("mine", {"population": 8}) == POA(population=8)
     for name, value in {"gone": "nowhere", "function": "wing"}.items():
