@@ -13,20 +13,20 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from ipoa_mission.autopilot.circle import FlownCircle
-from ipoa_mission.autopilot.contingency import Contingency
-from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, StationLoss
-from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables
-from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, WaypointDefaults
-from ipoa_mission.autopilot.modes import Modes
-from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, OwnFence, StationLoss
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
+from ipoa_mission.autopilot.guidance_profile import (
+    FlownCircle,
+    GuidanceProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+    WaypointDefaults,
+)
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
-from ipoa_mission.autopilot.refusal import Refusals
-from ipoa_mission.autopilot.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.autopilot.way_known import WayKnown
 from ipoa_mission.errors import BadInput, NotModeled
 
 if TYPE_CHECKING:

@@ -2,8 +2,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.autopilot.contingency import Contingency, FlightStage
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 Series = tuple[int, int]
 STATION_LOST = "ground station lost"
@@ -130,3 +130,20 @@ class StationLoss:
 
 def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
     return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(contingency)) for contingency in contingencies)
+
+
+@dataclass(frozen=True)
+class FenceLimit:
+    """A limit [m] and its parameter; infinite: none."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True)
+class OwnFence:
+    """Distance from home, and heights between take-off and landing [m]."""
+
+    radius: FenceLimit
+    ceiling: FenceLimit
+    floor: FenceLimit

@@ -12,14 +12,14 @@ PX4 1.17.0. A row gives the read-back of each of the seven params:
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 
@@ -157,3 +157,37 @@ class FirmwareTables:
             words = f"expected one of {self._defaults.autopilot}'s {names}, not {version}"
             raise BadInput(words, code="unknown-version", place="firmware version")
         return version
+
+
+POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
+PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
+
+
+@dataclass(frozen=True)
+class Refused:
+    """MAV_MISSION_RESULT, number of the wrong value or 0, reason."""
+
+    result: str
+    param: int = 0
+    words: str = ""
+
+
+Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | None]
+
+
+@dataclass(frozen=True)
+class Refusals:
+    """Checks of each list; `mission` takes the number of items on the wire."""
+
+    mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
+    fence: Refusal
+    rally: Refusal
+
+
+def param_name(n: int) -> str:
+    """Name a value, from 1.
+
+    >>> param_name(5)
+    'latitude'
+    """
+    return PARAM_NAMES[n - 1]

@@ -2,7 +2,7 @@ from collections.abc import Iterator
 
 from ipoa_mission.checks.numbered_finding import item_of
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.deviation.measured_law import not_measured
+from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.mission.items import Mission
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingencies import lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples

@@ -16,10 +16,9 @@ from ipoa_mission.autopilot.commands import (
     command_name,
     plain_frame,
 )
-from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
 from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
-from ipoa_mission.autopilot.refusal import param_name
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.jump_check import check_jumps
 from ipoa_mission.checks.numbered_finding import Numbered, numbered

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import JUMPS, Command
-from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, tagged

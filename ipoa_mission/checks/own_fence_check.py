@@ -5,9 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.autopilot.own_fence import FenceLimit, OwnFence
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.geometry import Vector

@@ -87,7 +87,7 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
 def bar_of(rows: Sequence[ContingencyRow]) -> str:
     """Return characters of equal time, each its worst row.
 
-    >>> from ipoa_mission.autopilot.contingency import Contingency
+    >>> from ipoa_mission.autopilot.returning import Contingency
     >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
     >>> unclear = ContingencyRow(Contingency.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
     >>> bar_of((clear, unclear)).count("-")

@@ -10,8 +10,7 @@ import numpy as np
 from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import ItemTime

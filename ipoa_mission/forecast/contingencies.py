@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade

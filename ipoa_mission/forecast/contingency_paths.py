@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.contingency import Contingency
-from ipoa_mission.autopilot.returning import ReturnBy
+from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places

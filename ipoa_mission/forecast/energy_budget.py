@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.autopilot.energy.consumption import (
     LIFTED_DISTANCE,
     Battery,
@@ -16,6 +15,7 @@ from ipoa_mission.autopilot.energy.consumption import (
     NotEnoughBattery,
     shortage,
 )
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency_paths import (
     BRAKES,
     CLIMBS,
@@ -16,7 +16,7 @@ from ipoa_mission.forecast.contingency_paths import (
     ContingencyPaths,
     ContingencySamples,
 )
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 
 HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 

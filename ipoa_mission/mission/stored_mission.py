@@ -11,8 +11,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame, command_name, plain_frame
-from ipoa_mission.autopilot.firmware_tables import Firmware
-from ipoa_mission.autopilot.refusal import PARAM_NAMES
+from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.items import Item, Mission

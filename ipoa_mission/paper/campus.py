@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission import Command, Mission, NoRoute, Scenario, assemble, estimate, fly
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.paper.cec2022 import Measures, Problem
 from ipoa_mission.paper.paper_maps import paper_scenario, path_problem
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan

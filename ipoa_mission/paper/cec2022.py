@@ -1,15 +1,30 @@
 """Provide CEC2022 by `minionpy`, the organizers' C code; `opfunu` 1.0.4 is wrong on eleven functions."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
 import numpy as np
 
 from ipoa_mission.errors import BadInput, UnknownName, imported
-from ipoa_mission.optimize.search import Box, Candidates, Costs
-from ipoa_mission.paper.benchmark_problem import Problem
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
 #: F_i* of Table 1
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
 FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
 DIMENSIONS = (10, 20)
+
+
+Measures: TypeAlias = dict[str, float | list[float]]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A cost (n, D) -> (n,) to minimize, its box, and further measures of an optimum."""
+
+    cost: Callable[[Candidates], Costs]
+    box: Box
+    measure: Callable[[Optimum], Measures] = lambda _found: {}
 
 
 def cec2022(function: str, dimension: int) -> Problem:

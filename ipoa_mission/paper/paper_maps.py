@@ -10,7 +10,7 @@ from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.paper.cec2022 import Measures, Problem
 from ipoa_mission.planning.problem import encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline

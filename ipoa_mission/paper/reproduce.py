@@ -9,8 +9,7 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.campus import campus_scenario
 from ipoa_mission.paper.executors import open_executor
-from ipoa_mission.paper.markdown import filled
-from ipoa_mission.paper.markdown_table import Table
+from ipoa_mission.paper.markdown_table import Table, filled
 from ipoa_mission.paper.paper_maps import map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
 from ipoa_mission.paper.runs import measure

@@ -14,9 +14,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from ipoa_mission.errors import UnknownName
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
-from ipoa_mission.paper.benchmark_problem import Problem
 from ipoa_mission.paper.campus import campus_problem
-from ipoa_mission.paper.cec2022 import cec2022
+from ipoa_mission.paper.cec2022 import Problem, cec2022
 from ipoa_mission.paper.paper_maps import map_problem
 from ipoa_mission.paper.peers import RIVALS
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array, kron
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.obstacle_grid import Soft, Spans
@@ -17,8 +18,47 @@ from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProble
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full to the reduced band."""
+
+    ways: csr_array
+    turned: csr_array
+    reach: int
+    cells: csr_array
+
+    def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
+        summed = self.cells @ band.ravel()
+        return np.asarray(self.turned @ gradient), np.asarray(summed).reshape(self.reach + 1, -1)
+
+
+def spread_of(ways: Matrix, band: int) -> Spread:
+    """Return the reduction for moves (n, f), with Hessian band width `band`.
+
+    The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
+    """
+    spread = csr_array(kron(csr_array(ways), eye_array(3)))
+    size, free = spread.shape
+    below, column = np.divmod(np.arange((band + 1) * size), size)
+    inside = below + column < size  # row j + k, column j
+    cell, below, column = np.arange(len(below))[inside], below[inside], column[inside]
+    many = np.diff(spread.indptr)
+    pairs = many[column + below] * many[column]
+    number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
+    cell, below, column = (np.repeat(one, pairs) for one in (cell, below, column))
+    one = spread.indptr[column + below] + number // many[column]
+    other = spread.indptr[column] + number % many[column]
+    a, b = spread.indices[one].astype(np.intp), spread.indices[other].astype(np.intp)
+    weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0) * spread.data[one] * spread.data[other]
+    beside, first = np.abs(a - b), np.minimum(a, b)
+    reach = int(beside.max(initial=0))
+    cells = coo_array((weight, (beside * free + first, cell)), ((reach + 1) * free, (band + 1) * size))
+    return Spread(spread, csr_array(spread.T), reach, csr_array(cells))
+
+
 if TYPE_CHECKING:
-    from ipoa_mission.planning.null_space_basis import Spread
+    from ipoa_mission.planning.polish import Spread
 
 NODES_PER_SPAN = 8
 EARLY_GAIN = 1e-5  # of a step that ends an early stage
@@ -145,7 +185,7 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
     if len(candidate.via_at):
-        from ipoa_mission.planning.null_space_basis import spread_of
+        from ipoa_mission.planning.polish import spread_of
 
         spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.contingencies import (
     Contingencies,

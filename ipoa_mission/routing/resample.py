@@ -62,7 +62,7 @@ def _spots(curve: Spline, tolerance: float, most: int) -> Points:
 
 def deviation(path: Points, curve: Spline) -> float:
     """Return the symmetric Hausdorff distance of straight legs and a curve [m]."""
-    from ipoa_mission.routing._hausdorff import farthest
+    from ipoa_mission.routing._corridor import farthest
 
     steps, samples = _steps(path), _dense(curve)
     spacing = curve.length / (len(samples) - 1)

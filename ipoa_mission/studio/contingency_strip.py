@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
 from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of

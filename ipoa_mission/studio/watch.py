@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight

@@ -1,9 +1,11 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.errors import BadInput, Remedy
@@ -13,13 +15,12 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour, way_between
-from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.survey.tour import Tour
+from ipoa_mission.survey.tour import Swath, Tour
 
 MAX_LINES = 3000  # memory for the ways between all of them
 MAX_HOURS = 100  # of flight: planning takes 1 to 2 GB
@@ -155,3 +156,41 @@ def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
         firmware_version=vehicle.version,
     )
     return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
+
+
+MAX_TRIM = 1 / 8
+INSIDE = 1e-6  # [m]
+
+
+def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
+    """Return lines at most `spacing` apart [m], from the corridor's end nearer to `begin` (2,).
+
+    Lines end earlier by the overshoot `past` corners [m]. Return None if a line bends back on itself or leaves
+    `inside`.
+    """
+    count = max(math.ceil(width / spacing - 1e-9), 1)
+    if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
+        middle = middle[::-1]
+    middle = _trimmed(middle, min(past, MAX_TRIM * spacing))
+    lines = list[Points]()
+    for n in range(count):
+        line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
+        corners = shapely.get_coordinates(line)
+        if line.geom_type != "LineString" or len(corners) != len(middle) or not inside.covers(line):
+            return None
+        lines.append(corners if n % 2 == 0 else corners[::-1])
+    swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
+    return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
+
+
+def _trimmed(middle: Points, by: float) -> Points:
+    legs = middle[[1, -2]] - middle[[0, -1]]
+    lengths = np.linalg.norm(legs, axis=1, keepdims=True)
+    if (lengths <= 2 * by).any():
+        return middle
+    ends = middle[[0, -1]] + by / lengths * legs
+    return np.concatenate([ends[:1], middle[1:-1], ends[1:]])
+
+
+def where_allowed(area: Area, keep_out: Any | None) -> Any:
+    return area.without(keep_out).buffer(INSIDE)

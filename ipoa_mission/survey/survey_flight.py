@@ -135,8 +135,7 @@ class Survey:
             BadInput: a file cannot be written.
         """
         from ipoa_mission.report.page import report_html
-        from ipoa_mission.survey.survey_page import survey_html
-        from ipoa_mission.survey.survey_panel import survey_panel
+        from ipoa_mission.survey.survey_panel import survey_html, survey_panel
 
         panel, pages = survey_panel(self.plan, self.names), list[Path]()
         if len(self.flights) > 1:

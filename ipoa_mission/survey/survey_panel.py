@@ -1,12 +1,16 @@
 from collections.abc import Sequence
 from html import escape
 from typing import Any
+from urllib.parse import quote
 
 import shapely
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.report.number_format import meters, number, seconds
-from ipoa_mission.survey.survey_plan import SurveyPlan
+from ipoa_mission.report.page import page_of
+from ipoa_mission.report.panels.headline import verdict, warnings
+from ipoa_mission.report.seen import dangers, follow
+from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 MARGIN = 0.03  # of the map
 HUES = (210, 35, 285, 150, 325, 75)  # far apart and far from the red of gaps [deg]
@@ -86,3 +90,26 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
         head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(name)}</th>'
         rows += f"<tr>{head_of}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+
+
+def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
+    """`names`: of the flights' files in the same folder."""
+    whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
+    flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
+    parts = {
+        "title": escape(plan.scenario.name),
+        "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
+        "warnings": warnings([], [], remarks, plan.scenario.remarks),
+        "survey": survey_panel(plan, names),
+        "flights": flights,
+    }
+    return page_of("survey.html", parts)
+
+
+def _flight(flight: SurveyFlight, name: str) -> str:
+    forecast = flight.forecast
+    course = follow(forecast.estimate.track, forecast.world.airspace)
+    proof = forecast.proof_if_known
+    judged = verdict(proof, forecast.promise_if_known, dangers(course, forecast.world), flight.findings)
+    link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
+    return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

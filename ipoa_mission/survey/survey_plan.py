@@ -21,9 +21,8 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, parts_of, returning
-from ipoa_mission.survey.flown_coverage import AsFlown, as_flown, expected_lines
+from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
 from ipoa_mission.survey.keep_out import flown_round, keep_out
 from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps

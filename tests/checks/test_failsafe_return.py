@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.own_fence import OwnFence
+from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.flight.preflight import expect_fit

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.cli.contingency_output import CELLS, bar_of
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast

@@ -14,19 +14,15 @@ import pytest
 from ipoa_mission.autopilot import autopilot as register
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
-from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables
-from ipoa_mission.autopilot.guidance_profile import GuidanceProfile
+from ipoa_mission.autopilot.failsafe import OwnFence
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.mav_types import QUADROTOR
-from ipoa_mission.autopilot.modes import Modes
-from ipoa_mission.autopilot.own_fence import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
-from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
-from ipoa_mission.autopilot.refusal import Refusals, Refused
 from ipoa_mission.autopilot.returning import Place
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.quantiles import Quantiles
+from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics

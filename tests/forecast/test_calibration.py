@@ -13,7 +13,7 @@ import scipy
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 
 LONG = 120.0  # [s]
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import forecast_text
-from ipoa_mission.vehicles.arducopter.circling import flown_circle
+from ipoa_mission.vehicles.arducopter.braking import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.world.frame import Geodetic, LocalFrame

@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
-from ipoa_mission.forecast.deviation.measured_law import law_of, not_measured
+from ipoa_mission.forecast.deviation.law import law_of, not_measured
 from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.plan import Plan
@@ -18,7 +18,7 @@ from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
+from ipoa_mission.vehicles.px4_multicopter.flight_model import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box

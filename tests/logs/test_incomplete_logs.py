@@ -28,8 +28,7 @@ from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.logged import Fixes, Log, messages_of
-from ipoa_mission.logs.telemetry_log import read_telemetry_log
-from ipoa_mission.logs.vehicle_clock import unwrapped, vehicle_times
+from ipoa_mission.logs.telemetry_log import read_telemetry_log, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter import log as ulog
 from tests.refused import refuses

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.null_space_basis import spread_of
+from ipoa_mission.planning.polish import spread_of
 from ipoa_mission.planning.problem import encode, follow, null_space, pinned, prepare, refine, surround
 from tests.planning.conftest import Make, Place
 

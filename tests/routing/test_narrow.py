@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide, least_reach
 from ipoa_mission.routing.seek import plan_with_room

@@ -6,9 +6,8 @@ import shapely
 from scipy.optimize import lsq_linear
 
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing._corridor import fewest_legs
-from ipoa_mission.routing._hausdorff import farthest
-from ipoa_mission.routing.relax import _least_squares, relaxed
+from ipoa_mission.routing._corridor import farthest, fewest_legs
+from ipoa_mission.routing.candidates import _least_squares, relaxed
 from ipoa_mission.routing.resample import NO_PLACES, corridor, deviation, every, stations
 
 RNG = np.random.default_rng(4)

@@ -7,7 +7,7 @@ import shapely
 
 from ipoa_mission import plan_flight
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths

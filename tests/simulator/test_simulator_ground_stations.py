@@ -4,7 +4,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.autopilot.modes import mode_number
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
     ClearAll,

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.grades import Grade

@@ -17,7 +17,7 @@ from urllib.parse import urljoin
 import pytest
 
 from ipoa_mission import Forecast, read_mission
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of

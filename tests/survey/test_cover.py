@@ -13,7 +13,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.cover import quickest_tour, way_between
-from ipoa_mission.survey.coverage import coverage
+from ipoa_mission.survey.flown_coverage import coverage
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import Geodetic

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.survey.coverage import coverage
+from ipoa_mission.survey.flown_coverage import coverage
 from ipoa_mission.survey.tour import Swath, Tour
 
 AREA = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 20.0), (0.0, 20.0)]]])

@@ -26,7 +26,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, VehicleCommand
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast

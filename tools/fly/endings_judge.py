@@ -20,7 +20,7 @@ import shapely
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.contingency import Contingency, FlightStage
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast

@@ -4,8 +4,41 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.forecast.deviation.quantiles import Quantiles
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geometry import Vector
+
+
+@dataclass(frozen=True)
+class Quantiles:
+    """Measured quantiles of a distance: exceeded with `chances` (falling) at `distances` (rising) [m].
+
+    Between them the probability falls exponentially, and beyond the last at the same rate as before it.
+
+    >>> import numpy as np
+    >>> spread = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
+    >>> spread.distance(0.001)
+    1.5
+    >>> spread.chance(np.array([-1.0, 0.5, 1.5])).round(6).tolist()
+    [1.0, 0.1, 0.001]
+    """
+
+    distances: tuple[float, ...]
+    chances: tuple[float, ...]
+
+    def chance(self, distance: Vector) -> Vector:
+        logs = np.log(self.chances)
+        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        inside = np.interp(distance, self.distances, logs)
+        return np.asarray(np.exp(inside + slope * np.maximum(distance - self.distances[-1], 0.0)))
+
+    def distance(self, chance: float) -> float:
+        logs = np.log(self.chances)
+        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        log = float(np.log(chance))
+        if log <= logs[-1]:
+            return float(self.distances[-1] + (log - logs[-1]) / slope)
+        return float(np.interp(log, logs[::-1], self.distances[::-1]))
+
 
 INDEPENDENT_SAMPLES = 4  # in which a flight is near to a limit that is no obstacle
 
@@ -69,3 +102,16 @@ class DeviationLaw:
             return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
 
         return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))
+
+
+def not_measured(autopilot: Autopilot, wind: float) -> str | None:
+    """Return why the law is extrapolated in this wind [m/s]; None if it was measured."""
+    strongest = autopilot.part(DeviationLaw).strongest
+    if wind <= strongest:
+        return None
+    flown = f"the deviation of {autopilot.firmware_name} was measured in wind up to {strongest:g} m/s"
+    return f"{flown}: the clearance in {wind:g} m/s is extrapolated"
+
+
+def law_of(autopilot: Autopilot, wind: float = 0.0) -> DeviationLaw:
+    return autopilot.part(DeviationLaw).in_wind(wind)

@@ -5,7 +5,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.scenario import Scenario

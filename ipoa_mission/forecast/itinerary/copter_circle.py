@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from ipoa_mission.autopilot.circle import FlownCircle
+from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item

@@ -25,7 +25,7 @@ from ipoa_mission.autopilot.commands import (
     Frame,
     plain_frame,
 )
-from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.geometry import Points

@@ -8,7 +8,6 @@ scripts.
 import math
 from dataclasses import replace
 
-from ipoa_mission.autopilot.contingency import Contingency, FlightStage
 from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
@@ -21,6 +20,7 @@ from ipoa_mission.autopilot.failsafe import (
     ordered,
 )
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]

@@ -1,6 +1,6 @@
 import math
 
-from ipoa_mission.autopilot.own_fence import FenceLimit, OwnFence
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Place, level_distance
 

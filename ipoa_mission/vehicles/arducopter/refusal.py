@@ -4,8 +4,7 @@ import math
 from collections.abc import Sequence
 
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.autopilot.firmware_tables import Firmware
-from ipoa_mission.autopilot.refusal import POLYGON, Refusals, Refused
+from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
 DEG_E7 = 1e-7
 UINT16_MAX = 2**16 - 1

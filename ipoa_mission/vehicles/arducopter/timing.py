@@ -9,13 +9,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
-from ipoa_mission.autopilot.contingency import Contingency
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.flight_model import Abort
-from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.prediction import Prediction, corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe

@@ -1,32 +1,73 @@
 """The ArduCopter plug-in."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.autopilot.arming import ArmingWords
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.circle import FlownCircle
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
-from ipoa_mission.autopilot.contingency import Contingency
-from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.failsafe import Failsafe, OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.autopilot.guidance_profile import GuidanceProfile
-from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.guidance_profile import (
+    EQUIPMENT,
+    SIMPLE,
+    ArmingWords,
+    FlownCircle,
+    GuidanceProfile,
+    JumpProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+)
 from ipoa_mission.autopilot.mav_types import MULTICOPTERS
-from ipoa_mission.autopilot.modes import Modes
-from ipoa_mission.autopilot.own_fence import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
-from ipoa_mission.autopilot.returning import OverTerrain, Place
+from ipoa_mission.autopilot.returning import Contingency, OverTerrain, Place
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.arducopter import failsafes, returning
 from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, limits_on
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
-from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
+
+#: Stored, and skipped.
+SKIPPED_COMMANDS = frozenset(
+    {Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED}
+)
+#: Cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
+QUIET_FUNCTIONS = frozenset({
+    0, 9, 15, 19, 27, 28, 29, 30, 34, 35, 36, 44, 45, 66, 67, 78, 79, 94, 102, 113, 163, 164, 166, 167, 168, 169, 172,
+    174, 175, 177, 185, 186, 212, 213, 214, 215, 216, 217,
+})  # fmt: skip
+PARACHUTE_RELEASE = 2  # of DO_PARACHUTE
+
+WAY_KNOWN = WayKnown(
+    flown=SIMPLE | {
+        Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
+        Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,
+    },
+    still=EQUIPMENT | SKIPPED_COMMANDS | {
+        Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.CONDITION_YAW, Command.DO_FENCE_ENABLE,
+        Command.DO_GUIDED_LIMITS, Command.DO_SET_RESUME_REPEAT_DIST, Command.DO_GO_AROUND, Command.DO_PAUSE_CONTINUE,
+        Command.DO_SET_REVERSE, Command.DO_INVERTED_FLIGHT, Command.DO_AUTOTUNE_ENABLE, Command.DO_ENGINE_CONTROL,
+        Command.DO_VTOL_TRANSITION,
+    },
+    why={
+        Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
+        Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
+        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, which is not modeled",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+        Command.DO_PARACHUTE: "a parachute may be released",
+        Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
+    },
+    unless={
+        Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,
+        Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != PARACHUTE_RELEASE,
+        Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
+    },
+)  # fmt: skip
+
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -161,7 +202,7 @@ class ArduCopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.arducopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
@@ -213,7 +254,7 @@ class ArduCopter(Autopilot):
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
-        from ipoa_mission.vehicles.arducopter.circling import flown_circle
+        from ipoa_mission.vehicles.arducopter.braking import flown_circle
         from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
         limits = copter_limits(parameters, version)

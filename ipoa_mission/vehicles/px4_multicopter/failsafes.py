@@ -8,7 +8,6 @@ covered: VTOL, offboard, seconds after arming.
 import math
 from dataclasses import replace
 
-from ipoa_mission.autopilot.contingency import Contingency, FlightStage
 from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
@@ -21,6 +20,7 @@ from ipoa_mission.autopilot.failsafe import (
     ordered,
 )
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 V1_18, V1_19 = (1, 18), (1, 19)
 FALLS = FailsafeAction(Contingency.TERMINATE)

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.autopilot.modes import mode_number
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector

@@ -1,4 +1,4 @@
-from ipoa_mission.autopilot.modes import mode_number
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every

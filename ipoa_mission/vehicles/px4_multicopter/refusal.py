@@ -4,8 +4,7 @@ import math
 from collections.abc import Container, Sequence
 
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.autopilot.firmware_tables import Firmware
-from ipoa_mission.autopilot.refusal import POLYGON, Refusals, Refused
+from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
 LEAST_VERTICES = 3
 ROI = frozenset({Command.NAV_ROI, Command.DO_SET_ROI})

@@ -13,16 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.contingency import Contingency
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.flight_model import Abort
-from ipoa_mission.forecast.timing.prediction import Missed, Prediction
-from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.prediction import Missed, Prediction, corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, SensorModel

@@ -6,20 +6,23 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.autopilot.arming import ArmingWords
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
-from ipoa_mission.autopilot.contingency import Contingency
-from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, WaypointDefaults
-from ipoa_mission.autopilot.jump_profile import JumpProfile
+from ipoa_mission.autopilot.guidance_profile import (
+    ArmingWords,
+    GuidanceProfile,
+    JumpProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+    WaypointDefaults,
+    mode_number,
+)
 from ipoa_mission.autopilot.mav_types import MULTICOPTERS
-from ipoa_mission.autopilot.modes import Modes, mode_number
-from ipoa_mission.autopilot.own_fence import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.protocol_profile import ProtocolProfile
-from ipoa_mission.autopilot.returning import MissionLanding, Place, ReturnRoute
+from ipoa_mission.autopilot.returning import Contingency, MissionLanding, Place, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
@@ -32,7 +35,20 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     SPLITS_AXES,
 )
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
-from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
+
+WAY_KNOWN = WayKnown(
+    why={
+        Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
+        Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
+        Command.NAV_VTOL_LAND: "it is for a VTOL vehicle",
+        Command.DO_VTOL_TRANSITION: "a multicopter waits forever for a transition to fixed wing",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+        Command.COMPONENT_ARM_DISARM: "it may stop the motors",
+        Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
+        Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
+    },
+)
+
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -134,7 +150,7 @@ class Px4Multicopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }

@@ -1,7 +1,0 @@
-from enum import StrEnum
-
-
-class OnDeviation(StrEnum):
-    HOLD = "hold"
-    RTL = "rtl"
-    REPORT = "report"
