@@ -15,7 +15,7 @@ from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
 END_TOLERANCE = 0.05  # between an item and its line's end [m]
-FLOWN_ARC = 16
+FLOWN_ARC = 16  # segments of a quarter circle
 
 
 @dataclass(frozen=True)
