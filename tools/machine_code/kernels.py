@@ -25,7 +25,7 @@ MODULES = {
     "spread": "planning._dijkstra",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
-    "farthest": "routing._hausdorff",
+    "farthest": "routing._corridor",
     "fewest_legs": "routing._corridor",
     "nearest": "world.obstacles._prism",
     "path_seconds": "survey._kernels",
