@@ -17,7 +17,6 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, InvalidRing, NoCoordinateSystem, TooLarge, WrongFormat
 from ipoa_mission.files import why_no_json
-from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
 from ipoa_mission.maps.feature import (
     DEEPEST,
     Corners,
@@ -35,6 +34,10 @@ from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 
 MOST_SHOWN = 80  # characters
+CITYJSON = (
+    "CityJSON is not read: export footprints with a `height` [m] as GeoJSON or GeoPackage, for example with QGIS; "
+    "cjio writes neither"
+)
 END = object()
 BATCH = 1024
 
@@ -67,21 +70,15 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
 
 
 def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
-    """Read GeoJSONSeq, RFC 8142, CityJSONSeq."""
-    mistakes, features, city = Mistakes(), list[Feature](), dict[str, Any]()
+    """Read GeoJSONSeq, RFC 8142."""
+    mistakes, features = Mistakes(), list[Feature]()
     for number in count(1):
         with _json_errors_named(path):
             value: Any = next(values, END)
         if value is END:
             break
         place = f"{path}: value {number}"
-        if is_cityjson(value):
-            city = value
-        elif city and isinstance(value, dict) and value.get("type") == "CityJSONFeature":
-            own = {key: value.get(key) for key in ("CityObjects", "vertices")}
-            features += mistakes.attempt(cityjson_features, {**city, **own}, path) or ()
-        else:
-            features += mistakes.attempt(_whole, value, path, place) or ()
+        features += mistakes.attempt(_whole, value, path, place) or ()
         if len(features) >= BATCH:
             take(features)
             features = []
@@ -158,8 +155,6 @@ def _rings(feature: Any) -> Any:
 def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
     if is_ed269(document):
         return ed269_features(document, path)
-    if is_cityjson(document):
-        return cityjson_features(document, path)
     if is_overpass(document):
         return overpass_features(document, path)
     place = place or str(path)
@@ -174,9 +169,10 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
     elif isinstance(kind, str) and (kind == "GeometryCollection" or kind in SHAPES):
         placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
-        raise BadInput(
+        of_cityjson = str(kind).startswith("CityJSON")
+        raise WrongFormat(
             f"expected 'FeatureCollection', not {kind!r:.40}",
-            hint="a map is GeoJSON (one value, or one a line), CityJSON or Overpass's JSON",
+            hint=CITYJSON if of_cityjson else "a map is GeoJSON (one value, or one a line) or Overpass's JSON",
             place=f"{place}: type",
         )
     to_degrees = _coordinate_system(document, path)

@@ -7,7 +7,7 @@ import pytest
 import shapely
 from pyproj import Transformer
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
@@ -139,6 +139,19 @@ def test_a_broken_map_is_refused_with_the_place(tmp_path: Path, text: str, words
     with pytest.raises(BadInput) as told:
         read_features(path)
     assert str(told.value) == f"{path}: {words}"
+
+
+CITY = '{"type": "CityJSON", "version": "2.0", "CityObjects": {}, "vertices": []}\n'
+
+
+@pytest.mark.parametrize("text", [CITY, CITY + '{"type": "CityJSONFeature", "CityObjects": {}, "vertices": []}'])
+def test_cityjson_is_refused_with_a_hint(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "town.city.json"
+    path.write_text(text)
+    with pytest.raises(WrongFormat) as refused:
+        read_features(path)
+    assert "'CityJSON'" in str(refused.value)
+    assert "GeoJSON" in str(refused.value.hint)
 
 
 @pytest.mark.parametrize(("shape", "words"), BROKEN_SHAPES.items(), ids=BROKEN_SHAPES.values())

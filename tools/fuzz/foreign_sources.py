@@ -83,22 +83,6 @@ ED269 = {
         }
     ],
 }
-CITYJSON = {
-    "type": "CityJSON",
-    "version": "2.0",
-    "metadata": {"referenceSystem": "https://www.opengis.net/def/crs/EPSG/0/2056"},
-    "transform": {"scale": [0.001, 0.001, 0.001], "translate": [2642000.0, 1205000.0, 500.0]},
-    "vertices": [[x, y, z] for z in (0, 9000) for x, y in ((0, 0), (20000, 0), (20000, 20000), (0, 20000))],
-    "CityObjects": {
-        "b": {"type": "Building", "children": ["p"], "attributes": {"name": "hall", "measuredHeight": 9}},
-        "p": {
-            "type": "BuildingPart",
-            "parents": ["b"],
-            "geometry": [{"type": "Solid", "lod": "1", "boundaries": [[[[0, 1, 2, 3]], [[4, 5, 6, 7]]]]}],
-        },
-        "t": {"type": "TINRelief", "geometry": [{"type": "CompositeSurface", "boundaries": [[[0, 1, 2]]]}]},
-    },
-}
 KML = (
     "<kml><Document><Folder><Placemark><name>hall</name><Polygon><extrude>1</extrude>"
     "<altitudeMode>relativeToGround</altitudeMode><outerBoundaryIs><LinearRing><coordinates>"
@@ -144,7 +128,7 @@ def sources() -> list[tuple[str, bytes]]:
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as kmz:
         kmz.writestr("doc.kml", KML)
-    documents = [(".geojson", GEOJSON), (".json", ED269), (".json", CITYJSON), (".plan", SCAN_PLAN)]
+    documents = [(".geojson", GEOJSON), (".json", ED269), (".plan", SCAN_PLAN)]
     texts = [(suffix, json.dumps(document).encode()) for suffix, document in documents]
     tests = REPOSITORY / "tests"
     recorded = [*sorted((tests / "logs").glob("sitl-*")), *sorted((tests / "logs").glob("other_vehicle-0.*"))]
