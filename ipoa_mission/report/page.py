@@ -1,13 +1,17 @@
 """One HTML file that contains everything and prints."""
 
+import json
+import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.checks.check import check
@@ -27,9 +31,8 @@ from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.legs_panel import legs
 from ipoa_mission.report.panels.planned_panel import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
-from ipoa_mission.report.scene import page_data
-from ipoa_mission.report.seen import dangers, deviation_bound_seen, follow
-from ipoa_mission.report.stops import stops
+from ipoa_mission.report.seen import Seen, dangers, deviation_bound_seen, follow
+from ipoa_mission.report.stops import FlownItem, stops
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 
@@ -122,11 +125,40 @@ def report_html(
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),
-        "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, stop_list, flown, deviation_bound, home),
+        "data": _page_data(course, stop_list, home),
     }
     return page_of("page.html", parts)
+
+
+def _page_data(course: Seen, stops: Sequence[FlownItem], home: Sequence[Mapping[str, Any]]) -> str:
+    """Return the flight as JSON that is safe inside an HTML script element."""
+    data = {
+        "course": {
+            "times": _rounded(course.times, 2),
+            "along": _rounded(course.along, 1),
+            "points": _rounded(course.points, 2),
+            "speeds": _rounded(course.speeds, 2),
+            "ground": _rounded(course.ground, 2),
+            "apart": _rounded(course.apart, 2),
+        },
+        "stops": [_stop_data(stop, course) for stop in stops],
+        "home": [*home],
+    }
+    return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _stop_data(stop: FlownItem, course: Seen) -> dict[str, Any]:
+    place = None if stop.place is None else _rounded(stop.place[:2], 2)
+    index = course.nearest(stop.time.done_s)
+    return {"seq": stop.time.seq, "name": stop.name, "reason": stop.time.reason, "index": index, "place": place}
+
+
+def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
+    """Return nested lists of rounded numbers, with null for values that are not finite."""
+    if values.ndim > 1:
+        return [_rounded(row, digits) for row in values]
+    return [round(float(v), digits) if math.isfinite(v) else None for v in values]
 
 
 LEGS_NOTE = (

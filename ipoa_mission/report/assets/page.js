@@ -1,23 +1,13 @@
 // One cursor in all views: a pointer in one view shows the same moment of the flight in the others, and a chosen item
-// is marked everywhere. Without this script only the 3D view is missing.
+// is marked everywhere.
 
 (() => {
-  const { course, stops, world, flown, tube, home } = JSON.parse(document.getElementById("data").textContent);
+  const { course, stops, home } = JSON.parse(document.getElementById("data").textContent);
   const all = (selector) => [...document.querySelectorAll(selector)];
-  const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
+  const map = document.getElementById("map"), readout = document.querySelector(".readout");
   const plan = makeMap(map);
   const unclear = all(".way:not(.clear)").map((way) => way.dataset);
   let chosen = -1;
-
-  const path = course.points.filter((_, i) => i % 2 === 0);
-  const lines = [
-    { points: path.map(([e, n], i) => [e, n, course.ground[2 * i] + 0.15]), color: "--quiet", width: 0.5, dashed: false },
-    { points: path, color: "--planned", width: 1.8, dashed: false },
-    ...tube.map((hoop) => ({ points: hoop, color: "--planned", width: 0.4, dashed: false })),
-    ...(flown ? [{ points: flown, color: "--flown", width: 1.3, dashed: true }] : []),
-  ];
-  const placed = stops.map((stop, n) => ({ ...stop, n })).filter((stop) => stop.spot);
-  const scene = makeScene(canvas, world, lines, placed.map((stop) => stop.spot));
 
   function nearest(values, value) {
     let best = 0;
@@ -33,10 +23,8 @@
       chart.querySelector(".cursor").style.left = `${(100 * (series[i] - low)) / (high - low)}%`;
     }
     const [east, north, up] = course.points[i];
-    const way = home.findLast((one) => one.from <= course.times[i]) ?? null;
     plan.mark(east, north);
-    plan.home(way);
-    scene.mark(course.points[i], placed.findIndex((stop) => stop.n === chosen), way);
+    plan.home(home.findLast((one) => one.from <= course.times[i]) ?? null);
     const apart = course.apart[i];
     const words = [
       [chosen >= 0 && stops[chosen].index === i ? `item ${stops[chosen].seq}, ${stops[chosen].name}` : "here", ""],
@@ -64,7 +52,7 @@
     const row = document.querySelector(`tr[data-stop="${n}"]`), box = row.closest(".scroll");
     if (row.offsetTop < box.scrollTop + 50 || row.offsetTop + row.offsetHeight > box.scrollTop + box.clientHeight)
       box.scrollTop = row.offsetTop - box.clientHeight / 2;
-    if (stops[n].spot) plan.reveal(...stops[n].spot);
+    if (stops[n].place) plan.reveal(...stops[n].place);
     point(stops[n].index);
   }
 
@@ -91,12 +79,7 @@
     if (marked) choose(Number(marked.dataset.stop));
   });
   document.addEventListener("keydown", (event) => {
-    if (event.key === "Escape") { choose(-1); document.body.classList.remove("pointing"); plan.home(null); scene.mark(null, -1, null); }
+    if (event.key === "Escape") { choose(-1); document.body.classList.remove("pointing"); plan.home(null); }
     if (event.key === "Enter" && event.target.matches("tr[data-stop]")) choose(Number(event.target.dataset.stop));
   });
-  canvas.addEventListener("click", (event) => {
-    const n = scene.nearestSpot(event.offsetX, event.offsetY);
-    if (n >= 0) choose(placed[n].n);
-  });
-  all(".space .tools button").forEach((button) => button.addEventListener("click", () => scene.key(button.dataset.key)));
 })();

@@ -53,7 +53,7 @@ def ground_plan(
     width, height = east - west, north - south
     spots = "".join(_button(n, stop, extent) for n, stop in enumerate(stops) if stop.place is not None)
     return (
-        f'<div class="map" id="map" style="aspect-ratio:{width:.2f}/{height:.2f}" data-west="{west:.3f}" '
+        f'<div class="map" id="map" style="--ratio:{width / height:.4f}" data-west="{west:.3f}" '
         f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}" tabindex="0">'
         f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="map of the flight, north up">'
         f"{_hatch(width)}"

@@ -1,5 +1,4 @@
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
@@ -105,9 +104,6 @@ class Cylinder(Part):
 
     def grid_row(self) -> GridRow:
         return GridRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
-
-    def page_shape(self) -> dict[str, Any]:
-        return {"rings": self.outline(), "base": self.base, "top": self.top, "round": True}
 
 
 class RoundZone(Cylinder):

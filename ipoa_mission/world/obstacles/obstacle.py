@@ -1,6 +1,6 @@
 """Interface of obstacles: a new kind is one file with a subclass of `Obstacle`.
 
-Compiled code knows only three elementary bodies, the `parts` of every kind.
+The planner's kernels know only three elementary bodies, the `parts` of every kind.
 """
 
 from abc import ABC, abstractmethod
@@ -146,10 +146,6 @@ class Part(Obstacle):
     @abstractmethod
     def grid_row(self) -> GridRow:
         """Return its row for the planner's kernels."""
-
-    @abstractmethod
-    def page_shape(self) -> dict[str, Any]:
-        """Return its data for the page's script."""
 
 
 def _rectangle(corners: NDArray[np.float64]) -> Plane:

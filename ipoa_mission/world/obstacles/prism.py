@@ -1,6 +1,5 @@
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,9 +95,6 @@ class Prism(Part):
     def grid_row(self) -> GridRow:
         edges = np.hstack([self.footprint.starts, self.footprint.ends])
         return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
-
-    def page_shape(self) -> dict[str, Any]:
-        return {"rings": self.outline(), "base": self.base, "top": self.top, "round": False}
 
 
 class Zone(Prism):

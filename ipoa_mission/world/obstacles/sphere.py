@@ -1,5 +1,4 @@
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import shapely
@@ -89,6 +88,3 @@ class Sphere(Part):
     def grid_row(self) -> GridRow:
         east, north, up = self.center
         return GridRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
-
-    def page_shape(self) -> dict[str, Any]:
-        return {"center": np.array(self.center), "radius": self.radius}
