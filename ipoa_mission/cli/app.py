@@ -13,7 +13,6 @@ import typer
 from ipoa_mission.cli import (
     checking,
     comparing,
-    creating,
     flying,
     linking,
     mocking,
@@ -38,7 +37,7 @@ app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
     "Begin here": (flying.demo,),
     "Plan and look": (
-        creating.new,
+        planning.new,
         planning.plan,
         "studio",
         checking.check,

@@ -1,3 +1,4 @@
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -5,9 +6,10 @@ import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, IgnoreOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
-from ipoa_mission.cli.output import print_json
+from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, print_survey, write_survey
-from ipoa_mission.errors import OptionConflict
+from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
+from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
@@ -87,6 +89,44 @@ def _write_parts(
         print_json(summary | {"written": [str(file) for file in files]})
     else:
         print_parts(whole, parts, files)
+
+
+def new(
+    target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
+    home: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option(
+            "--home", metavar="LAT LON ALT", help="Degrees, and metres AMSL; default: a free place on the map."
+        ),
+    ] = None,
+    buildings: Annotated[
+        Path | None,
+        typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map."),
+    ] = None,
+    elevation: Annotated[
+        Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")
+    ] = None,
+    force: ForceOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Write a commented scenario file to edit, at a place or for a map.
+
+    Example: `ipoa-mission new town.toml --buildings town.geojson`
+    """
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.scenario.new import new_scenario
+
+    if target.suffix.lower() != ".toml":
+        raise WrongSuffix(f'expected a name that ends in .toml, not in "{target.suffix}"', place=target)
+    if not target.parent.is_dir():
+        raise BadInput(f"expected a folder to write it to, but there is no {target.parent}", place=target)
+    expect_free([target], force, ask=not as_json)
+    text, remarks = new_scenario(target, home, buildings, elevation)
+    write_atomically(target, text)
+    if as_json:
+        print_json({"written": str(target), "remarks": list(remarks)})
+    else:
+        print_lines(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
 
 
 def schema() -> None:

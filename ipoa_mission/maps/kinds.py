@@ -188,16 +188,6 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     return Reason(f"a point or line {unknown}", has_blank or bool(keys_of(tags, Means.AMBIGUOUS)))
 
 
-def key_of_height(feature: Feature) -> str | None:
-    """Return the key under [[maps]] for a missing height."""
-    tags = feature.tags
-    if {TOP_AMSL, "building"} & tags.keys() or keys_of(tags, *_MEASURES) or _is_below(tags):
-        return None
-    if tagged(tags, WIRES):
-        return "aerialway_height" if tags.get("aerialway") in WIRES["aerialway"] else "line_height"
-    return "wood_height" if tagged(tags, WOODS) else "point_height" if tagged(tags, TALL) else None
-
-
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
     if kinds.keys().isdisjoint(tags):
         return False

@@ -25,7 +25,6 @@ from ipoa_mission.studio.window import Window
 SCENARIO = ".toml"
 EXAMPLES = ("campus.toml",)
 FILE_LIMIT = 40
-GOAL_DISTANCE_DEG = 0.0009  # [deg], about 100 m
 #: of a file, given a mission's scenario or log; returns the token
 OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 
@@ -108,11 +107,8 @@ class Lobby:
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
     """Write a new scenario with a goal north of home. Raises BadInput."""
     latitude, longitude, altitude = home
-    places = {
-        "home": f"{latitude:.7f}, {longitude:.7f}",
-        "goal": f"{latitude + GOAL_DISTANCE_DEG:.7f}, {longitude:.7f}",
-    }
-    write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))
+    rounded = round(latitude, 7), round(longitude, 7), round(altitude, 1)
+    write_atomically(target, new_scenario(target, rounded).text)
 
 
 def _files(paths: Iterable[Path]) -> tuple[StartFile, ...]:

@@ -167,7 +167,7 @@ def test_schema_is_a_json_schema_of_the_scenario(run: Run) -> None:
 
 
 def test_new_writes_a_scenario_and_never_over_one(run: Run) -> None:
-    words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
+    words = "new first.toml --home 47.3977 8.5456 488"
     assert run(words).code == 0
     ended = run(words)
     assert ended.code == 2

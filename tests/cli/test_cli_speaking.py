@@ -56,16 +56,15 @@ def test_a_mistake_is_json_for_machines_and_words_for_people(run: Run) -> None:
 
 
 def test_new_and_export_tell_machines_what_they_wrote(run: Run, mission: Path) -> None:
-    words = "new first.toml --yes --json --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
-    assert json.loads(run(words).out)["written"] == "first.toml"
+    assert json.loads(run("new first.toml --json --home 47.3977 8.5456 488").out)["written"] == "first.toml"
     assert tomllib.loads(Path("first.toml").read_text())["home"]["latitude_deg"] == 47.3977
     assert json.loads(run(f"export {mission} out.kml --json").out) == {"written": "out.kml", "remarks": []}
 
 
 def test_an_altitude_that_nobody_knows_is_remarked_upon(run: Run) -> None:
-    words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
-    assert "note: home's altitude is set to 0 m" in run(words).out
-    assert "note" not in run(f"{words} --force --answer altitude=488").out
+    words = f"new first.toml --buildings {Path(__file__).parents[2] / 'missions' / 'oldtown.geojson'}"
+    assert "note: home.altitude_amsl is 0 m" in run(words).out
+    assert "note" not in run(f"{words} --force --home 46.4403 9.84 488").out
 
 
 def completing(words: str) -> dict[str, str]:
@@ -99,14 +98,6 @@ def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> No
         mock.send_signal(signal.SIGINT)
         assert mock.communicate(timeout=300) == ("", "")
         assert mock.returncode == 0
-
-
-def test_questions_are_asked_on_standard_error(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    answers = iter(["47.3977, 8.5456", "488", "47.3987, 8.5470", "", "", "", "", "", ""])
-    monkeypatch.setattr("typer._click.termui.visible_prompt_func", lambda _: next(answers), raising=False)
-    monkeypatch.setattr("click.termui.visible_prompt_func", lambda _: next(answers), raising=False)
-    ended = run("new first.toml --json")
-    assert json.loads(ended.out)["answers"]["altitude"] == "488"
 
 
 def test_the_version_is_that_of_the_package(run: Run) -> None:
@@ -234,9 +225,9 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
         ),
         ("estimate {sitl}", "expected a mission (.plan, .waypoints), not a scenario"),
         ("compare {mission} {sitl}", "sitl.toml"),
-        ("new there/is/none.toml --yes --answer home=1,2 --answer goal=1,2.001", "expected a folder to write it to"),
-        ("new first.toml --yes", "hint: --answer home=..., or --buildings FILE"),
-        ("new first.json --yes", "expected a name that ends in .toml"),
+        ("new there/is/none.toml --home 1 2 0", "expected a folder to write it to"),
+        ("new first.toml", "expected --home LAT LON ALT, or --buildings FILE"),
+        ("new first.json", "expected a name that ends in .toml"),
         ("plan {mission}", "expected a scenario (.toml), not a mission"),
         ("show {sitl}", "hint: first: ipoa-mission plan"),
         ("show 'my flight.toml'", "ipoa-mission plan 'my flight.toml'"),

@@ -15,7 +15,7 @@ from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.scenario.new import new_scenario, suggest_answers
+from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.conftest import degrees
@@ -228,7 +228,7 @@ def test_a_scenario_begins_from_it_and_is_planned_over(write: Write, tmp_path: P
     rows = [{"id": f"{n}", "height": 10.0 + n} for n in range(25)]
     path = write(rows, [house(60.0 * (n % 5), 60.0 * (n // 5)) for n in range(25)])
     target = tmp_path / "town.toml"
-    scenario = parse_scenario(new_scenario(suggest_answers(path), target, path), target)
+    scenario = parse_scenario(new_scenario(target, None, path).text, target)
     assert len(scenario.airspace.obstacles) == 25
 
 

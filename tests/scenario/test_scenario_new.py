@@ -1,3 +1,5 @@
+"""A first scenario can be read, and has the given home and maps."""
+
 from pathlib import Path
 
 import numpy as np
@@ -7,60 +9,27 @@ from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_answers
-from ipoa_mission.scenario.profiles import PROFILES
+from ipoa_mission.scenario.new import UNKNOWN_ALTITUDE, UNKNOWN_GOAL, new_scenario
 from tests.refused import refuses
 
 TARGET = Path("trip.toml")
-ENDS = {"home": "47.0, 8.0", "goal": "47.002, 8.003"}
+HOME = (47.0, 8.0, 488.0)
 
 
-def test_home_and_goal_are_answers_enough() -> None:
-    scenario = parse_scenario(new_scenario(ENDS, TARGET), TARGET)
-    assert scenario.name == "trip"
-    assert (scenario.home.latitude_deg, scenario.home.longitude_deg) == (47.0, 8.0)
+@given(st.floats(-85, 85), st.floats(-179, 179), st.floats(-400, 4000))
+def test_home_is_the_given_one(latitude: float, longitude: float, altitude: float) -> None:
+    text, remarks = new_scenario(TARGET, (latitude, longitude, altitude))
+    scenario = parse_scenario(text, TARGET)
+    home = scenario.home
+    assert (home.latitude_deg, home.longitude_deg, home.altitude_amsl) == (latitude, longitude, altitude)
     assert scenario.start_point == pytest.approx([0, 0, 20])
-    # A degree at 47 N: 111,174 m of latitude, 76,058 m of longitude.
-    assert scenario.goal_point == pytest.approx([228.2, 222.3, 20], abs=0.3)
-
-
-@given(
-    st.floats(-85, 85),
-    st.floats(-179, 179),
-    st.sampled_from(["px4", "ardupilot"]),
-    st.sampled_from([*PROFILES, "none"]),
-    st.sampled_from(["rtl", "land"]),
-    st.integers(1, 30),
-)
-def test_every_answer_is_heeded(
-    latitude: float, longitude: float, autopilot: str, profile: str, ending: str, speed: int
-) -> None:
-    answers = {
-        "home": f"{latitude:.7f}, {longitude:.7f}",
-        "goal": f"{latitude + 0.001:.7f} {longitude:.7f}",
-        "altitude": "-3.5",
-        "height": "33",
-        "autopilot": autopilot,
-        "cruise_speed": str(speed),
-        "safety_distance": "4.5",
-        "ending": ending,
-        "profile": profile,
-    }
-    assert answers.keys() == {question.key for question in QUESTIONS}
-    scenario = parse_scenario(new_scenario(answers, TARGET), TARGET)
-    assert scenario.home.latitude_deg == pytest.approx(latitude, abs=1e-7)
-    assert scenario.home.longitude_deg == pytest.approx(longitude, abs=1e-7)
-    assert scenario.home.altitude_amsl == -3.5
-    assert scenario.vehicle.autopilot.name == autopilot
-    assert scenario.vehicle.cruise_speed == speed
-    assert scenario.profile == (None if profile == "none" else profile)
-    assert scenario.route.ending == ending
-    assert scenario.safety_distance == 4.5
-    assert scenario.goal.height_above_ground == 33
+    assert scenario.goal_point == pytest.approx([0, 100, 20], abs=1.0)
+    assert scenario.safety.returns == "planned"
+    assert remarks == (UNKNOWN_GOAL,)
 
 
 def test_what_is_commented_out_can_be_read_too() -> None:
-    lines = new_scenario(ENDS, TARGET).splitlines()
+    lines = new_scenario(TARGET, HOME).text.splitlines()
     kept = [line.removeprefix("# ") if i > 1 else line for i, line in enumerate(lines)]
     text = "\n".join(kept).replace('kind = "buildings"', 'kind = "buildings" # ').replace("[[maps]]", "[[unread]]")
     without_maps = text[: text.index("[[unread]]")] + text[text.index("[[obstacles]]") :]
@@ -70,54 +39,27 @@ def test_what_is_commented_out_can_be_read_too() -> None:
     assert len(scenario.airspace.obstacles) == 1
 
 
-@pytest.mark.parametrize(
-    ("answers", "words"),
-    [
-        ({"home": "here"}, "home: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not 'here'"),
-        ({"home": "91, 8"}, "home: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not '91, 8'"),
-        ({"goal": "47"}, "goal: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not '47'"),
-        ({"height": "0"}, "height: expected a number greater than 0, not 0"),
-        ({"altitude": "1e3"}, "altitude: expected a number, not '1e3'"),
-        (
-            {"cruise_speed": "800"},
-            "cruise_speed: expected at most 40 m/s, unless MPC_XY_VEL_MAX allows more, not 800: is it in cm/s? 8 m/s",
-        ),
-        ({"autopilot": "inav"}, "autopilot: expected px4, ardupilot, not 'inav'"),
-        ({"speed": "3"}, "speed: expected one of " + ", ".join(question.key for question in QUESTIONS)),
-    ],
-)
-def test_answers_that_will_not_do_are_refused(answers: dict[str, str], words: str) -> None:
-    with pytest.raises(BadInput) as told:
-        new_scenario(ENDS | answers, TARGET)
-    assert str(told.value) == words
-
-
-@pytest.mark.parametrize("profile", PROFILES)
-def test_a_profiles_safety_distance_holds_unless_another_was_answered(profile: str) -> None:
-    def distance(answers: dict[str, str]) -> float:
-        text = new_scenario(ENDS | {"profile": profile} | answers, TARGET)
-        return parse_scenario(text, TARGET).safety_distance
-
-    assert distance({}) == PROFILES[profile].get("safety_distance", 2.0)
-    assert distance({"safety_distance": "6"}) == 6.0
-
-
-def test_comments_stand_in_one_column() -> None:
-    lines = [line for line in new_scenario(ENDS, TARGET).splitlines() if "  # " in line]
+def test_comments_are_in_one_column() -> None:
+    lines = [line for line in new_scenario(TARGET, HOME).text.splitlines() if " # " in line.removeprefix("# ")]
     assert {line.index(" # ") for line in lines} == {32}
 
 
-def test_a_question_without_default_must_be_answered() -> None:
-    with refuses("missing", "goal", kind=BadInput):
-        new_scenario({"home": "47, 8"}, TARGET)
+def test_home_is_required_without_a_map() -> None:
+    with refuses("missing", "trip.toml", "--home LAT LON ALT", kind=BadInput):
+        new_scenario(TARGET)
 
 
-def test_maps_answer_for_themselves(missions: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("home", [(91.0, 8.0, 0.0), (47.0, 181.0, 0.0), (47.0, 8.0, float("nan"))])
+def test_a_home_off_the_earth_is_refused(home: tuple[float, float, float]) -> None:
+    with pytest.raises(BadInput) as refused:
+        new_scenario(TARGET, home)
+    assert "trip.toml: home." in str(refused.value)
+
+
+def test_a_map_suggests_home_and_goal(missions: Path, tmp_path: Path) -> None:
     pytest.importorskip("rasterio")
-    buildings, elevation = missions / "oldtown.geojson", missions / "oldtown.tif"
-    answers = suggest_answers(buildings)
     target = tmp_path / "town.toml"
-    text = new_scenario(answers, target, buildings, elevation)
+    text, remarks = new_scenario(target, None, missions / "oldtown.geojson", missions / "oldtown.tif")
     scenario = parse_scenario(text, target)
     airspace = scenario.airspace
     assert len(airspace.obstacles) > 60
@@ -125,19 +67,35 @@ def test_maps_answer_for_themselves(missions: Path, tmp_path: Path) -> None:
         assert airspace.obstacle_distance(np.array([[*end[:2], airspace.ground(end[None, :2])[0] + 1]]))[0] > 11
     assert np.linalg.norm(scenario.goal_point - scenario.start_point) > 200
     assert airspace.ground(np.zeros((1, 2)))[0] == pytest.approx(0, abs=1.0)
+    assert remarks == ()
 
 
-def test_an_elevation_model_answers_for_the_altitude(missions: Path, tmp_path: Path) -> None:
+def test_every_height_of_the_template_is_a_key_of_maps(missions: Path, tmp_path: Path) -> None:
+    target = tmp_path / "town.toml"
+    text, remarks = new_scenario(target, None, missions / "oldtown.geojson")
+    assert remarks == (UNKNOWN_ALTITUDE,)
+    for key in ("default", "line", "aerialway", "point"):
+        assert f"\n# {key}_height" in text
+        text = text.replace(f"\n# {key}_height", f"\n{key}_height")
+    assert parse_scenario(text, target).maps[0].wood_height == 35.0  # type: ignore[union-attr]
+
+
+def test_home_in_the_north_has_its_goal_in_the_south(missions: Path, tmp_path: Path) -> None:
+    text, _ = new_scenario(tmp_path / "a.toml", (46.4432, 9.8441, 1720.0), missions / "oldtown.geojson")
+    assert parse_scenario(text, tmp_path / "a.toml").goal_point[1] < -200
+
+
+def test_an_altitude_that_is_not_the_models_is_refused(missions: Path, tmp_path: Path) -> None:
     pytest.importorskip("rasterio")
-    answers = {"home": "46.44, 9.84", "goal": "46.4415, 9.842"}
-    text = new_scenario(answers, tmp_path / "valley.toml", elevation=missions / "oldtown.tif")
-    assert parse_scenario(text, tmp_path / "valley.toml").home.altitude_amsl == pytest.approx(1719.6, abs=0.11)
+    target, model = tmp_path / "valley.toml", missions / "oldtown.tif"
+    home = parse_scenario(new_scenario(target, (46.44, 9.84, 1719.6), elevation=model).text, target).home
+    assert home.altitude_amsl == 1719.6
     with refuses("home-not-on-ground", "valley.toml: home.altitude_amsl", "1719.6", kind=BadInput):
-        new_scenario(answers | {"altitude": "7"}, tmp_path / "valley.toml", elevation=missions / "oldtown.tif")
+        new_scenario(target, (46.44, 9.84, 7.0), elevation=model)
 
 
 def test_a_map_without_features_suggests_nothing(tmp_path: Path) -> None:
     path = tmp_path / "empty.geojson"
     path.write_text('{"type": "FeatureCollection", "features": []}')
     with refuses("nothing-there", "empty.geojson"):
-        suggest_answers(path)
+        new_scenario(TARGET, None, path)
