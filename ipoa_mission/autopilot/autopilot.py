@@ -297,6 +297,11 @@ def _registered() -> dict[str, Autopilot]:
     return {one.name: one for one in sorted(found, key=lambda one: (one.rank, one.name))}
 
 
+def autopilot_names() -> tuple[str, ...]:
+    """Return the names of vehicle plug-ins without loading them."""
+    return tuple(sorted({entry.name for entry in entry_points(group="ipoa_mission.vehicles")}))
+
+
 def registered() -> tuple[Autopilot, ...]:
     """Return the registered autopilots, the default first."""
     return tuple(_registered().values())

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, autopilot_names
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
@@ -102,9 +102,7 @@ def autopilot_called(name: str) -> Autopilot:
         raise typer.BadParameter(str(error)) from None
 
 
-autopilot_option = partial(
-    typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(one.name for one in registered())
-)
+autopilot_option = partial(typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(autopilot_names()))
 AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
     autopilot_option(help="Firmware; default: the file's (.waypoints: by its items)."),
