@@ -7,8 +7,7 @@
     print(flight.estimate.total_s)
 
 Names are imported at first use, so `import ipoa_mission` is quick. docs/api.md lists them all, and `help` explains
-each. The modules below are internal and may change with any version. In a notebook, `%load_ext ipoa_mission` shows
-missions, plans, estimates and flights as tables.
+each. The modules below are internal and may change with any version.
 """
 
 # No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
@@ -48,10 +47,3 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return sorted(_where())
-
-
-def load_ipython_extension(shell: object) -> None:
-    """Set up `%load_ext ipoa_mission`."""
-    from ipoa_mission.report.notebook import show_in
-
-    show_in(shell)

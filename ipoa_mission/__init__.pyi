@@ -1,7 +1,5 @@
 """Every public name and where it lives; `ipoa_mission` imports each from there when it is first used."""
 
-from typing import Any
-
 from ipoa_mission.autopilot.autopilot import Autopilot as Autopilot
 from ipoa_mission.autopilot.commands import Command as Command
 from ipoa_mission.autopilot.commands import Frame as Frame
@@ -95,5 +93,3 @@ from ipoa_mission.world.terrain import Flat as Flat
 
 __version__: str
 __all__: list[str]
-
-def load_ipython_extension(shell: Any) -> None: ...
