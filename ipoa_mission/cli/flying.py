@@ -103,7 +103,7 @@ def fly(
     else:
         job = read_job(source, flown_by)
     with in_folder(out):
-        planned_files = [] if job.flight is None else _write(job.flight, out, as_json, search.routes)
+        planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
         usual = out / f"{job.name}.tlog"
         log = on_link.log or (usual if link is None else unused(usual))
         job, remarks, record = pilot(job, log)
@@ -189,12 +189,12 @@ def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
         )
 
 
-def _write(flight: "Flight", folder: Path, as_json: bool, routes: bool) -> list[Path]:
+def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
     from ipoa_mission.cli.plan_output import print_planned
 
     written = [*flight.write(folder)]
     if not as_json:
-        print_planned(flight, written, routes)
+        print_planned(flight, written)
     return written
 
 

@@ -69,9 +69,6 @@ class SearchOptions:
             help="Search algorithm: ipoa, poa, adaptive-pelican, or an installed one.",
         ),
     ] = None
-    routes: Annotated[
-        bool, typer.Option("--routes", metavar="", help="Show the other modes of choosing waypoints, and their times.")
-    ] = False
 
 
 @dataclass

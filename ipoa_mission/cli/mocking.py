@@ -6,6 +6,7 @@ import typer
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
+    HomeOption,
     JsonOption,
     KeyOption,
     ParameterFileOption,
@@ -26,22 +27,13 @@ class MockOptions:
         Autopilot | None, autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
     ] = None
     scenario: ScenarioOption = None
-    home: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option("--home", metavar="LAT LON ALT", help="Its position: degrees, and metres AMSL."),
-    ] = None
+    home: HomeOption = None
     firmware_version: Annotated[
         str | None,
         typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: the newest measured one."),
     ] = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
-    nak_at: Annotated[
-        int | None,
-        bad_link_option(
-            "--nak-at", metavar="N", min=0, help="Refuse item N of the protocol: from 0, which on ArduPilot is home."
-        ),
-    ] = None
 
 
 def mock(
@@ -116,7 +108,6 @@ def mock(
                 place,
                 there.parameters,
                 cold=True,
-                nak_at=one.nak_at,
                 conditions=there.conditions,
             ),
             speedup,

@@ -83,6 +83,10 @@ IgnoreOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option("--ignore", metavar="CODE", help="Ignore findings of this code, except those of a crash. Repeatable."),
 ]
+HomeOption: TypeAlias = Annotated[
+    tuple[float, float, float] | None,
+    typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and metres AMSL."),
+]
 EndingsOption: TypeAlias = Annotated[
     bool, typer.Option("--endings", help="Forecast RTL, LAND and other contingencies from every second of the flight.")
 ]

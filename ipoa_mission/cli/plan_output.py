@@ -10,14 +10,8 @@ from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.wind import Wind
 
 
-def print_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
-    """Print the plan and its files; with `routes`, the other modes."""
+def print_planned(flight: Flight, written: Iterable[Path]) -> None:
     print_lines(*describe(flight))
-    if routes:
-        print_table(
-            "start to goal, by the mode of choosing waypoints (* is written)", ROUTE_COLUMNS, route_rows(flight)
-        )
-        print_lines(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []), "")
     print_lines(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
 
@@ -57,29 +51,3 @@ def promised(promise: Promise | None) -> list[str]:
     if promise is None or kept is None:
         return []
     return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
-
-
-ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear", "not written"]
-ROUTE_WORDS = (
-    "curve: the smooth planned path; the waypoints approximate it, and flights cut its corners",
-    "at limits: time along the curve at the vehicle's limits of speed and acceleration",
-    "clear: this autopilot's predicted path keeps the clearance",
-)
-PASSED_OVER = "not written: reason against a faster mode"
-
-
-def route_rows(flight: Flight) -> list[tuple[str, ...]]:
-    """Return a row for each mode, fastest first."""
-    return [
-        (
-            "*" if option.mode == flight.scenario.route.mode else " ",
-            option.mode + (" (splines)" if option.route.spline and option.mode != "spline" else ""),
-            str(len(option.route.points)),
-            f"{option.seconds:.1f}",
-            f"{option.ratio:.2f}",
-            f"{option.deviation:.1f}",
-            "yes" if option.flies_clear else "no",
-            option.passed_over,
-        )
-        for option in flight.options
-    ]

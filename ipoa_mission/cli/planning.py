@@ -5,7 +5,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.options import ForceOption, IgnoreOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
+from ipoa_mission.cli.options import (
+    ForceOption,
+    HomeOption,
+    IgnoreOption,
+    JsonOption,
+    OutOption,
+    ReportOption,
+    ScenarioOrNone,
+)
 from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, print_survey, write_survey
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
@@ -72,7 +80,7 @@ def plan(
     if as_json:
         print_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
-        print_planned(flight, files, search.routes)
+        print_planned(flight, files)
 
 
 def _write_parts(
@@ -93,12 +101,7 @@ def _write_parts(
 
 def new(
     target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
-    home: Annotated[
-        tuple[float, float, float] | None,
-        typer.Option(
-            "--home", metavar="LAT LON ALT", help="Degrees, and metres AMSL; default: a free place on the map."
-        ),
-    ] = None,
+    home: HomeOption = None,
     buildings: Annotated[
         Path | None,
         typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map."),
