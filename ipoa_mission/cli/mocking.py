@@ -1,9 +1,11 @@
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
     HomeOption,
@@ -19,6 +21,13 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
 )
 from ipoa_mission.cli.output import print_json, print_lines
+from ipoa_mission.errors import BadInput, OptionConflict
+
+if TYPE_CHECKING:
+    from ipoa_mission.simulator.conditions import Conditions
+    from ipoa_mission.world.frame import Geodetic
+
+ZURICH = (47.397742, 8.545594, 488.0)
 
 
 @dataclass
@@ -62,7 +71,6 @@ def mock(
     from ipoa_mission.autopilot.known_parameters import expect_own
     from ipoa_mission.autopilot.version import Version
     from ipoa_mission.cli.key_option import signer_of
-    from ipoa_mission.cli.mock_place import mock_setup
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import serve
@@ -119,3 +127,37 @@ def mock(
         )
     except KeyboardInterrupt:
         return
+
+
+@dataclass(frozen=True)
+class MockSetup:
+    autopilot: Autopilot
+    home: "Geodetic"
+    parameters: Mapping[str, float]
+    conditions: "Conditions"
+
+
+def mock_setup(
+    scenario: Path | None,
+    home: tuple[float, float, float] | None,
+    autopilot: Autopilot | None,
+    parameters: Mapping[str, float],
+) -> MockSetup:
+    """Return the scenario's values, replaced by options. Raises BadInput."""
+    from ipoa_mission.scenario import read_scenario
+    from ipoa_mission.simulator.conditions import USUAL, Conditions
+    from ipoa_mission.world.frame import Geodetic
+
+    if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
+        raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
+    if scenario is None:
+        return MockSetup(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters, USUAL)
+    if home is not None:
+        raise OptionConflict("expected without --scenario, which defines home", place="--home")
+    world = read_scenario(scenario)
+    flies = autopilot or world.vehicle.autopilot
+    own = world.vehicle if flies is world.vehicle.autopilot else None
+    values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
+    about = (own.learned, own.version) if own else ()
+    conditions = Conditions(world.wind.air(), world.ground, *about)
+    return MockSetup(flies, world.home.geodetic(), values, conditions)

@@ -42,7 +42,7 @@ def new_scenario(
 
     `home`: latitude, longitude [deg], altitude [m]; default: a free place among the buildings.
     """
-    places = () if buildings is None else _free_places(buildings)
+    places: tuple[tuple[float, float], ...] = () if buildings is None else _free_places(buildings)
     if home is None and not places:
         raise BadInput("expected --home LAT LON ALT, or --buildings FILE", code="missing", place=target)
     latitude, longitude = home[:2] if home is not None else places[0]

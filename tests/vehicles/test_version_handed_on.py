@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.cli.mock_place import mock_setup
+from ipoa_mission.cli.mocking import mock_setup
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.built_in_autopilot import ParameterServer
