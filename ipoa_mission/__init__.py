@@ -13,7 +13,12 @@ each. The modules below are internal and may change with any version.
 # No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
 _WHERE: dict[str, str] = {}
 #: Names of 0.3 and their replacements; the old ones are removed with 0.5.
-_RENAMED = {"Unlike": "NotTheSameVehicle", "Unsettled": "KeepsChanging"}
+_RENAMED = {
+    "Unlike": "NotTheSameVehicle",
+    "Unsettled": "KeepsChanging",
+    "write_plan": "write_mission",
+    "write_waypoints": "write_mission",
+}
 
 
 def _where() -> dict[str, str]:

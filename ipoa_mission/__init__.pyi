@@ -54,8 +54,6 @@ from ipoa_mission.mission.mission_file import MissionFile as MissionFile
 from ipoa_mission.mission.mission_io import read_mission as read_mission
 from ipoa_mission.mission.mission_io import read_mission_file as read_mission_file
 from ipoa_mission.mission.mission_io import write_mission as write_mission
-from ipoa_mission.mission.plan_file import write_plan as write_plan
-from ipoa_mission.mission.waypoints_file import write_waypoints as write_waypoints
 from ipoa_mission.optimize.ipoa import IPOA as IPOA
 from ipoa_mission.optimize.search import Box as Box
 from ipoa_mission.optimize.search import Optimizer as Optimizer

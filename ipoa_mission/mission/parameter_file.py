@@ -43,11 +43,6 @@ class _Row:
     owner: _Owner | None
 
 
-def read_parameters(path: str | Path) -> Parameters:
-    """Read a `.parm` or `.params` file; a repeated parameter's last value counts, as in the vehicle."""
-    return read_parameter_file(path).parameters
-
-
 def read_parameter_file(path: str | Path) -> ParameterFile:
     """Of several components, read the autopilot's."""
     text = read_text(Path(path))

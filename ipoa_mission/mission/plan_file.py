@@ -18,7 +18,6 @@ from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.stored_mission import settle_frames
 from ipoa_mission.mission.structure_scan import lay_out
@@ -29,23 +28,6 @@ ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.
 LANDING_GROUND = "landingGround"
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` is flown
 FRAME_OF_MODE = {mode: frame for frame, mode in ALTITUDE_MODE.items()} | {CALCULATED_ABOVE_TERRAIN: Frame.GLOBAL}
-
-
-def write_plan(mission: Mission, path: str | Path) -> None:
-    """Write a mission with fence and rally points as a `.plan`; the same mission gives the same bytes.
-
-    Args:
-        mission: to write; its parameters go to NAME.params next to the file.
-        path: of the file.
-
-    Raises:
-        BadInput: the file cannot be written, a coordinate is no number, or a jump has no target.
-
-    Example:
-        >>> from ipoa_mission import read_mission, write_plan
-        >>> write_plan(read_mission("missions/sitl.waypoints"), "from-waypoints.plan")
-    """
-    write_with_parameters(mission, {Path(path): plan_text(mission)})
 
 
 def plan_text(mission: Mission) -> str:

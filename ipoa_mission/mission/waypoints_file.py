@@ -17,7 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.parameter_file import NUMBER, write_with_parameters
+from ipoa_mission.mission.parameter_file import NUMBER
 from ipoa_mission.mission.stored_mission import home_item, settle_frames
 from ipoa_mission.world.frame import Geodetic
 
@@ -28,28 +28,6 @@ NO_COMMAND = 0  # home in files of Mission Planner
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
-
-
-def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
-    """Write home and items as a `.waypoints` file; the same mission gives the same bytes.
-
-    Args:
-        mission: to write; its parameters go to NAME.params next to the file.
-        path: of the file.
-
-    Returns:
-        Losses in words: data that the format cannot hold, or a reader drops.
-
-    Raises:
-        BadInput: the file cannot be written, or an altitude is above terrain or no number.
-
-    Example:
-        >>> from ipoa_mission import read_mission, write_waypoints
-        >>> write_waypoints(read_mission("missions/sitl.plan"), "again.waypoints")
-        ('QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there',)
-    """
-    write_with_parameters(mission, {Path(path): waypoints_text(mission)})
-    return lost_in_waypoints(mission)
 
 
 def waypoints_text(mission: Mission) -> str:

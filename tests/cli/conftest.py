@@ -16,7 +16,7 @@ from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.mission.items import Mission, land, takeoff
-from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
@@ -87,7 +87,7 @@ def hop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     there = Geodetic(47.397842, 8.545594, 488.0)
     items = (takeoff(ZURICH, 5.0), waypoint(there, 5.0), land(there))
     path = tmp_path_factory.mktemp("hop") / "hop.plan"
-    write_plan(Mission(ZURICH, items), path)
+    write_mission(Mission(ZURICH, items), path)
     return path
 
 

@@ -15,7 +15,7 @@ from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.maps.elevation import ground_altitude
 from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.mission.parameter_file import read_parameters
+from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.scenario import read_scenario
 from tools.fuzz.limited import run_limited
 
@@ -97,7 +97,7 @@ def reader(suffix: str) -> Callable[[Path], object]:
     others: dict[str, Callable[[Path], object]] = {
         ".toml": read_scenario,
         ".vehicle": read_vehicle,
-        ".params": read_parameters,
+        ".params": read_parameter_file,
     }
     return others.get(suffix, read_features if suffix in READERS else read_mission)
 

@@ -13,8 +13,7 @@ import pytest
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.flight.written import not_as_written
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run
@@ -277,7 +276,7 @@ def test_a_mission_that_is_flown_is_not_planned(run: Run) -> None:
 
 def test_a_mission_without_parameters_takes_old_ones_away(tmp_path: Path) -> None:
     mission = read_mission(SITL)
-    write_plan(mission.with_parameters({"MPC_XY_CRUISE": 3.0}), tmp_path / "x.plan")
+    write_mission(mission.with_parameters({"MPC_XY_CRUISE": 3.0}), tmp_path / "x.plan")
     assert (tmp_path / "x.params").exists()
-    write_plan(Mission(mission.home, mission.items), tmp_path / "x.plan")
+    write_mission(Mission(mission.home, mission.items), tmp_path / "x.plan")
     assert not (tmp_path / "x.params").exists()

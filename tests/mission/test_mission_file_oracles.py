@@ -9,9 +9,8 @@ from hypothesis import given
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.mission.stored_mission import home_item
-from ipoa_mission.mission.waypoints_file import write_waypoints
 from tests.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")
@@ -31,7 +30,7 @@ def read_by_mavsdk(rows: list[list[Any]]) -> list[list[float | None]]:
 @given(mission=missions())
 def test_mavsdk_reads_our_plans_and_agrees_item_by_item(mission: Mission, mavsdk: Any, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "oracle.plan"
-    write_plan(mission, path)
+    write_mission(mission, path)
     got = mavsdk.read(path.read_text(), "plan", mission.autopilot)
     rows = read_by_mavsdk(got["mission"])
     assert [row[0] for row in got["mission"]] == list(range(len(rows)))
@@ -51,7 +50,7 @@ def test_mavsdk_reads_our_waypoints_and_agrees_item_by_item(
     mission: Mission, mavsdk: Any, tmp_path_factory: Any
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "oracle.waypoints"
-    write_waypoints(mission, path)
+    write_mission(mission, path)
     got = mavsdk.read(path.read_text(), "waypoints", mission.autopilot)
     rows = read_by_mavsdk(got["mission"])
     if mission.autopilot is Autopilot.ARDUPILOT:
@@ -62,7 +61,7 @@ def test_mavsdk_reads_our_waypoints_and_agrees_item_by_item(
 @given(mission=missions(frames=(0, 3), fences=False))
 def test_mavwp_reads_our_waypoints_and_agrees_item_by_item(mission: Mission, tmp_path_factory: Any) -> None:
     path: Path = tmp_path_factory.getbasetemp() / "oracle.waypoints"
-    write_waypoints(mission, path)
+    write_mission(mission, path)
     loader = mavwp.MAVWPLoader()
     assert loader.load(str(path)) == len(mission.items) + 1
     for seq, item in enumerate((home_item(mission.home), *_as_written(mission))):

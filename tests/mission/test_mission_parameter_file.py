@@ -9,10 +9,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Item, Mission, takeoff
-from ipoa_mission.mission.mission_io import read_mission, read_mission_file
-from ipoa_mission.mission.parameter_file import read_parameter_file, read_parameters
-from ipoa_mission.mission.plan_file import write_plan
-from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file, write_mission
+from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -46,7 +44,7 @@ MISSION_PLANNER = "#NOTE: 1/2/2024 frame\r\nWPNAV_SPEED,800\r\nWPNAV_JERK,1.5\r\
 def test_each_tools_file_is_read(tmp_path: Path, text: str, expected: dict[str, float]) -> None:
     path = tmp_path / "vehicle.parm"
     path.write_bytes(text.encode())
-    assert read_parameters(path) == expected
+    assert read_parameter_file(path).parameters == expected
 
 
 @pytest.mark.parametrize(
@@ -67,7 +65,7 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
     path = tmp_path / "vehicle.parm"
     path.write_text(f"# a comment\n{line}\n")
     with refuses(*message):
-        read_parameters(path)
+        read_parameter_file(path)
 
 
 @pytest.mark.parametrize(
@@ -125,7 +123,7 @@ def test_what_a_parameter_file_says_twice_or_oddly_is_named(
     read = read_parameter_file(path)
     assert read.parameters == parameters
     assert [one.words for one in read.unread] == [f"a.params: not read: {each}" for each in words]
-    write_plan(MISSION, tmp_path / "a.plan")
+    write_mission(MISSION, tmp_path / "a.plan")
     if "WP" not in text:
         found = read_mission_file(tmp_path / "a.plan").findings
         assert [finding.message for finding in found if finding.code == "file-parameters"] == [
@@ -153,24 +151,24 @@ def test_what_is_written_beside_a_mission_comes_back(
     tmp_path_factory: pytest.TempPathFactory, values: dict[str, float]
 ) -> None:
     path = tmp_path_factory.mktemp("parameters") / "a.plan"
-    write_plan(replace(MISSION, parameters=values), path)
+    write_mission(replace(MISSION, parameters=values), path)
     assert read_mission(path).parameters == values
 
 
 def test_a_mission_without_parameters_takes_away_those_that_were_written_here(tmp_path: Path) -> None:
     path = tmp_path / "a.waypoints"
-    write_waypoints(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
+    write_mission(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
     lines = (tmp_path / "a.params").read_text().splitlines()
     assert lines[-2:] == ["1\t1\tMPC_XY_VEL_MAX\t9.5\t9", "1\t1\tMPC_YAW_MODE\t1\t6"]
-    write_waypoints(MISSION, path)
+    write_mission(MISSION, path)
     assert not (tmp_path / "a.params").exists()
 
 
 def test_a_parameter_file_of_somebody_else_stays_as_it_is(tmp_path: Path) -> None:
     theirs = tmp_path / "a.params"
     theirs.write_text(QGROUNDCONTROL)
-    write_plan(MISSION, tmp_path / "a.plan")
+    write_mission(MISSION, tmp_path / "a.plan")
     assert read_mission(tmp_path / "a.plan").parameters == {"MPC_XY_CRUISE": 7.5, "NAV_DLL_ACT": 0.0}
     with refuses("already-there", "a.params", kind=BadInput):
-        write_plan(replace(MISSION, parameters={"MPC_XY_CRUISE": 6.0}), tmp_path / "a.plan")
+        write_mission(replace(MISSION, parameters={"MPC_XY_CRUISE": 6.0}), tmp_path / "a.plan")
     assert theirs.read_text() == QGROUNDCONTROL

@@ -12,10 +12,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
-from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.mission.parameter_file import read_parameters
-from ipoa_mission.mission.plan_file import plan_text, write_plan
-from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.mission.mission_io import read_mission_file, write_mission
+from ipoa_mission.mission.parameter_file import read_parameter_file
+from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
@@ -28,21 +27,21 @@ MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, 12.0)))
 
 def written(mission: Mission, folder: Path) -> dict[str, Any]:
     path = folder / "written.plan"
-    write_plan(mission, path)
+    write_mission(mission, path)
     return json.loads(path.read_text())
 
 
 @given(mission=missions())
 def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "round.plan"
-    write_plan(mission, path)
+    write_mission(mission, path)
     assert same(read_mission_file(path).mission, mission)
 
 
 @given(mission=missions())
 def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "rules.plan"
-    write_plan(mission, path)
+    write_mission(mission, path)
     text = path.read_text()
     plan = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert (plan["fileType"], plan["groundStation"]) == ("Plan", "QGroundControl")
@@ -74,8 +73,8 @@ def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Miss
 def test_the_same_mission_gives_the_same_bytes(tmp_path: Path) -> None:
     mission = read_mission_file(FILES / "survey.plan").mission
     one, other = tmp_path / "one.plan", tmp_path / "other.plan"
-    write_plan(mission, one)
-    write_plan(mission, other)
+    write_mission(mission, one)
+    write_mission(mission, other)
     assert one.read_bytes() == other.read_bytes()
     assert one.read_bytes().endswith(b"}\n")
     assert b"\r" not in one.read_bytes()
@@ -97,14 +96,14 @@ def test_a_speed_is_shown_in_the_header_only_if_there_is_one(tmp_path: Path) -> 
 def test_an_altitude_that_is_no_number_is_not_written(tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, math.nan)))
     with refuses("altitude-missing", "item 2 (NAV_WAYPOINT)", kind=BadInput):
-        write_plan(mission, tmp_path / "no.plan")
+        write_mission(mission, tmp_path / "no.plan")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_jump_to_nowhere_is_not_written(tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 10.0), Item(177, 2, (3.0, 1.0, 0.0, 0.0))))
     with refuses("jump-target", "item 2 (DO_JUMP): param1", kind=BadInput):
-        write_plan(mission, tmp_path / "no.plan")
+        write_mission(mission, tmp_path / "no.plan")
 
 
 def test_a_survey_becomes_its_waypoints() -> None:
@@ -196,7 +195,7 @@ def test_a_return_point_of_the_fence_is_reported_as_not_kept(tmp_path: Path) -> 
 
 def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
     with refuses("altitude-missing", "home", kind=BadInput):
-        write_plan(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.file")
+        write_mission(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.plan")
 
 
 def test_a_plan_is_for_the_autopilot_of_its_firmware_and_its_class_of_vehicle(
@@ -220,13 +219,17 @@ def test_a_plan_is_for_the_autopilot_of_its_firmware_and_its_class_of_vehicle(
 def test_each_format_is_read_by_a_path_or_its_name(tmp_path: Path) -> None:
     path = tmp_path / "hop.plan"
     mission = replace(MISSION, parameters={"MPC_XY_CRUISE": 8.0})
-    write_plan(mission, path)
-    write_waypoints(mission, path.with_suffix(".waypoints"))
+    write_mission(mission, path)
+    write_mission(mission, path.with_suffix(".waypoints"))
     assert same(read_mission_file(str(path)).mission, read_mission_file(path).mission)
     waypoints = path.with_suffix(".waypoints")
     assert same(read_mission_file(str(waypoints)).mission, read_mission_file(waypoints).mission)
     parameters = path.with_suffix(".params")
-    assert read_parameters(str(parameters)) == read_parameters(parameters) == {"MPC_XY_CRUISE": 8.0}
+    assert (
+        read_parameter_file(str(parameters)).parameters
+        == read_parameter_file(parameters).parameters
+        == {"MPC_XY_CRUISE": 8.0}
+    )
 
 
 ALTITUDE = "Altitude: QGroundControl flies 30 m, other software params[6], which is 40"

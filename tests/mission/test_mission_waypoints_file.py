@@ -11,8 +11,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
-from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST, write_waypoints
+from ipoa_mission.mission.mission_io import read_mission_file, write_mission
+from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
@@ -27,7 +27,7 @@ def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_facto
     path = tmp_path_factory.getbasetemp() / "round.waypoints"
     assume((mission.home.latitude_deg, mission.home.longitude_deg) != (0.0, 0.0))  # which stands for no place
     takes_off = any(item.command in TAKEOFFS for item in mission.items)
-    assert write_waypoints(mission, path) == ((TAKEOFF_LOST,) if takes_off else ())
+    assert write_mission(mission, path) == ((TAKEOFF_LOST,) if takes_off else ())
     back = read_mission_file(path, mission.autopilot).mission
     if mission.autopilot is Autopilot.ARDUPILOT:
         mission = replace(mission, items=tuple(replace(i, params=_zeros(i.params)) for i in mission.items))
@@ -42,7 +42,7 @@ def _zeros(params: tuple[float, float, float, float]) -> tuple[float, float, flo
 @given(mission=missions(frames=(0, 3), fences=False))
 def test_every_line_is_as_the_strictest_reader_wants_it(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "strict.waypoints"
-    write_waypoints(mission, path)
+    write_mission(mission, path)
     data = path.read_bytes()
     assert b"\r" not in data
     assert not data.startswith(b"\xef\xbb\xbf")
@@ -60,7 +60,7 @@ def test_every_line_is_as_the_strictest_reader_wants_it(mission: Mission, tmp_pa
 
 def test_a_file_reads_as_it_should(tmp_path: Path) -> None:
     path = tmp_path / "flight.waypoints"
-    write_waypoints(FLIGHT, path)
+    write_mission(FLIGHT, path)
     assert path.read_text() == (
         "QGC WPL 110\n"
         "0	1	0	16	0.000000	0.000000	0.000000	0.000000	39.10100000	121.82000000	20.000000	1\n"
@@ -72,13 +72,13 @@ def test_a_file_reads_as_it_should(tmp_path: Path) -> None:
 
 def test_nan_stays_for_px4_which_would_turn_north_and_is_0_for_ardupilot(tmp_path: Path) -> None:
     path = tmp_path / "flight.waypoints"
-    write_waypoints(replace(FLIGHT, autopilot=Autopilot.ARDUPILOT), path)
+    write_mission(replace(FLIGHT, autopilot=Autopilot.ARDUPILOT), path)
     assert "nan" not in path.read_text()
 
 
 def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
     mission = replace(FLIGHT, fence=(FenceCircle((39.1, 121.8), 100.0),), rally=(HOME,))
-    assert write_waypoints(mission, tmp_path / "fence.waypoints") == (
+    assert write_mission(mission, tmp_path / "fence.waypoints") == (
         "the geofence cannot be held by a .waypoints file",
         "the rally points cannot be held by a .waypoints file: its RTL flies home, by another way, time and energy",
         TAKEOFF_LOST,
@@ -89,13 +89,13 @@ def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
 def test_terrain_altitudes_are_refused_because_ground_stations_take_them_for_amsl(frame: int, tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 40.0), Item(16, frame, altitude=30.0)), Autopilot.ARDUPILOT)
     with refuses("frame-not-written", "item 2 (NAV_WAYPOINT)", kind=BadInput):
-        write_waypoints(mission, tmp_path / "terrain.waypoints")
+        write_mission(mission, tmp_path / "terrain.waypoints")
     assert not list(tmp_path.iterdir())
 
 
 def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
     with refuses("position-missing", "item 1 (NAV_WAYPOINT)", kind=BadInput):
-        write_waypoints(Mission(HOME, (Item(16, 3, altitude=math.nan),)), tmp_path / "nan.waypoints")
+        write_mission(Mission(HOME, (Item(16, 3, altitude=math.nan),)), tmp_path / "nan.waypoints")
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
 )
 def test_what_other_programs_write_is_read(change: Any, tmp_path: Path) -> None:
     path = tmp_path / "lenient.waypoints"
-    write_waypoints(FLIGHT, path)
+    write_mission(FLIGHT, path)
     path.write_bytes(change(path.read_text()).encode())
     assert same(read_mission_file(path).mission, FLIGHT)
 
@@ -136,18 +136,18 @@ def test_recorded_missions_are_read_and_written_back(name: str, tmp_path: Path) 
     source = FILES / f"{name}.waypoints"
     mission = read_mission_file(source).mission
     path = tmp_path / "again.waypoints"
-    write_waypoints(mission, path)
+    write_mission(mission, path)
     assert same(read_mission_file(path).mission, mission)
     assert len(mission.items) == len(source.read_text().splitlines()) - 2
 
 
 def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
     with refuses("position-missing", "home", kind=BadInput):
-        write_waypoints(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.file")
+        write_mission(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.waypoints")
 
 
 def test_a_fence_item_among_the_items_is_not_written(tmp_path: Path) -> None:
     corner = replace(waypoint(HOME, 0.0), command=5003)
     with refuses("not-a-mission-item", "item 4 (NAV_FENCE_CIRCLE_INCLUSION)", kind=BadInput):
-        write_waypoints(replace(FLIGHT, items=(*FLIGHT.items, corner)), tmp_path / "fenced.waypoints")
+        write_mission(replace(FLIGHT, items=(*FLIGHT.items, corner)), tmp_path / "fenced.waypoints")
     assert not (tmp_path / "fenced.waypoints").exists()

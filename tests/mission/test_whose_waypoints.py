@@ -6,8 +6,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
-from ipoa_mission.mission.waypoints_file import waypoints_text, write_waypoints
+from ipoa_mission.mission.mission_io import read_by_items, read_mission_file, write_mission
+from ipoa_mission.mission.waypoints_file import waypoints_text
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -54,7 +54,7 @@ def test_terrain_heights_are_ardupilots(tmp_path: Path) -> None:
 
 def test_what_is_said_or_lies_beside_it_goes_before(tmp_path: Path) -> None:
     path = tmp_path / "colleague.waypoints"
-    write_waypoints(Mission(HOME, zeroed(UP, AWAY, DOWN), ARDUPILOT).with_parameters({"RTL_ALT": 3000.0}), path)
+    write_mission(Mission(HOME, zeroed(UP, AWAY, DOWN), ARDUPILOT).with_parameters({"RTL_ALT": 3000.0}), path)
     read = read_mission_file(path)
     assert (read.mission.autopilot, read.taken_for) == (ARDUPILOT, None)
     path.with_suffix(".params").unlink()

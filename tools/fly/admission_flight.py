@@ -27,8 +27,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_on
-from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -182,7 +181,7 @@ def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path
         MissionError, OSError: the flight did not begin.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    write_plan(mission, folder / "mission.plan")
+    write_mission(mission, folder / "mission.plan")
     shutil.rmtree(simulator.folder, ignore_errors=True)
     home, began = mission.home, time.time()
     start = simulator.start and simulator.words(simulator.start, home)
