@@ -26,7 +26,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
-from ipoa_mission.link.conformance_watch import OnDeviation
+from ipoa_mission.link.on_deviation import OnDeviation
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.version import Version

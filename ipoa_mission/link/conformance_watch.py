@@ -2,23 +2,16 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from ipoa_mission.link.dialogue import Dialogue
 from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import Message
+from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.world.frame import Geodetic
-
-
-class OnDeviation(StrEnum):
-    HOLD = "hold"
-    RTL = "rtl"
-    REPORT = "report"
-
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation

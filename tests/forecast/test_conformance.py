@@ -14,9 +14,10 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.conformance_watch import Conformance, OnDeviation
+from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.logbook import Logbook
+from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.logs.flight_log import read_flights as read_log
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint

@@ -9,11 +9,11 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec, Target
-from ipoa_mission.link.conformance_watch import OnDeviation
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Message
+from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission, land, takeoff
