@@ -152,7 +152,8 @@ class _Finder:
                 continue
             if why is None:
                 made = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
-                standing += [thing._replace(called=called(feature)) for thing in made]
+                name = "" if outside else called(feature, shape)
+                standing += [thing._replace(called=name) for thing in made]
             else:
                 self._pass(feature, shape, why, outside)
         self._keep(standing)

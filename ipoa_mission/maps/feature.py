@@ -35,12 +35,11 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        name = self.place
-        for key in NAMES:
-            if named := self.tags.get(key):
-                name = named
-                break
-        return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
+        return printed(next((named for key in NAMES if (named := self.tags.get(key))), self.place))
+
+
+def printed(name: str) -> str:
+    return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:

@@ -1,48 +1,43 @@
+import math
 from collections.abc import Mapping
+from typing import Any
 
-from ipoa_mission.maps.feature import Feature
+import shapely
 
-KINDS = ("man_made", "aerialway", "barrier", "power")
-WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "pole": "power pole"}
+from ipoa_mission.maps.feature import Feature, printed
+
+KINDS = ("building", "man_made", "aerialway", "barrier", "power", "natural", "landuse")
+WORDS = {("natural", "tree_row"): "row of trees", ("power", "tower"): "power tower", ("power", "pole"): "power pole"}
 
 
-def called(feature: Feature) -> str:
-    """Name a feature for a pilot: by name, else by kind and number.
+def called(feature: Feature, shape: Any) -> str:
+    """Name a feature for a pilot: by name or address, else by kind, position and number; `shape` is east, north [m].
 
-    >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}))
-    'tree (features[3])'
-    >>> called(Feature("", None, {"power": "minor_line", "voltage": "20000", "@id": "way/7000"}))
-    '20 kV line (way/7000)'
-    >>> called(Feature("", None, {"building": "house", "addr:street": "Dorfstrasse", "addr:housenumber": "8"}))
-    'house, Dorfstrasse 8'
+    >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
+    'tree 42 m NE of home (features[3])'
     """
     tags, kind = feature.tags, _kind(feature.tags)
-    if kind is None or tags.get("name") or tags.get("addr:housename"):
+    if tags.get("name") or tags.get("addr:housename"):
         return feature.name
     street, number = tags.get("addr:street"), tags.get("addr:housenumber")
-    if street and number:
-        return _printed(f"{kind}, {street} {number}")
-    return _printed(f"{kind} ({feature.name.rpartition(': ')[2]})")
+    if "building" in tags and street and number:
+        return printed(f"{kind}, {street} {number}")
+    return printed(f"{kind}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
 
 
-def _kind(tags: Mapping[str, str]) -> str | None:
+def _from_home(shape: Any) -> str:
+    if shapely.is_empty(shape) or shapely.get_dimensions(shape) == 1:
+        return ""
+    east, north = shape.centroid.coords[0]
+    side = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")[round(math.atan2(east, north) / (math.pi / 4)) % 8]
+    return f" {math.hypot(east, north):.0f} m {side} of home"
+
+
+def _kind(tags: Mapping[str, str]) -> str:
     if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
         volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
         return f"{max(volts) / 1000:g} kV line" if volts else "power line"
     if tags.get("generator:source") == "wind":
         return "wind turbine"
-    if tags.get("natural") in WORDS:
-        return WORDS[tags["natural"]]
-    if tags.get("power") in WORDS:
-        return WORDS[tags["power"]]
-    if "building" in tags and tags.get("addr:street") and tags.get("addr:housenumber"):
-        return _word(tags["building"]) or "building"
-    return next((word for key in KINDS if (word := _word(tags.get(key, "")))), None)
-
-
-def _word(value: str) -> str | None:
-    return None if value in ("", "yes", "no") else value.replace("_", " ")
-
-
-def _printed(name: str) -> str:
-    return "".join(letter if letter.isprintable() else " " for letter in name)
+    values = ((key, tags[key]) for key in KINDS if tags.get(key) not in (None, "", "yes", "no"))
+    return next((WORDS.get(each, each[1].replace("_", " ")) for each in values), "building")

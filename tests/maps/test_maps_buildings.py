@@ -41,6 +41,29 @@ def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalF
     np.testing.assert_allclose(house.bounds, [[100, 50, 10], [120, 70, 12 + 23]], atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("tags", "name"),
+    [
+        ({"building": "barn"}, "barn 125 m NE of home (way/5)"),
+        ({"building": "yes", "man_made": "storage_tank"}, "storage tank 125 m NE of home (way/5)"),
+        ({"building": "yes"}, "building 125 m NE of home (way/5)"),
+        ({"building": "house", "addr:street": "Dorfstrasse", "addr:housenumber": "8"}, "house, Dorfstrasse 8"),
+        ({"building": "church", "name": "St. Anna"}, "St. Anna"),
+    ],
+)
+def test_one_is_called_by_name_or_address_else_by_kind_and_position(
+    write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, str], name: str
+) -> None:
+    """Its middle lies 110 m east and 60 m north of home."""
+    assert [one.name for one in stand(write_map((square(100, 50), tags | {"@id": "way/5"})), frame)] == [name]
+
+
+def test_a_power_line_is_called_by_its_voltage(write_map: WriteMap, frame: LocalFrame) -> None:
+    line = {"type": "LineString", "coordinates": [[8.0001, 47.0001], [8.0010, 47.0005]]}
+    tags = {"power": "minor_line", "voltage": "20000", "@id": "way/7"}
+    assert {one.name for one in stand(write_map((line, tags)), frame)} == {"20 kV line (way/7)"}
+
+
 def test_a_courtyard_is_free(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     shape = square(0, 0, 60)
     shape["coordinates"].append(square(20, 20)["coordinates"][0])
