@@ -168,12 +168,8 @@ class Forecast:
 
         for unknown in self.unknown:
             if unknown.code == "jump-flown-elsewhere":
-                raise MissionError(
-                    f"{unknown.why}; the time is unknown",
-                    unknown.hint,
-                    code=unknown.code,
-                    place=f"items[{unknown.seq - 1}]",
-                )
+                words = f"{unknown.why}; the time is unknown"
+                raise MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
         if self.mission.other_vehicle:
             words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
             raise NotModeled(words)
@@ -215,12 +211,8 @@ class Forecast:
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
-            raise MissionError(
-                f"{unknown.why}; the clearance is unknown",
-                unknown.hint,
-                code=unknown.code,
-                place=f"items[{unknown.seq - 1}]",
-            )
+            words = f"{unknown.why}; the clearance is unknown"
+            raise MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
         prediction = self.predicted(sure=True)
         return promise_of(PredictedFlight(self.itinerary, prediction, self.mission.autopilot, self.world))
 

@@ -61,7 +61,7 @@ def test_a_jump_is_flown_as_often_as_it_asks(autopilot: Autopilot) -> None:
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_loop_without_end_has_no_time(autopilot: Autopilot) -> None:
     jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, -1.0, 0.0, 0.0))
-    with refuses("endless-flight", "items[2].param2"):
+    with refuses("endless-flight", "item 3: param2"):
         estimate(out_and_back(autopilot, jump))
 
 

@@ -33,7 +33,7 @@ def test_here_is_where_the_flight_comes_from_not_what_the_file_names_before() ->
 
 @pytest.mark.parametrize(
     ("item", "says"),
-    [(jump(9, 1), ("bad-input", "items[1].param1")), (jump(1, -1), ("endless-flight", "items[1].param2"))],
+    [(jump(9, 1), ("bad-input", "item 2: param1")), (jump(1, -1), ("endless-flight", "item 2: param2"))],
 )
 def test_a_jump_that_cannot_be_followed_is_refused(item: Item, says: tuple[str, ...]) -> None:
     with refuses(*says):

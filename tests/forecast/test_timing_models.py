@@ -212,7 +212,7 @@ def test_loitering_for_a_time_is_counted_and_without_end_refused(autopilot: Auto
     found = fly(autopilot, loiter, delay)
     plain = fly(autopilot, waypoint(there, 30.0))
     assert found.total_s == pytest.approx(plain.total_s + 27.0, abs=2.0)
-    with refuses("endless-flight", "items[1]"):
+    with refuses("endless-flight", "item 2"):
         fly(autopilot, Item(Command.NAV_LOITER_UNLIM, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, 0.0), *at))
 
 

@@ -59,15 +59,15 @@ def test_take_off_and_landing_in_wind_within_three_per_cent_and_five_in_gusts(fl
     ("wind", "says"),
     [
         (Wind(9.9, 0.0), "does not get on to 0, 60, 30 m"),
-        (Wind(13.0, 90.0), "blows the copter off its path to 0, 60, 30 m"),
-        (Wind(25.0, 270.0), "items[0]: the wind of 25 m/s from 270 deg blows the copter off"),
+        (Wind(13.0, 90.0), "blows the copter off its path at"),
+        (Wind(25.0, 270.0), "item 1: the wind of 25 m/s from 270 deg blows the copter off"),
     ],
 )
 def test_a_wind_in_which_the_copter_does_not_hold_its_path_is_refused(wind: Wind, says: str) -> None:
     with pytest.raises(MissionError) as refused:
         estimated(CALM_FLIGHT, wind)
     assert says in str(refused.value)
-    assert str(refused.value).startswith("items[")
+    assert str(refused.value).startswith("item ")
 
 
 def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:

@@ -107,17 +107,17 @@ def _unrolled(mission: Mission) -> list[int]:
         if item.command in JUMPS and jump_target(mission.items, n) is None:
             asked = item.params[0]
             expected = "the tag of a JUMP_TAG" if item.command == Command.DO_JUMP_TAG else f"an item from 1 to {count}"
-            raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"items[{n}].param1")
+            raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"item {n + 1}: param1")
         if item.command in JUMPS and repeats(item) == math.inf:
-            raise EndlessFlight("the jump never ends, so the flight has no time", place=f"items[{n}].param2")
+            raise EndlessFlight("the jump never ends, so the flight has no time", place=f"item {n + 1}: param2")
     program = program_of(mission, mission.items)
     order: list[int] = []
     at: int | None = -1
     while at is not None:
         if len(order) > MAX_VISITS:
-            raise EndlessFlight(f"the mission's jumps make more than {MAX_VISITS} visits", place=f"items[{at}]")
+            raise EndlessFlight(f"the mission's jumps make more than {MAX_VISITS} visits", place=f"item {at + 1}")
         passed, at = program.advance(at)
         order += passed if at is None else [*passed, at]
     if program.stuck_at is not None:
-        raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"items[{program.stuck_at}]")
+        raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"item {program.stuck_at + 1}")
     return order

@@ -72,9 +72,7 @@ def fly_arducopter(
         except BadInput:
             raise
         except MissionError as lost:
-            raise MissionError(
-                f"{lost}", lost.hint, code="unreachable", place=f"items[{route.visits[n].seq - 1}]"
-            ) from None
+            raise lost.at(f"item {route.visits[n].seq}") from None
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
@@ -153,7 +151,7 @@ class _Flight:
         if command in TAKEOFFS:
             self.take_off(self.target(n)[2])
         elif command == Command.NAV_LOITER_UNLIM:
-            raise EndlessFlight("loiters without end, so the flight has no time", place=f"items[{visit.seq - 1}]")
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
         elif command in PLACE_COMMANDS:
             return self.fly_to(n)
         elif command == Command.NAV_LOITER_TURNS:

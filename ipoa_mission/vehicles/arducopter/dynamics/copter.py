@@ -167,7 +167,7 @@ class Copter:
         at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
         wind = f"the wind of {self._wind.at(z):.3g} m/s from {self._wind.from_deg:g} deg"
         if why == BLOWN_OFF:
-            return f"{wind} blows the copter off its path to {to}, at {at}"
+            return f"{wind} blows the copter off its path at {at}"
         windy = f", in {wind}" if self._wind.speed > 0 else ""
         return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}{windy}"
 

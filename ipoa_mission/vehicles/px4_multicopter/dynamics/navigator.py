@@ -169,12 +169,12 @@ class _Navigator:
             self.airborne = True
             return [*climb, leg(start, self.here, self.onward(n), self.limits, self.cruise)]
         if command == Command.NAV_LOITER_UNLIM:
-            raise EndlessFlight("loiters without end, so the flight has no time", place=f"items[{visit.seq - 1}]")
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
         if command == Command.NAV_DELAY:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
             if self.limits.land_delay < 0.0:
-                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"items[{visit.seq - 1}]")
+                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"item {visit.seq}")
             self.cruise = self.limits.cruise
             if (way := self.route.way_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
