@@ -80,7 +80,7 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
     for landing in landings(forecast):
         if stretch.is_fast(landing.counted):
             wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
-            hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
+            hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
             message = f"{landing.where}: {touches_down(stretch, landing)}"
             yield landing.item.warning("fast-touchdown", message, hint)
         elif landing.height < -LONG_LANDING_DEPTH:

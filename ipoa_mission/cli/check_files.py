@@ -103,8 +103,8 @@ class CheckedFile:
             return f"{self.file}: not checked"
         mission, errors = self.forecast.given, self.errors
         what = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
-        items = f"{len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}"
-        return f"{self.file}: {what}, {items}"
+        items = counted(len(mission.items), "item")
+        return f"{self.file}: {what}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
 def check_file(file: Path, how: CheckOptions) -> CheckedFile:

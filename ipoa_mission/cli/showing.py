@@ -39,6 +39,7 @@ def show(
 
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unread_check import refuse_unread
+    from ipoa_mission.cli.check_files import counted
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.errors import MissionError
@@ -96,9 +97,8 @@ def show(
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    print_lines(
-        f"{file.name}: {len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}"
-    )
+    items = counted(len(mission.items), "item")
+    print_lines(f"{file.name}: {items} for {mission.autopilot.checked_for(mission.firmware_version)}")
     print_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)

@@ -24,7 +24,7 @@ def details_of(item: Item) -> str:
             return f"until {item.clock}"
         case Command.NAV_LOITER_TURNS:
             asked = ", counterclockwise" if item.params[2] < 0 else ""
-            return f"{first:g} turns, radius {abs(item.params[2]):g} m{asked}"
+            return f"{first:g} turn{'' if first == 1 else 's'}, radius {abs(item.params[2]):g} m{asked}"
         case Command.NAV_ARC_WAYPOINT:
             return f"{first:g} degrees"
         case Command.NAV_WAYPOINT if second > 0:

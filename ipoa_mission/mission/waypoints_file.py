@@ -176,7 +176,8 @@ class _Line:
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
     first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
-        raise WrongFormat(f'expected "{FIRST_LINE}", not "{first[:40]}"', place=f"{path}: line 1")
+        found = f'"{first[:40]}"' if text.strip() else "an empty file"
+        raise WrongFormat(f'expected "{FIRST_LINE}", not {found}', place=f"{path}: line 1")
     for number, text_line in enumerate(others, start=2):
         if text_line.strip() and not text_line.lstrip().startswith("#"):
             line = _Line(path, number, text_line.split())

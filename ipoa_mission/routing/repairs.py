@@ -50,7 +50,7 @@ def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
-            f"{highest.words}: {in_words(wanted)} in the vehicle make it slow down as high above it as otherwise "
+            f"{highest.words}: {in_words(wanted)} in the vehicle would slow it down as high above it as otherwise "
             f"above home ({scenario.name}.params; `fly --set-params` writes it)"
         )
 

@@ -105,6 +105,7 @@ def test_a_circle_is_drawn_in_every_export(suffix: str) -> None:
 
 def test_the_words_name_radius_and_sense() -> None:
     assert details_of(circle(2.0, -60.0)) == "2 turns, radius 60 m, counterclockwise"
+    assert details_of(circle(1.0, 60.0)) == "1 turn, radius 60 m"
 
 
 def test_the_way_past_a_church_by_a_circle_is_no_longer_clear() -> None:

@@ -93,6 +93,12 @@ def test_terrain_altitudes_are_refused_because_ground_stations_take_them_for_ams
     assert not list(tmp_path.iterdir())
 
 
+def test_an_empty_file_is_called_empty(tmp_path: Path) -> None:
+    (tmp_path / "empty.waypoints").touch()
+    with refuses("wrong-format", "line 1", "an empty file"):
+        read_mission_file(tmp_path / "empty.waypoints", Autopilot.PX4)
+
+
 def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
     with refuses("position-missing", "item 1 (NAV_WAYPOINT)", kind=BadInput):
         write_mission(Mission(HOME, (Item(16, 3, altitude=math.nan),)), tmp_path / "nan.waypoints")
