@@ -90,7 +90,9 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEA
     tries = ((number, room) for number in range(seed, seed + SEED_COUNT) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
         try:
-            attempt = _move_until_safe(plan_path(room.world, seed=number, progress=progress), room, scenario)
+            plan = plan_path(room.world, seed=number, progress=progress)
+            progress(0.9, "choosing waypoints, proving returns")
+            attempt = _move_until_safe(plan, room, scenario)
         except NoPath as error:
             room.closed = True
             if room.world is scenario and not isinstance(error, NotFound):

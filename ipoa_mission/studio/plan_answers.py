@@ -188,8 +188,8 @@ def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario)
     for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR_PLACES]:
         if promise is not None and math.isfinite(check.kept) and check.slack < NEAR_FACTOR * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
-            part = f", {check.part}, predicted only" if check.part else ""
-            words = f"{check.limit}, to {check.to}{part}: {check.words(promise.confidence)}"
+            part, share = (f", in {check.part}", None) if check.part else ("", promise.confidence)
+            words = f"{check.limit}, to {check.to}{part}: {check.words(share)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
 
 
