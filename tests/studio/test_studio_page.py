@@ -279,6 +279,10 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     until(own_page, "!document.querySelector('[title^=\"Undo\"]').title.includes('height')")
     own_page.locator(".items").get_by_role("button", name=re.compile("^(! )?4 ")).click()
     field = own_page.get_by_role("spinbutton", name="Height")
+    own_page.get_by_label("Height counts from").select_option("10")  # PX4 takes no such item
+    until(own_page, "document.querySelectorAll('.verdict .refusal .bad.chosen').length > 0")
+    assert own_page.get_by_label("Chosen item").locator(".bad").count() == 0  # each finding has one place
+    own_page.get_by_label("Height counts from").select_option("3")
     field.fill("31.5")
     field.press("Tab")
     until(own_page, "/31[.]5/.test(document.querySelector('textarea').value)")
@@ -322,6 +326,18 @@ def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
     assert float(page.get_by_label("Moment of the flight").input_value()) > 0
     icons = "map.querySourceFeatures('items').map(one => one.properties.icon).filter(icon => icon.endsWith('!'))"
     until(page, f"{icons}.length > 0")
+
+
+def test_trees_wires_and_the_number_of_a_hidden_item_are_seen(page: Any) -> None:
+    proved(page)
+    thing = '\n[[obstacles]]\nkind = "cylinder"\nname = "{}"\neast = {}\nnorth = -25.0\nradius = 2.0\nheight = 5.0\n'
+    named = (("tree 51 m NE of home (node/1)", 45), ("20 kV line (way/2)", 5))
+    rewrite(page, MEADOW.read_text() + "".join(thing.format(*one) for one in named))
+    proved(page)
+    looks = "new Set(map.querySourceFeatures('bodies').map(one => one.properties.look))"
+    until(page, f"{looks}.size === 3 && {looks}.has('tree') && {looks}.has('wire') && {looks}.has('')")
+    until(page, "map.queryRenderedFeatures({layers: ['wires']}).length > 0")
+    until(page, "map.queryRenderedFeatures({layers: ['items']}).some(one => one.properties.hidden)")
 
 
 def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any) -> None:

@@ -53,12 +53,11 @@ export function ChosenItem({ now }: { now: Studio }) {
         <Add seq={placeForNew(now)} words="Add before the end" now={now} /></section>
     );
   }
-  const kind = mission.kinds.find(one => one.command === item.command), flaws = now.checked?.flaws.filter(flaw => flaw.seq === item.seq) ?? [];
+  const kind = mission.kinds.find(one => one.command === item.command);
   const put = (what: Put["what"], value: number | null, words: string) => edit(`item ${item.seq}: ${words}`, { op: "put_item", seq: item.seq, what, value });
   return (
     <section aria-label="Chosen item">
       <h2>Item {item.seq}: {item.words}</h2>
-      {flaws.map(flaw => <p key={flaw.words} class={flaw.severity === "error" ? "bad" : "amber"}>{flaw.severity === "error" ? "✕" : "!"} {flaw.words}{flaw.hint ? `; ${flaw.hint}` : ""}</p>)}
       {item.part_of ? (
         <><p class="note">It is one of a survey or scan that QGroundControl edits as a whole (items {item.part_of[0]} to {item.part_of[1]}).</p>
           <p class="column"><button type="button" onClick={() => edit("plain items", { op: "plain_items", seq: item.seq })}>Make plain items of it, to change them here</button></p></>

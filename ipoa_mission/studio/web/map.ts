@@ -15,7 +15,7 @@ const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube"
 type SourceName = (typeof SOURCES)[number];
 const UNHEARD_S = 2.5; // a vehicle that is watched says where it is many times in so long
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
+const FLAT = ["ground", "roofs", "roof-lines", "wires", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
 const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
@@ -191,8 +191,14 @@ function drawItems(map: MapLibre, now: Studio): void {
   fill(map, "items", stops.filter(stop => stop.place).map(stop => {
     const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
     if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
-    return { type: "Feature", properties: { seq: stop.seq, icon, rank: name.endsWith("!") ? 0 : 1 }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
+    return { type: "Feature", properties: { seq: stop.seq, icon, rank: name.endsWith("!") ? 0 : 1, hidden: isUnder(now, stop.place as LngLat) }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
   }));
+}
+
+/** Whether the button of a place of the scenario lies over a place: an item's number is drawn beside it. */
+function isUnder({ world }: Studio, [lng, lat]: LngLat): boolean {
+  const [wide, high] = world?.degree_m ?? [1, 1];
+  return (world?.spots ?? []).some(({ path, place }) => isWritten(path) && Math.hypot((place[0]! - lng) * wide!, (place[1]! - lat) * high!) < 2);
 }
 
 /** The items of an open mission that lie somewhere. */
@@ -265,8 +271,11 @@ function showPicture(map: MapLibre, now: Studio): void {
   for (const id of map.getLayersOrder()) if (id.startsWith("tiles")) map.setLayoutProperty(id, "visibility", shown ? "visible" : "none");
   showLayers(map, now, "ground");
   if (map.getLayer("hillshade")) map.setLayoutProperty("hillshade", "visibility", now.space || shown ? "none" : "visible");
-  map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
+  map.setPaintProperty("roofs", "fill-opacity", seenThrough(shown ? 0.55 : 1));
 }
+
+/** How opaque roofs are; trees and wires are less. */
+const seenThrough = (roofs: number): any => ["match", ["get", "look"], "tree", 0.45, "wire", 0.2, roofs];
 
 const filled = new Set<string>();
 
@@ -359,8 +368,9 @@ function style(): StyleSpecification {
       ...groundLayers(),
       { id: "bounds", type: "line", source: "bounds", paint: { "line-color": color("quiet"), "line-width": 1, "line-dasharray": [4, 4] } },
       { id: "tube", type: "fill", source: "tube", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
-      { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ramp("low-roof", "high-roof") } },
-      { id: "roof-lines", type: "line", source: "bodies", filter: solid, paint: { "line-color": color("edge"), "line-width": 0.8 } },
+      { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ["match", ["get", "look"], "tree", color("good"), "wire", color("amber"), ramp("low-roof", "high-roof")], "fill-opacity": seenThrough(1) } },
+      { id: "roof-lines", type: "line", source: "bodies", filter: ["all", solid, ["!=", ["get", "look"], "wire"]], paint: { "line-color": color("edge"), "line-width": 0.8 } },
+      { id: "wires", type: "line", source: "bodies", filter: ["==", ["get", "look"], "wire"], paint: { "line-color": color("amber"), "line-width": 1.4, "line-dasharray": [5, 2, 1, 2] } },
       { id: "zones", type: "fill", source: "bodies", filter: zone, paint: { "fill-pattern": "hatch" } },
       { id: "zone-lines", type: "line", source: "bodies", filter: zone, paint: { "line-color": color("bad"), "line-width": 1.4 } },
       { id: "doubts", type: "fill", source: "bodies", filter: doubt, paint: { "fill-color": color("amber"), "fill-opacity": 0.16 } },
@@ -385,7 +395,7 @@ function style(): StyleSpecification {
       { id: "posts", type: "fill-extrusion", source: "posts", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("ink"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.55 } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
-      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"] } },
+      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"], "icon-offset": ["case", ["get", "hidden"], ["literal", [20, 16]], ["literal", [0, 0]]] } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "found", type: "circle", source: "found", paint: { "circle-color": "transparent", "circle-stroke-color": color("bad"), "circle-stroke-width": 3, "circle-radius": 11 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },

@@ -10,14 +10,15 @@ export function MissionVerdict({ now, checked }: { now: Studio; checked: Checked
   if (!checked) return <p class="coarse">Looking at the mission …</p>;
   const errors = checked.flaws.filter(flaw => flaw.severity === "error"), warnings = checked.flaws.length - errors.length;
   const isUnsure = warnings > 0 || !now.mission?.scenario;  // nothing is green of which no clearance is known
-  const shown = checked.flaws.slice(0, MOST), rest = checked.flaws.slice(MOST);
+  const isOf = (flaw: Flaw) => now.item !== null && flaw.seq === now.item, flaws = [...checked.flaws.filter(isOf), ...checked.flaws.filter(flaw => !isOf(flaw))]; // the chosen item's first
+  const shown = flaws.slice(0, MOST), rest = flaws.slice(MOST), line = (flaw: Flaw) => <Line key={flaw.words} flaw={flaw} chosen={isOf(flaw)} />;
   return (
     <>
       <p class={errors.length ? "bad" : isUnsure ? "amber" : "good"}><b aria-hidden="true">{errors.length ? "✕" : isUnsure ? "!" : "✓"}</b> {
         errors.length ? `Not to be flown: ${count(errors.length, "error")}${warnings ? `, ${count(warnings, "warning")}` : ""}.`
           : warnings ? `No error; ${count(warnings, "warning")} to read before it flies.` : "The check finds nothing wrong."} {kept(now, plan)}</p>
-      <ul class="refusal">{shown.map(flaw => <Line key={flaw.words} flaw={flaw} />)}</ul>
-      {rest.length > 0 && <details><summary class="small">{count(rest.length, "more finding")}</summary><ul class="refusal">{rest.map(flaw => <Line key={flaw.words} flaw={flaw} />)}</ul></details>}
+      <ul class="refusal">{shown.map(line)}</ul>
+      {rest.length > 0 && <details><summary class="small">{count(rest.length, "more finding")}</summary><ul class="refusal">{rest.map(line)}</ul></details>}
       {checked.timeless && <p class="note">No time: {checked.timeless}.</p>}
     </>
   );
@@ -31,9 +32,9 @@ function kept(now: Studio, plan: Plan | null): string {
   return plan.confidence === null ? `Predicted ${words}.` : `${share(plan.confidence)} of flights keep ${words}.`;
 }
 
-function Line({ flaw }: { flaw: Flaw }) {
+function Line({ flaw, chosen }: { flaw: Flaw; chosen: boolean }) {
   const sign = <b aria-hidden="true">{flaw.severity === "error" ? "✕" : "!"}</b>, words = `${flaw.words}${flaw.hint ? `; ${flaw.hint}` : ""}`;
-  return <li class={flaw.severity === "error" ? "bad" : "amber"}>{flaw.seq ? <button type="button" class="plain-button" onClick={() => chooseItem(flaw.seq!)}>{sign} {words}</button> : <>{sign} {words}</>}</li>;
+  return <li class={`${flaw.severity === "error" ? "bad" : "amber"}${chosen ? " chosen" : ""}`}>{flaw.seq ? <button type="button" class="plain-button" onClick={() => chooseItem(flaw.seq!)}>{sign} {words}</button> : <>{sign} {words}</>}</li>;
 }
 
 const count = (number: number, what: string): string => `${number} ${what}${number === 1 ? "" : "s"}`;

@@ -28,13 +28,16 @@ export function lowest(world: World): number {
   return world.ground[0]?.up ?? Math.min(0, world.floor);
 }
 
+/** How the maps' names begin for what looks otherwise than a building. */
+const LOOKS: [string, RegExp][] = [["tree", /^(tree|row of trees|wood|scrub|forest|hedge)\b/], ["wire", /^(power|[\d.]+ kV) line\b/]];
+
 /** Obstacles and zones; those that the scenario itself draws carry the path to them. */
 export function bodies(world: World): Feature[] {
   const floor = lowest(world);
   const highest = Math.max(1, ...world.bodies.filter(body => body.solid).map(body => body.top));
   return world.bodies.map(body => polygon(body.rings, {
     name: body.name, solid: body.solid, doubt: body.doubt ?? false, base: body.base, top: body.top, path: body.path ? pathKey(body.path) : "",
-    share: Math.max(0, body.top) / highest,
+    share: Math.max(0, body.top) / highest, look: LOOKS.find(([, names]) => names.test(body.name))?.[0] ?? "",
     from: Math.max(0, body.base - floor), to: Math.max(0.1, Math.min(body.top, world.ceiling + 40) - floor),
   }));
 }

@@ -229,7 +229,7 @@ function take(answer: Answer): void {
       if (answer.of === "sketch" && awaited) dragAnswered();
       set({ troubles: [...studio.troubles.filter(one => one.of !== answer.of), answer] });
       if (answer.of === "plan") set({ progress: null });
-      if (answer.fences.length && studio.world) set({ world: { ...studio.world, fences: answer.fences } });
+      if (answer.fences?.length && studio.world) set({ world: { ...studio.world, fences: answer.fences } });
       break;
     case "loaded":
       set({ loaded: answer, landed: null, flown: [], seen: null });
