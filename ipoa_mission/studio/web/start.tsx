@@ -36,19 +36,19 @@ export function StartPage({ now }: { now: Studio }) {
           <p class="buttons"><button type="submit" class="strong">Begin</button></p>
         </form></section>
       <Files words="Recent" files={start.recent} />
-      <Files words="Examples (opened as a copy)" files={start.examples} />
+      <Files words="Examples (opened as a copy)" packed files={start.examples} />
       <Files words="In this folder" files={start.here} />
     </main>
   );
 }
 
-function Files({ words, files }: { words: string; files: StartFile[] }) {
+function Files({ words, files, packed }: { words: string; files: StartFile[]; packed?: boolean }) {
   if (!files.length) return null;
   return (
     <section><h2>{words}</h2>
       <ul class="files">{files.map(file => (
         <li key={file.path}><button type="button" onClick={() => { set({ troubles: [] }); send({ kind: "open", path: file.path }); }}>
-          <b>{file.name}</b> <small>{SORTS[file.of]}, {file.folder}</small></button></li>
+          <b>{file.name}</b> <small>{SORTS[file.of]}{packed ? "" : `, ${file.folder}`}</small></button></li>
       ))}</ul></section>
   );
 }
