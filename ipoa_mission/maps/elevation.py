@@ -54,7 +54,7 @@ def local_grid(
     ground = _read_off(heights, first, knots, pixels, nodes)
     lift = _raise_over_posts(ground, posts, lower, spacing)
     grid, levelled = _level(Grid(lower[0], lower[1], spacing, ground), rules, frame, (lower, upper), path)
-    used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {lift:.2g} m at most"
+    used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {max(lift, 0.001):.2g} m at most"
     return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *conversion, used, *levelled))
 
 

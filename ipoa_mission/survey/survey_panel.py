@@ -23,9 +23,8 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
     note = (
-        f"{number(down(100 * seen.share), 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by "
-        f"lines {meters(plan.sight.spacing, 1)} apart; shaded is what is seen; a color for each flight, by the table "
-        f"below; gaps in red."
+        f"{number(down(100 * seen.share), 2)} % of the visible part of {number(area.area / 1e4, 2)} ha is seen, by "
+        f"lines {meters(plan.sight.spacing, 1)} apart. Shaded: seen; red: gaps; the table has each flight's color."
         f"{flown}{overlap}"
     )
     return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'

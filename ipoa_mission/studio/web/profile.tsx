@@ -1,12 +1,12 @@
 // Height over the way, with ground below and what stands near; the slider that flies it.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { sampleNear } from "./along";
 import type { Plan, Stop } from "./messages";
 import { chooseItem, edit, hasWorld, isDragged, isMission, proved, sampleAt, set, studio, type Studio } from "./store";
 import { Strip } from "./strip";
 import { seconds } from "./words";
 
 const WIDE = 1000, HIGH = 150;
-const AHEAD = 200; // so far on from where it was it is sought, not where the course passes again [m]
 const LAND = 21; // its MAV_CMD
 
 export function Profile({ now }: { now: Studio }) {
@@ -134,17 +134,8 @@ function niceStep(value: number): number {
 function flownOver({ replay, loaded, flown }: Studio, plan: Plan): [number, number][] {
   const live = loaded?.mission === plan.name ? flown : [];
   const places = replay ? replay.line.points : live.map(seen => seen.place), heights = replay ? replay.line.up : live.map(seen => seen.up);
-  const { along, line: { points } } = plan.course;
   let at = 0;
-  return places.map(([lng, lat], n) => {
-    const wide = Math.cos((lat! * Math.PI) / 180);
-    let least = Infinity;
-    for (let i = at, end = along[at]! + AHEAD; i < points.length && along[i]! <= end; i++) {
-      const away = Math.hypot((points[i]![0]! - lng!) * wide, points[i]![1]! - lat!);
-      if (away < least) [least, at] = [away, i];
-    }
-    return [at, heights[n]!];
-  });
+  return places.map((place, n) => [at = sampleNear(plan.course, place, at), heights[n]!]);
 }
 
 /** Why there is no profile, or when it comes. */

@@ -1,4 +1,5 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
+import { sampleNear } from "./along";
 import type { Answer, Beginning, Checked, CoarseSurvey, Course, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, StripOfEndings, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 import { changed, chosenAsShown, shows, waits, waitsBehind } from "./numbers";
@@ -340,8 +341,7 @@ function following(seen: Seen): Partial<Studio> {
   const plan = proved(studio);
   if (!plan || studio.playing || studio.replay || studio.loaded?.mission !== plan.name) return {};
   if (studio.flown.length && studio.at !== followed) return {};
-  const late = seen.flown_s != null && seen.expected_s != null ? seen.flown_s - seen.expected_s : 0;
-  followed = sampleAt(plan.course, seen.time_s - late);
+  followed = sampleNear(plan.course, seen.place, studio.flown.length ? followed : 0);
   return { at: followed };
 }
 

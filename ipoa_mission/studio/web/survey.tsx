@@ -23,7 +23,7 @@ export function SurveyVerdict({ now }: { now: Studio }) {
     const isUnsure = warned.length > 0 || layout.short.length > 0 || layout.share < ENOUGH;
     return (
       <p class={isUnsure ? "amber" : "good"}><b aria-hidden="true">{isUnsure ? "!" : "✓"}</b> Proved.
-        {" "}{seen(layout)} of what can be seen is seen, {count === 1 ? "in one flight" : `in ${count} flights`}.{keeps && ` ${keeps}`}{layout.short.length > 0 && ` Photos overlap less than was asked: ${layout.short.join("; ")}.`}
+        {" "}{seen(layout)} of the visible part is covered, {count === 1 ? "in one flight" : `in ${count} flights`}.{keeps && ` ${keeps}`}{layout.short.length > 0 && ` Photos overlap less than was asked: ${layout.short.join("; ")}.`}
         {first && <> But read before you fly: {warned.length > 1 || count > 1 ? `${warned[0]!.plan.name}: ` : ""}{first}{more(survey)}.</>}</p>
     );
   }
