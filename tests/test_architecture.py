@@ -319,7 +319,7 @@ def called(path: Path) -> set[str]:
 
 
 #: Started by other tools.
-STARTED = {"link_benchmark/clients.py", "link_benchmark/speed_clients.py", "planning_benchmark/mealpy_poa.py"}
+STARTED = {"planning_benchmark/mealpy_poa.py"}
 
 
 def test_a_tool_tells_of_itself_before_it_writes_anything() -> None:
