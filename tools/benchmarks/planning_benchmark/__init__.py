@@ -1,1 +1,0 @@
-"""Parts of `tools/benchmarks/planning.py`: maps, rivals, reference, measurement and tables."""
