@@ -1,6 +1,6 @@
 """Endings ordered at random seconds on real autopilots, against the forecast of each second.
 
-docs/returns.csv has every order (`tools.fly.endings_judge`), `flown_endings/` some missions.
+docs/returns.csv has every order (tools/fly/endings_judge.py of commit b6e82bdb), `flown_endings/` some missions.
 """
 
 import csv
