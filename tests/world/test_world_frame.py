@@ -1,4 +1,4 @@
-"""Against another library's table (tools/generate/frame_reference.py)."""
+"""Against another library's table (pymap3d, by tools/generate/frame_reference.py of commit b6e82bdb)."""
 
 from pathlib import Path
 
