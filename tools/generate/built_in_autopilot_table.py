@@ -1,19 +1,18 @@
-"""Fly every recorded mission on the built-in autopilot, and print or write the table of docs/lab/built-in-autopilot.md.
+"""Fly every recorded mission on the built-in autopilot.
 
-python -m tools.generate.built_in_autopilot_table            print
-python -m tools.generate.built_in_autopilot_table --write    put it between that page's markers
+python -m tools.generate.built_in_autopilot_table            print the table
+python -m tools.generate.built_in_autopilot_table --write    write docs/built-in-autopilot.csv, and its page's summary
 """
 
 import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.paper.markdown_table import filled
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
 from tools import REPOSITORY, command_line
+from tools.generate.recorded_rows import put
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "built-in-autopilot.md"
-BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's flights do not depend on it
 
@@ -66,14 +65,13 @@ def table(autopilot: Autopilot) -> str:
 
 def main() -> None:
     parser = command_line(__doc__)
-    parser.add_argument("--write", action="store_true", help="put it into the page")
+    parser.add_argument("--write", action="store_true", help="write the files")
     is_written = parser.parse_args().write
     text = "\n\n".join(f"### {name}\n\n{table(autopilot)}" for autopilot, name in NAMES.items())
-    if not is_written:
+    if is_written:
+        put(text, DOCUMENT, ("built-in-autopilot.csv",))
+    else:
         print(text)
-        return
-    before, rest = DOCUMENT.read_text(encoding="utf-8").split(BEGIN)
-    DOCUMENT.write_text(f"{before}{BEGIN}\n{filled(text)}{END}{rest.split(END)[1]}", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Compare estimates with recorded flights, and print or write the table of docs/lab/flight-time.md.
+"""Compare estimates with recorded flights.
 
-python -m tools.generate.flight_table            print
-python -m tools.generate.flight_table --write    put the table between the two markers of docs/lab/flight-time.md
+python -m tools.generate.flight_table            print the tables
+python -m tools.generate.flight_table --write    write docs/estimates*.csv, and the summary in docs/lab/flight-time.md
 """
 
 from dataclasses import dataclass, replace
@@ -14,14 +14,14 @@ from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.paper.markdown_table import filled
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
 from tools import REPOSITORY, command_line
+from tools.generate.recorded_rows import put
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "flight-time.md"
-BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
+FILES = ("estimates.csv", "estimates-wind.csv", "estimates-landings.csv")
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 
 
@@ -160,23 +160,33 @@ def landing_table() -> str:
         "| flight | take-off flown, s | estimated, s | error | LAND flown, s | estimated, s | error |",
         "|---|--:|--:|--:|--:|--:|--:|",
     ]
-    for autopilot in NAMES:
+    summary = []
+    for autopilot, name in NAMES.items():
+        errors = []
         for flight in read_flights(autopilot, LANDINGS):
             done = {item.seq: item.done_s for item in estimate(flight.mission, flight.parameters, fast=True).items}
             land = len(flight.mission.items)
-            cells = [flight.name]
+            cells, off = [flight.name], []
             for begin, end in ((0, flight.first), (flight.last, land)):
                 flown = np.array([run[end] - run.get(begin, 0.0) for run in flight.runs if end in run])
                 ours = done[end] - done.get(begin, 0.0)
                 spread = f" ± {flown.std(ddof=1):.1f} ({len(flown)})" if len(flown) > 1 else ""
-                cells += [f"{flown.mean():.1f}{spread}", f"{ours:.1f}", f"{100 * (ours / flown.mean() - 1):+.1f} %"]
+                off.append(100 * (ours / flown.mean() - 1))
+                cells += [f"{flown.mean():.1f}{spread}", f"{ours:.1f}", f"{off[-1]:+.1f} %"]
             lines.append(f"| {' | '.join(cells)} |")
+            errors.append(np.abs(off))
+        (take_off, land), (most, longest) = np.median(errors, axis=0), np.max(errors, axis=0)
+        summary.append(
+            f"* {name}: take-off median {take_off:.1f} %, largest {most:.1f} %; "
+            f"LAND median {land:.1f} %, largest {longest:.1f} %."
+        )
+    lines += ["", *summary]
     return "\n".join(lines)
 
 
 def main() -> None:
     parser = command_line(__doc__)
-    parser.add_argument("--write", action="store_true", help="put it into the page")
+    parser.add_argument("--write", action="store_true", help="write the files")
     is_written = parser.parse_args().write
     parts = []
     for autopilot, name in NAMES.items():
@@ -185,12 +195,10 @@ def main() -> None:
     parts += [f"### {name} in wind\n\n{wind_table(autopilot)}" for autopilot, name in NAMES.items()]
     parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
     text = "\n\n".join(parts)
-    if not is_written:
+    if is_written:
+        put(text, DOCUMENT, FILES)
+    else:
         print(text)
-        return
-    document = DOCUMENT.read_text(encoding="utf-8")
-    before, rest = document.split(BEGIN)
-    DOCUMENT.write_text(f"{before}{BEGIN}\n{filled(text)}{END}{rest.split(END)[1]}", encoding="utf-8")
 
 
 if __name__ == "__main__":
