@@ -95,9 +95,17 @@ class FlownByOptions:
     ] = None
 
     @cached_property
+    def _read(self) -> tuple[dict[str, float], tuple[str, ...]]:
+        return read_parameter_options(self.param, self.param_file)
+
+    @property
     def parameters(self) -> dict[str, float]:
         """Return parameters by name; raise BadInput as `read_parameter_options`."""
-        return read_parameter_options(self.param, self.param_file)
+        return self._read[0]
+
+    @property
+    def parameter_remarks(self) -> tuple[str, ...]:
+        return self._read[1]
 
     @cached_property
     def version(self) -> "Version | None":

@@ -188,21 +188,19 @@ def read_wind_option(given: str | None) -> "Wind | None":
     return Wind(speed, from_deg)
 
 
-def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:
-    """Return parameters from a file, overridden by those on the command line.
+def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Return parameters from a file, overridden by those on the command line, and remarks on the file.
 
     Raises:
         BadInput: not NAME=VALUE with a known name and a number, or a file that cannot be read.
     """
-    parameters: dict[str, float] = {}
+    parameters, remarks = dict[str, float](), tuple[str, ...]()
     if file is not None:
-        from ipoa_mission.cli.output import notes, shown
         from ipoa_mission.mission.parameter_file import read_parameter_file
 
         read = read_parameter_file(file)
         parameters.update(read.parameters)
-        for note in notes(thing.words for thing in read.unread):
-            typer.echo(shown(note), err=True)
+        remarks = tuple(thing.words for thing in read.unread)
     for text in given or ():
         name, equals, value = text.partition("=")
         try:
@@ -211,7 +209,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
         except ValueError:
             raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}") from None
         parameters[_known(name.strip().upper())] = number
-    return parameters
+    return parameters, remarks
 
 
 def _known(name: str) -> str:

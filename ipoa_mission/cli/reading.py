@@ -65,6 +65,7 @@ def read_given(
         remarks += (f"parameters from {parameter_path(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
+    remarks += flown_by.parameter_remarks
     return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
 
 

@@ -75,6 +75,7 @@ def fly_there(
             job.forecast,
             first=first,
             anyway=anyway,
+            ignore=job.ignore,
             set_params=set_params,
             stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
             remark=remarks.append,

@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ipoa_mission.checks.check import check_mission
@@ -153,13 +154,14 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
         raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 
 
-def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tuple[str, ...]:
+def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()) -> tuple[str, ...]:
     """Check a mission against this vehicle. Sends nothing.
 
     Args:
         vehicle: at the other end of a link, from `connect`.
         mission: to fly.
         anyway: return failed checks as remarks, except a firmware version that was not measured.
+        ignore: codes of findings to leave out.
 
     Returns:
         Remarks for the user.
@@ -182,7 +184,7 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
             code="other-autopilot",
         )
     aboard, remarks_aboard = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
-    findings = (*remarks_aboard, *check_mission(aboard))
+    findings = (*remarks_aboard, *check_mission(aboard, ignore=ignore))
     refuse_errors([finding for finding in findings if not anyway or finding.code == NOT_MEASURED])
     there = _home_of(vehicle)
     return (

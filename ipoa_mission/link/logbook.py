@@ -55,6 +55,7 @@ class FlightRecord:
         armed: as last reported.
         in_air: as last reported.
         deviations: from the forecast; a completed flight may have some.
+        remarks: on the log that it was read from.
     """
 
     item_reached_s: dict[int, float]
@@ -66,6 +67,7 @@ class FlightRecord:
     armed: bool = False
     in_air: bool = False
     deviations: "tuple[Deviation, ...]" = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def failure(self) -> str:

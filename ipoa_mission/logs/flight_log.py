@@ -6,7 +6,7 @@ autopilot logs at a higher rate than it sends keeps its own time.
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -99,7 +99,7 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
         system: the vehicle's system id in a `.tlog` with several; by default the first multicopter.
 
     Returns:
-        The record of the flight.
+        The record of the flight, with remarks on the log.
 
     Raises:
         BadInput: another suffix, or not a log of that kind.
@@ -119,7 +119,8 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
-    return flown[0].record(mission)
+    several = (f"the first of {len(flown)} flights in the mission mode",) if len(flown) > 1 else ()
+    return replace(flown[0].record(mission), remarks=(*log.remarks, *several))
 
 
 def read_flights(path: str | Path, system: int | None = None) -> FlightLog:

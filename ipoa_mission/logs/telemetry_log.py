@@ -191,7 +191,6 @@ def _is_armed(gathered: _Gathered) -> bool:
 
 
 def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:
-    """Note the first report of an arming or disarming, which gives its time."""
     if armed != _is_armed(gathered):
         gathered.changes.append((number, armed))
         gathered.unconfirmed = False

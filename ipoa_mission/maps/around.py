@@ -41,7 +41,6 @@ def near_home(home: Geodetic) -> Degrees:
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
-    """Return the window around a local box."""
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
     home = frame.home.longitude_deg

@@ -45,7 +45,6 @@ def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 
 
 def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """Return a kind and its assumed height [m]."""
     size = size_of(tags)
     return size.kind, size.height if rules.point_height is None else rules.point_height
 

@@ -200,7 +200,6 @@ class _Finder:
         )
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return which boxes (n, 4) are outside the requested one."""
         boxes = boxes.reshape(-1, 4)
         if self._within is None:
             return np.zeros(len(boxes), bool)

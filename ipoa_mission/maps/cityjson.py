@@ -194,7 +194,6 @@ def _feature(
 
 
 def _shadow(rings: list[Points]) -> Any:
-    """Return the footprint of surfaces, or the points if there are none."""
     shadows = [shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2]
     pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
     polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST_WALL_AREA]

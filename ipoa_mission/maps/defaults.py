@@ -73,7 +73,6 @@ def size_of(tags: Mapping[str, str]) -> Size:
 
 
 def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
-    """Return the kind of a building, and its height [m]."""
     kinds = [tags[key] for key in ("building", "building:part") if key in tags]
     heights = [(_BUILDINGS[kind], kind) for kind in kinds if kind in _BUILDINGS]
     if heights:
@@ -85,7 +84,6 @@ def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
 
 
 def is_turbine(tags: Mapping[str, str]) -> bool:
-    """Return whether tags name a wind turbine, its hub or rotor."""
     if keys_of(tags, Means.HUB, Means.ROTOR, Means.BLADE):
         return True
     return tags.get("generator:source") == "wind" or "wind_turbine" in (

@@ -84,7 +84,6 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
-    """Return east of the columns and north of the rows [m]."""
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
     if columns * rows > MOST_NODES:
         least = spacing * np.sqrt(columns * rows / MOST_NODES)

@@ -49,7 +49,11 @@ class Feature(NamedTuple):
             if named := self.tags.get(key):
                 name = named
                 break
-        return name if name.isprintable() else "".join(letter if letter.isprintable() else " " for letter in name)
+        return printed(name)
+
+
+def printed(name: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in name)
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:

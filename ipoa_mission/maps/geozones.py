@@ -85,7 +85,6 @@ def layers_apart(feature: Any) -> list[Any]:
 
 
 def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return name, times and limits as tags."""
     if isinstance(names := properties.get("name"), list):  # ED-318: by language
         texts = [name for name in names if isinstance(name, dict) and isinstance(name.get("text"), str)]
         english = [name for name in texts if str(name.get("lang", "")).startswith("en")]

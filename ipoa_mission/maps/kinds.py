@@ -208,7 +208,6 @@ def key_of_height(feature: Feature) -> str | None:
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
-    """Return whether the tags have a value in `kinds`, also within a list."""
     if kinds.keys().isdisjoint(tags):
         return False
     return any(not values.isdisjoint(values_of(tags[key])) for key, values in kinds.items() if key in tags)

@@ -139,7 +139,6 @@ def _feature(placemark: ElementTree.Element, place: str) -> Feature:
 
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
-    """Return a part other than points, lines and polygons."""
     for element in placemark.iter():
         if (kind := _local(element)) in UNREAD:
             sides = {_local(each): (each.text or "").strip() for each in element.iter()}

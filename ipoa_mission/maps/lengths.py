@@ -35,7 +35,6 @@ _ASIDE = re.compile(
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
     r"max(?:imum)?|min(?:imum)?|at least|up|to|and|incl(?:uding)?|of|[~≈<>≤≥=+±()\[\];/&,.?–—-]|\s"
 )
-_AT_LEAST = re.compile(r"[>≥]|\+ ?[a-z]{0,6}$|at least|\bover\b|\bmin")
 _STOREY = (
     r"storeys?|story|stories|storie|levels?|floors?|lvls?|fl|étages?|etages?|stockwerke?|geschosse?|pisos?|plantas?"
     r"|piani"
@@ -125,11 +124,6 @@ def counted_storeys(text: str) -> float | None:
     if _STOREYS.search(text) or (_SUM.fullmatch(text) and re.match("[a-z]", text)):
         return storeys_of(text)[0]
     return None
-
-
-def names_least(text: str) -> bool:
-    """Return whether it is a lower bound: `22+`, `> 60 m`."""
-    return _AT_LEAST.search(text.strip().lower()) is not None
 
 
 def _has_number(text: str) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.feature import Feature, printed
 
 KINDS = ("man_made", "aerialway", "barrier", "power")
 WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "pole": "power pole"}
@@ -23,8 +23,8 @@ def called(feature: Feature) -> str:
         return feature.name
     street, number = tags.get("addr:street"), tags.get("addr:housenumber")
     if street and number:
-        return _printed(f"{kind}, {street} {number}")
-    return _printed(f"{kind} ({feature.name.rpartition(': ')[2]})")
+        return printed(f"{kind}, {street} {number}")
+    return printed(f"{kind} ({feature.name.rpartition(': ')[2]})")
 
 
 def _kind(tags: Mapping[str, str]) -> str | None:
@@ -33,10 +33,8 @@ def _kind(tags: Mapping[str, str]) -> str | None:
         return f"{max(volts) / 1000:g} kV line" if volts else "power line"
     if tags.get("generator:source") == "wind":
         return "wind turbine"
-    if tags.get("natural") in WORDS:
-        return WORDS[tags["natural"]]
-    if tags.get("power") in WORDS:
-        return WORDS[tags["power"]]
+    if word := WORDS.get(tags.get("natural", "")) or WORDS.get(tags.get("power", "")):
+        return word
     if "building" in tags and tags.get("addr:street") and tags.get("addr:housenumber"):
         return _word(tags["building"]) or "building"
     return next((word for key in KINDS if (word := _word(tags.get(key, "")))), None)
@@ -44,7 +42,3 @@ def _kind(tags: Mapping[str, str]) -> str | None:
 
 def _word(value: str) -> str | None:
     return None if value in ("", "yes", "no") else value.replace("_", " ")
-
-
-def _printed(name: str) -> str:
-    return "".join(letter if letter.isprintable() else " " for letter in name)

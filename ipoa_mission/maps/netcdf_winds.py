@@ -96,7 +96,6 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(name: str, variable: Any) -> int | None:
-    """Return the component of a wind, first by standard name."""
     standard = variable.attrs.get("standard_name")
     if standard not in (None, "", "unknown"):
         return STANDARD.get(standard)

@@ -189,7 +189,6 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
 
 
 def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
-    """Return the known corners, or else those of the stated box."""
     corners: list[Any] = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
@@ -212,13 +211,11 @@ def thing(
 
 
 def _corners(way: OsmWay, extract: Extract) -> Sequence[tuple[float, float]] | None:
-    """Return all corners of a way, or None."""
     corners = [extract.places[node] for node in way.nodes if node in extract.places]
     return corners if len(corners) == len(way.nodes) > 1 else None
 
 
 def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:
-    """Return the polygon or line of a way; empty for None."""
     if corners is None:
         return EMPTY_SHAPE
     named = {*tags, *(f"{key}={value}" for key, value in tags.items())}

@@ -83,7 +83,6 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
 
 
 def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] = NONE) -> Iterator[PassedCount]:
-    """Yield counts by file and reason, possible obstacles first, with `left_out` added."""
     for key, several in groupby(sorted(things, key=key_of), key=key_of):
         every = list(several)
         names = tuple(thing.name for thing in every[:MOST_NAMED])

@@ -90,7 +90,6 @@ def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
 
 
 def _short_way(shape: Any) -> Any:
-    """Redraw rings and lines so that each step is below half a turn."""
     if hasattr(shape, "geoms"):
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":

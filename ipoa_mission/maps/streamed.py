@@ -74,7 +74,6 @@ class _Text:
                 return self._text[self._at : self._at + 1]
 
     def next_is(self, mark: str) -> bool:
-        """Return whether `mark` is next, and skip it then."""
         here = self.mark() == mark
         self._at += here
         return here
@@ -110,7 +109,6 @@ class _Text:
         return [self.value()]
 
     def wrong(self, words: str, at: int | None = None) -> json.JSONDecodeError:
-        """Return an error with its line in the file."""
         error = json.JSONDecodeError(words, self._text, self._at if at is None else at)
         error.lineno += self._line - 1
         return error

@@ -66,7 +66,6 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
 
 
 def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
-    """Return ambiguous keys with values above the assumed `height` [m]."""
     return [
         key
         for key in keys_of(tags, Means.AMBIGUOUS)

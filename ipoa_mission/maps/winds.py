@@ -65,7 +65,6 @@ def _is_grib(path: Path) -> bool:
 def _profile(
     path: Path, found: ForecastWinds, place: Geodetic, time: np.datetime64 | None, unknown: Datum
 ) -> ForecastWind:
-    """Return the wind above home, with unknown datums taken as `unknown`."""
     levels = dict[float, list[WindSamples]]()
     remarks, notes = list[str](), ForecastWinds(path.name)
     for each in found.samples:
@@ -124,7 +123,6 @@ def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: Fore
 def _winds_at_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    """Return the winds of all members at the flight's times, (n, 2)."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():

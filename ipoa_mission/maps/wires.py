@@ -51,7 +51,6 @@ class Wire:
 
 
 def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height: float) -> Wire | None:
-    """Return the wire of these tags, or None."""
     if WIRES.keys().isdisjoint(tags):
         return None
     if tags.get("aerialway") in WIRES["aerialway"]:

@@ -52,7 +52,8 @@ def estimate_html(estimate: Estimate) -> str:
 def flight_html(flight: FlightRecord) -> str:
     rows = [(index + 1, f"{at:.1f}") for index, at in sorted(flight.item_reached_s.items())]
     outcome = "to its end" if flight.completed else "and broken off"
-    return _table(f"Flown {outcome}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
+    caption = "; ".join((f"Flown {outcome}: {flight.total_s:.1f} s", *flight.remarks))
+    return _table(caption, ("item", "done at [s]"), rows)
 
 
 #: Formatters by type.

@@ -185,8 +185,13 @@ class VehicleSection(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on converted parameters."""
+        """Return remarks on parameters that were converted or not read."""
         return self._remarks
+
+    def remarked(self, words: tuple[str, ...]) -> "VehicleSection":
+        copied = self.model_copy()
+        copied._remarks += words
+        return copied
 
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
         """Return the vehicle with this autopilot; parameters are converted or dropped."""

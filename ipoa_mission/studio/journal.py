@@ -138,7 +138,6 @@ class Journal:
 
 
 def _replayed(path: Path) -> Journal | None:
-    """Return the journal in a file, up to a line cut off; None if it is not valid."""
     lines = _lines(path)
     first = next(lines, None)
     if first is None or "text" not in first:

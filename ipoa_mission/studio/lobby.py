@@ -143,12 +143,13 @@ def _sort(path: Path) -> str:
 
 def _mission_of(log: Path) -> Path:
     """Write the mission flown in a log, with its relevant parameters, to a file next to the log."""
-    for flight in read_flights(log).flights:
+    read = read_flights(log)
+    for flight in read.flights:
         held = compare_logged(flight, None, {}) if flight.in_mission else None
         if held is not None:
             mission = replace(held.forecast.given, parameters=held.parameters)
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
             write_mission(mission, target)
             return target
-    words = "expected the mission that was flown in it"
-    raise MissionError(words, hint="open the mission, then the log", code="log-incomplete", place=log.name)
+    words = ["expected the mission that was flown in it", *read.remarks]
+    raise MissionError("; ".join(words), hint="open the mission, then the log", code="log-incomplete", place=log.name)

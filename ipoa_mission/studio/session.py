@@ -227,7 +227,6 @@ class Session:
             self._start("endings", self._tell_endings)
 
     def _judged_by(self) -> dict[str, Any]:
-        """Return the scenario and autopilot to check a mission with."""
         return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
 
     async def _answer_drags(self) -> None:

@@ -62,7 +62,6 @@ def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]
 
 
 def line_of(frame: LocalFrame, points: Points) -> MapLine:
-    """Return a path (n, 3) on the map."""
     return MapLine(points=on_map(frame, points), up=tuple(points[:, 2].round(2).tolist()))
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from tests.cli.conftest import Run, Serve
 
 SCENARIO = """home = { latitude_deg = 47.0, longitude_deg = 8.0, altitude_amsl = 500.0 }
 start = { east = 0, north = 0, up = 20 }
@@ -63,4 +63,20 @@ def test_ignore_refuses_a_code_of_a_crash_and_one_that_is_none(run: Run, folder:
             ended = run(f"{verb} --ignore {code}")
             assert ended.code == 2
             assert words in ended.err
-    assert "--ignore: expected a scenario" in run("fly kept.plan --ignore not-read").err
+
+
+def test_a_key_of_a_plan_that_is_ignored_is_uploaded_and_flown(run: Run, autopilot: Serve, tmp_path: Path) -> None:
+    """A fence spelled otherwise may limit the flight; who flies it all the same names the code."""
+    plan = json.loads((Path(__file__).parents[2] / "missions/sitl.plan").read_text(encoding="utf-8"))
+    plan["geofence"] = plan.pop("geoFence")
+    Path("odd.plan").write_text(json.dumps(plan), encoding="utf-8")
+    with autopilot() as link:
+        refused = run(f"upload odd.plan --link {link}")
+        assert (refused.code, "[not-read]" in refused.err) == (1, True)
+        assert run(f"upload odd.plan --link {link} --ignore not-red").code == 2
+        sent = json.loads(run(f"upload odd.plan --link {link} --ignore not-read --json").out)
+        assert any("geofence" in remark for remark in sent["remarks"])
+    assert run("fly odd.plan").code == 1
+    assert any(
+        "geofence" in remark for remark in json.loads(run("fly odd.plan --ignore not-read --json").out)["remarks"]
+    )

@@ -49,8 +49,6 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 
 @dataclass(frozen=True)
 class RecordKind:
-    """A record kind: name, struct layout, columns and their conversions."""
-
     """One kind of record: its name, its bytes, and what each column is made of."""
 
     name: str
