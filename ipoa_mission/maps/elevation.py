@@ -162,7 +162,6 @@ def _raise_over_posts(
 
 
 def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float64]) -> float:
-    """Return the distance of neighboring posts at the middle [m]."""
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
     here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))

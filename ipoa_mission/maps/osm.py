@@ -138,7 +138,6 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
 
 
 def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    """Return the nodes of a way, with positions by `out geom`."""
     here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
     return extract.corners(
         (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))

@@ -173,7 +173,6 @@ class _Extract:
         return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
-        """Yield things by number, each valid only until the next."""
         if numbers:
             of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it alive
             with self._osmium.io.Reader(self._file, sort) as reader:

@@ -67,7 +67,6 @@ class _Text:
         self._tried = False  # whether the buffered part was tried as a whole
 
     def mark(self) -> str:
-        """Return the next character that is not blank."""
         while True:
             self._at = _blank(self._text, self._at).end()  # type: ignore[union-attr]
             if self._at < len(self._text) or not self._more():

@@ -57,7 +57,6 @@ def _places(corners: Any, frame: LocalFrame) -> Any:
 
 
 def ring_name(path: Path, polygon: Any) -> str:
-    """Return the label of a ring of `survey.polygon` on the map."""
     numbers = [int(step) for step in path[2:]]
     part, ring = numbers if len(numbers) == 2 else (0, *numbers) if numbers else (0, 0)
     return _name(part, ring, len(polygon) if depth_of(polygon) == 4 else 1)

@@ -61,7 +61,6 @@ def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change])
 
 
 def frame_of(table: MutableMapping[str, Any]) -> LocalFrame:
-    """Return the local frame at the home of a scenario's table."""
     home = table["home"]
     place = (home["latitude_deg"], home["longitude_deg"], home.get("altitude_amsl", 0.0))
     return LocalFrame(Geodetic(*map(float, place)))
