@@ -221,7 +221,6 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
 
 
 def _risk(share: float, cost_s: float) -> str:
-    """Return the risk of missing a waypoint: "17 %, 11 s"."""
     return f"{100 * share:.0f} %, {cost_s:.0f} s" if share else ""
 
 

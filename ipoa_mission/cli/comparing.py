@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Row:
-    """A logged flight, its comparison with the estimate, and its clearance."""
-
     number: int
     flight: "LoggedFlight"
     record: "FlightRecord"

@@ -144,7 +144,6 @@ def _fly_there(
     on_link: LinkOptions,
     as_json: bool,
 ) -> "Piloted":
-    """Fly on a vehicle; return the job with this vehicle's firmware."""
     from ipoa_mission.cli.mission_source import read_job
     from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, print_deviation
 

@@ -109,14 +109,12 @@ class FlownByOptions:
 
     @cached_property
     def version(self) -> "Version | None":
-        """Return the given firmware version; raise BadInput if it is not valid."""
         from ipoa_mission.vehicles.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @cached_property
     def air(self) -> "Wind | None":
-        """Return the given wind; raise BadInput as `read_wind_option`."""
         return read_wind_option(self.wind)
 
 

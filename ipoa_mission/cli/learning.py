@@ -83,7 +83,6 @@ def learn(
 
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
-    """Return all usable flights, remarks, and the firmware's version."""
     from ipoa_mission.logs.learn.evidence import flights_in
     from ipoa_mission.mission.mission_io import read_mission
 
@@ -116,7 +115,6 @@ def _row(one: "LeftOut") -> tuple[str, ...]:
 
 
 def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
-    """Return the reasons why flights do not determine a value, each once."""
     told = (flight.witness.reasons.get(name) for flight in flights)
     return [reason for reason in dict.fromkeys(told) if reason]
 

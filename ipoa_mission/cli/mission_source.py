@@ -49,7 +49,6 @@ class Job:
 
     @property
     def estimate(self) -> Estimate:
-        """Return the estimate from the item with which the flight begins."""
         return (self.begun or self.forecast).estimate
 
 

@@ -15,8 +15,6 @@ ZURICH = (47.397742, 8.545594, 488.0)
 
 @dataclass(frozen=True)
 class MockSetup:
-    """The autopilot, its position and its scenario."""
-
     autopilot: Autopilot
     home: Geodetic
     parameters: Mapping[str, float]

@@ -51,7 +51,6 @@ def expect_scenario(path: Path) -> Path:
 
 
 def expect_mission(path: Path) -> Path:
-    """Raise BadInput for a scenario where a mission file is expected."""
     if path.suffix.lower() == ".toml":
         words = "expected a mission (.plan, .waypoints), not a scenario"
         raise WrongSuffix(words, hint=f"first: ipoa-mission plan {quote(str(path))}", place=path)

@@ -146,7 +146,6 @@ def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[flo
 
 
 def _print_once(task: str) -> Callable[[float, str], None]:
-    """Return a progress callback that prints only its first words."""
     said: list[str] = []
 
     def say(_fraction: float, words: str) -> None:

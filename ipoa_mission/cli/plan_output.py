@@ -43,7 +43,6 @@ def wind_words(wind: Wind) -> list[str]:
 
 
 def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
-    """Print a flight split into parts, with a battery for each."""
     print_lines(*describe(whole))
     rows = []
     for number, part in enumerate(parts, 1):

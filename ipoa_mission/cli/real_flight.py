@@ -41,7 +41,6 @@ def no_flight_yet() -> Iterator[None]:
 
 
 def print_deviation(deviation: Deviation) -> None:
-    """Print a deviation at once, as one line of JSON."""
     print_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
@@ -141,7 +140,6 @@ class ContingencyDisplay:
             self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:
-        """Yield the reserve if the battery is modeled and reported."""
         left = self._vehicle.state.battery_left
         if self._budget is None or left is None:
             return

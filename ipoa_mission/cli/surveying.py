@@ -109,7 +109,6 @@ class SurveyOptions:
 
 
 def _home_beside(area: Path) -> dict[str, float]:
-    """Return home at the beginning of the outline of a map's first area."""
     import shapely
 
     from ipoa_mission.maps.map_reader import read_features

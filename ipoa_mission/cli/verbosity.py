@@ -56,14 +56,10 @@ def listen_to_log(level: int) -> None:
 
 
 class _Plain(logging.Formatter):
-    """Format as `warning: words`, like `error:` and `hint:` of the command line."""
-
     def format(self, record: logging.LogRecord) -> str:
         return shown(f"{record.levelname.lower()}: {record.getMessage()}")
 
 
 class _Detailed(logging.Formatter):
-    """Format with time, logger and message."""
-
     def format(self, record: logging.LogRecord) -> str:
         return shown(super().format(record))

@@ -60,7 +60,6 @@ class LoggedFlight:
         return None
 
     def record(self, mission: Mission | None = None) -> FlightRecord:
-        """Return the record of this flight, with the times of the items of `mission` if given."""
         logbook = Logbook(() if mission is None else mission.items, self.autopilot)
         for message in self.messages:
             logbook.note(message)

@@ -93,11 +93,7 @@ class Around:
         return np.asarray(wanted)
 
     def expect_near(self, path: Path) -> None:
-        """Refuse a file without features near home.
-
-        Raises:
-            BadInput: with their extent.
-        """
+        """Refuse a file without features near home."""
         if self.near is None or self._found_near or not np.isfinite(self._box).all():
             return
         west, south, east, north = self._box.tolist()

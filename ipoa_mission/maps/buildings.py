@@ -172,11 +172,7 @@ class _Finder:
         self._keep(standing)
 
     def found(self, elsewhere: int = 0) -> Buildings:
-        """Return the result, with the count of features `elsewhere`.
-
-        Raises:
-            BadInput: a feature is invalid, or all are far away.
-        """
+        """Return the result, with the count of features `elsewhere`."""
         self._about.expect_near()
         self._mistakes.raise_all()
         remarks = [

@@ -57,11 +57,7 @@ def is_cityjson(document: Any) -> bool:
 
 
 def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each object as a feature with its footprint and `height`.
-
-    Raises:
-        BadInput: with file and place.
-    """
+    """Return each object as a feature with its footprint and `height`."""
     version = document.get("version")
     if not isinstance(version, str) or not version.startswith(VERSIONS):
         raise BadInput(f"expected {' or '.join(VERSIONS)}, not {str(version)[:20]!r}", place=f"{path}: version")
@@ -115,7 +111,6 @@ def _system(document: Mapping[str, Any], path: Path) -> CRS:
 
 
 def _used(thing: Mapping[str, Any], count: int, place: str) -> list[NDArray[np.intp]]:
-    """Return outer rings, lines and points as indices of corners."""
     given = thing.get("geometry") or []
     if not isinstance(given, list):
         raise BadInput("expected a list", place=f"{place}.geometry")
@@ -148,7 +143,6 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
 def _lowest(
     objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points, path: Path
 ) -> dict[str, float]:
-    """Return the least height of the whole building, by object name."""
     roots, lowest = dict[str, str](), dict[str, float]()
     for name in objects:
         way = [name]

@@ -22,7 +22,6 @@ from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 # First bytes by suffix.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 HEADER, ROW = 100, 8  # of a .shx [bytes]
-MOST_ROWS = 5_000_000
 WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
 
 
@@ -58,7 +57,7 @@ class _Layer:
         self._path, self._info = path, pyogrio.read_info(path, layer=name)
         self._place = f"{path}: {name}" if named else f"{path}: row"
         self._name = name.replace('"', '""')
-        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=MOST_ROWS)
+        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=5_000_000)
         self._ask = partial(pyogrio.raw.read, path)
         if not self._info["crs"]:
             words = "expected a file that names its coordinate system"
@@ -94,11 +93,7 @@ class _Layer:
         return box
 
     def _is_indexed_whole(self, shapes: int) -> bool:
-        """Return whether all `shapes` rows are in a spatial index.
-
-        Raises:
-            BadInput: the file is truncated.
-        """
+        """Return whether all `shapes` rows are in a spatial index."""
         suffix, count = self._path.suffix.lower(), self._info["features"]
         if suffix == ".shp":  # an index may be older than the .shp
             return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
@@ -131,11 +126,7 @@ class _Layer:
 
 
 def _expect_whole(path: Path) -> None:
-    """Check that a Shapefile's files exist, are whole, and have as many rows.
-
-    Raises:
-        BadInput: they do not.
-    """
+    """Check that a Shapefile's files exist, are whole, and have as many rows."""
     sizes = {}
     for suffix in (".shx", ".dbf"):
         sidecar = next(

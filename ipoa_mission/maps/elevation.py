@@ -97,7 +97,6 @@ def _knots(low: float, high: float) -> Vector:
 
 
 def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Return column, row and altitude [m AMSL] of a lattice, (3, len(east), len(north))."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))

@@ -12,7 +12,7 @@ from ipoa_mission.errors import BadInput
 
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
 Made = TypeVar("Made")
-NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
+NAMES = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
 MOST_ERRORS = 10
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
@@ -43,7 +43,6 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return its name, OpenStreetMap number or place."""
         name = self.place
         for key in NAMES:
             if named := self.tags.get(key):
@@ -57,11 +56,7 @@ def printed(name: str) -> str:
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """Return the corners, checked.
-
-    Raises:
-        BadInput: they are not longitudes and latitudes.
-    """
+    """Return the corners, checked."""
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
@@ -71,11 +66,7 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 def positions_of(values: Any, place: str) -> Corners:
-    """Return the first two numbers of each JSON position, (n, 2).
-
-    Raises:
-        BadInput: it is not a list of positions.
-    """
+    """Return the first two numbers of each JSON position, (n, 2)."""
     try:
         corners = np.array([position[:2] for position in values], float)
     except (TypeError, ValueError, KeyError, OverflowError):
@@ -114,11 +105,7 @@ class Mistakes:
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
-    """Return all results of `read` except None.
-
-    Raises:
-        BadInput: any is invalid.
-    """
+    """Return all results of `read` except None."""
     mistakes = Mistakes()
     features = [mistakes.attempt(read, *arguments) for arguments in each]
     mistakes.raise_all()

@@ -49,9 +49,6 @@ def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
     Args:
         path: the file.
         begin: returns the receiver; called again if reading restarts.
-
-    Raises:
-        BadInput: with file and place.
     """
     try:
         with many_objects():

@@ -30,11 +30,7 @@ def is_ed269(document: Any) -> bool:
 
 
 def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each volume of each zone.
-
-    Raises:
-        BadInput: with file and place.
-    """
+    """Return each volume of each zone."""
     return read_all(
         _volume,
         (
@@ -46,11 +42,7 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
-    """Return a polygon around a circle of `radius` [m] about a longitude and latitude [deg].
-
-    Raises:
-        BadInput: it is no circle.
-    """
+    """Return a polygon around a circle of `radius` [m] about a longitude and latitude [deg]."""
     try:
         corner = np.array([center[:2]], float)
         size = float(radius)

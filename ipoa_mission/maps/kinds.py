@@ -215,7 +215,6 @@ def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
 
 @lru_cache(maxsize=4096)
 def values_of(text: str) -> tuple[str, ...]:
-    """Return the values of a tag: `Mast; tower` are two."""
     return tuple(part.strip().lower() for part in text.split(";"))
 
 

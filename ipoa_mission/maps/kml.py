@@ -48,20 +48,12 @@ WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Return every placemark; unknown shapes are empty.
-
-    Raises:
-        BadInput: with file and place.
-    """
+    """Return every placemark; unknown shapes are empty."""
     return _read(read_text(path).encode(), path)
 
 
 def read_kmz(path: Path) -> tuple[Feature, ...]:
-    """Return the features of the first KML, as Google Earth.
-
-    Raises:
-        BadInput: with file and place.
-    """
+    """Return the features of the first KML, as Google Earth."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = [each for each in archive.namelist() if each.lower().endswith(".kml")]

@@ -50,11 +50,7 @@ _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
 
 def meters(text: str, place: str) -> float:
-    """Return a length [m].
-
-    Raises:
-        BadInput: it is none.
-    """
+    """Return a length [m]."""
     length, sure = length_of(text)
     if length is None or not sure:
         raise BadInput(f'expected metres or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)

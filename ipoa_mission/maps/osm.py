@@ -22,7 +22,6 @@ from ipoa_mission.world.union import union_of
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
 AREAS = {"multipolygon", "building", "boundary"}
 META_TAGS = {"created_by", "source"}
-LEAST_RING = 4
 MOST_SHOWN = 80  # characters
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
 LARGER_EXTRACT = "export a larger part of the map, with everything that crosses its edge"
@@ -62,11 +61,7 @@ class Extract:
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing; an incomplete shape is empty.
-
-    Raises:
-        BadInput: the format or a coordinate is wrong.
-    """
+    """Return every tagged thing; an incomplete shape is empty."""
     try:
         extract = _extract(path)
     except OSError as error:
@@ -195,11 +190,7 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
 def thing(
     sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
 ) -> Feature:
-    """Return a feature; with an empty shape, note its `known` corners.
-
-    Raises:
-        BadInput: it is not on Earth.
-    """
+    """Return a feature; with an empty shape, note its `known` corners."""
     place = f"{path}: {sort} {number}"
     on_earth(shapely.get_coordinates(shape), place)
     missing = None
@@ -219,7 +210,7 @@ def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapp
         return EMPTY_SHAPE
     named = {*tags, *(f"{key}={value}" for key, value in tags.items())}
     is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not named & LINES)
-    is_ring = closes and len(corners) >= LEAST_RING
+    is_ring = closes and len(corners) >= 4
     return shapely.Polygon(corners) if is_ring and is_area else shapely.LineString(corners)
 
 

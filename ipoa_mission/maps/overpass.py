@@ -18,11 +18,7 @@ def is_overpass(document: Any) -> bool:
 
 
 def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing; an incomplete shape is empty.
-
-    Raises:
-        BadInput: with the invalid element.
-    """
+    """Return every tagged thing; an incomplete shape is empty."""
     extract = Extract(remarks=[str(document["remark"])] if document.get("remark") else [])
     for n, element in enumerate(document["elements"]):
         place = f"{path}: elements[{n}]"

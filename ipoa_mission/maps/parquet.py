@@ -140,11 +140,7 @@ def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around)
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Path, row: int) -> NDArray[Any]:
-    """Return shapes in degrees; null becomes empty.
-
-    Raises:
-        BadInput: with the first row that is not a shape on Earth.
-    """
+    """Return shapes in degrees; null becomes empty."""
     try:
         shapes = shapely.force_2d(shapely.from_wkb(wkb))
         shapes[shapely.is_missing(shapes)] = shapely.GeometryCollection()

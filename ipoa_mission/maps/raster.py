@@ -62,11 +62,7 @@ class RasterFile:
         return np.asarray(latitude), np.asarray(longitude)
 
     def expect_cover(self, pixels: NDArray[np.float64]) -> None:
-        """Refuse an area (pixels (2 or more, ...)) that is not covered.
-
-        Raises:
-            BadInput: with the side, and the missing posts.
-        """
+        """Refuse an area (pixels (2 or more, ...)) that is not covered."""
         outside = {
             "left": -0.5 - pixels[0].min(),
             "right": pixels[0].max() - self.dataset.width + 0.5,

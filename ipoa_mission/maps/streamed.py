@@ -93,7 +93,6 @@ class _Text:
                     raise self.wrong(error.msg, error.pos) from None
 
     def values(self) -> list[Any]:
-        """Return all buffered values of a list, or one."""
         self.mark()
         if not self._tried:
             self._tried = True

@@ -19,7 +19,6 @@ from ipoa_mission.unread import gathered
 from ipoa_mission.wind import MAX_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
-GRIB_BEGINS = b"GRIB"
 FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
 USUAL = range(0, 160, 10)  # [m]
 HIGHEST = 500.0  # above home [m]; one level above it is read
@@ -49,7 +48,6 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
-    """Return the strongest and the mean wind at usual heights [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
 
@@ -57,7 +55,7 @@ def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
 def _is_grib(path: Path) -> bool:
     try:
         with path.open("rb") as file:
-            return file.read(4) == GRIB_BEGINS or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
+            return file.read(4) == b"GRIB" or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
 

@@ -52,7 +52,6 @@ def flight_energy(
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
-    """Return the range of actual over predicted energy."""
     if learned is None or learned.hover_power is None:
         return BY_AIRFRAME
     ratio = learned.energy_ratio
@@ -60,7 +59,6 @@ def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
 
 
 def curve_of(learned: LearnedVehicle | None) -> PowerCurve | None:
-    """Return the learned power by airspeed and climb."""
     if learned is None or learned.hover_power is None or learned.airspeed is None:
         return None
     square, cube, climb, descent = (learned.value(f"{name}_power", 0.0) for name in CURVE_TERMS)

@@ -143,7 +143,6 @@ def questions_about(buildings: Path | None) -> tuple[Question, ...]:
 
 
 def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[str, ...]:
-    """Return the defaults for heights that a map leaves open, in words."""
     left = (question for question in questions_about(buildings) if question.key not in answers)
     things = {key: words.split(";")[0].removesuffix(" [m]").removeprefix("of ") for key, words in _COMMENTS.items()}
     return tuple(
@@ -244,7 +243,6 @@ def _height_line(key: str, texts: Mapping[str, str]) -> str:
 
 
 def _parts() -> dict[str, str]:
-    """Return the template's parts: the whole, and variants of terrain and maps."""
     template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
     return dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
 
@@ -321,5 +319,4 @@ def _quoted(path: Path, target: Path) -> str:
 
 
 def _aligned(text: str) -> str:
-    """Align comments in one column."""
     return re.sub(r"^(\S.*?) {2,}(# .*)$", lambda match: f"{match[1]:<32} {match[2]}", text, flags=re.MULTILINE)

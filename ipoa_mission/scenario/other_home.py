@@ -49,7 +49,6 @@ def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
 
 
 def _away(scenario: Scenario, there: Geodetic) -> list[float]:
-    """Return distances to the start places [m]."""
     starts = () if scenario.survey is None else scenario.survey.starts or ()
     return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
 
@@ -112,7 +111,6 @@ def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
 
 
 def _home_at(scenario: Scenario, place: Points) -> HomeSection:
-    """Return the ground at a place, rounded as in missions."""
     height = float(scenario.airspace.terrain.height(place[None])[0])
     there = scenario.frame.geodetic(np.append(place, height))
     return HomeSection(

@@ -85,7 +85,6 @@ def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
 
 
 def place_names(places: Points) -> list[str]:
-    """Return the scenario's names of places (k, 3)."""
     return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
 
 

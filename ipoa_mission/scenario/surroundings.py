@@ -229,7 +229,6 @@ def _horizontal_bounds(
 
 
 def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
-    """Return west, south, east, north, (n, 4)."""
     shapes = np.array([thing.shape for _, thing in standing], dtype=object)
     reach = np.array([thing.reach for _, thing in standing], float)
     wide = reach != 0.0
@@ -240,7 +239,6 @@ def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
 def _near(
     standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
 ) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """Return the obstacles near the bounds, and the rest as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
     for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
@@ -292,7 +290,6 @@ def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
 
 
 def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
-    """Return lower and upper bound [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)

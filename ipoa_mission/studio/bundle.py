@@ -44,7 +44,6 @@ def built_page(tell: Callable[[str], None]) -> Path:
 
 
 def has_page(web: Path) -> bool:
-    """Return whether the page in this folder was built from these sources."""
     return _digest(web) == sources_digest(web)
 
 
@@ -121,6 +120,5 @@ def _copy_sources(sources: Path, folder: Path) -> Path:
 
 
 def _has_modules(sources: Path) -> bool:
-    """Return whether npm's installation is up to date with its list."""
     installed = sources / "node_modules" / ".package-lock.json"
     return installed.is_file() and installed.stat().st_mtime >= (sources / "package-lock.json").stat().st_mtime

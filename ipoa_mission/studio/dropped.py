@@ -106,7 +106,6 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
 
 
 def _stays(table: dict[str, Any]) -> bool:
-    """Return whether a scenario has something that does not move with home."""
     return bool(table.get("obstacles") or table.get("maps")) or table.get("terrain", {}).get("kind", "flat") != "flat"
 
 

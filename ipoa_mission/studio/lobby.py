@@ -23,7 +23,6 @@ from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
 SCENARIO = ".toml"
-EXAMPLES = ("campus.toml",)
 FILE_LIMIT = 40  # files of the folder
 GOAL_DISTANCE_DEG = 0.0009  # distance of a new scenario's first goal from home [deg], about 100 m
 #: Opens a file, given a mission's scenario or log, and returns the token of its address.
@@ -102,7 +101,7 @@ class Lobby:
             folder=str(self._folder),
             recent=_files(path for path in recent if path.is_file()),
             here=_files(path for path in here[:FILE_LIMIT] if path not in recent),
-            examples=_files(packed(name) for name in EXAMPLES),
+            examples=_files(packed(name) for name in ("campus.toml",)),
         )
 
     def _offered(self, asked: str) -> Path:
@@ -142,7 +141,6 @@ def _sort(path: Path) -> str:
 
 
 def _mission_of(log: Path) -> Path:
-    """Write the mission flown in a log, with its relevant parameters, to a file next to the log."""
     read = read_flights(log)
     for flight in read.flights:
         held = compare_logged(flight, None, {}) if flight.in_mission else None

@@ -59,7 +59,6 @@ def remember(opened: Opened, port: int) -> None:
 
 
 def kept_tiles() -> tuple[str, str] | None:
-    """Return the last map tiles: their source and attribution."""
     known = _read().get("tiles")
     return (str(known[0]), str(known[1])) if isinstance(known, list) and len(known) == 2 else None
 

@@ -113,7 +113,6 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
 
 
 def course_of(forecast: Forecast) -> seen.Seen:
-    """Return the samples of a predicted flight that the page shows."""
     nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
     return seen.follow(forecast.estimate.track, airspace, SAMPLES)
@@ -137,7 +136,6 @@ def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
 
 
 def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
-    """Return the sample at which a final return begins."""
     items = forecast.estimate.items
     if len(items) < 2:
         return None
@@ -154,7 +152,6 @@ def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
 
 
 def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
-    """Yield items in the order flown, repeated ones each time."""
     flown, scenario = as_flown(forecast.mission), forecast.scenario
     over = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, over)

@@ -46,7 +46,6 @@ PROGRESS_INTERVAL_S = 0.1  # least interval of progress messages
 
 
 def look(order: Order, answer: Answer) -> None:
-    """Show a scenario on the map, and a survey's area even of an invalid scenario."""
     table, revision = _table(order["text"], order["path"]), order["revision"]
     try:
         scenario = _scenario(order["text"], order["path"])
@@ -144,7 +143,6 @@ class PlanWorker:
             answer(refused(error, scenario, revision))
 
     def end(self, order: Order, answer: Answer) -> None:
-        """Forecast the contingencies of the plan, or of one flight of a survey."""
         plan, n = self._expect_plan(), order["flight"]
         forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
         for strip in strips_of(forecast, order["revision"], n):

@@ -129,7 +129,6 @@ class Document:
         return not before
 
     def take_theirs(self) -> bool:
-        """Take the text of the file, as an edit that can be undone."""
         self._journal.take_from_disk(self._on_disk())
         self.changed_outside = False
         return self._renumbered(True)

@@ -327,7 +327,6 @@ class Session:
         return "trouble" not in kinds
 
     def _job(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Start a task unless it is running; a running one sees new work by itself."""
         if name not in self._jobs or self._jobs[name].done():
             self._jobs[name] = asyncio.create_task(work())
 
@@ -374,7 +373,6 @@ class Session:
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    """Return the slot of an answer; only the latest of a slot is kept."""
     match answer["kind"]:
         case "trouble":
             return f"trouble of {answer['of']}"

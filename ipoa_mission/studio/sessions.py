@@ -49,7 +49,6 @@ class Sessions:
         self._more.set()
 
     def tell_everyone(self, message: PageMessage) -> None:
-        """Send to the windows of all hosts, also to later ones."""
         self._told.append(message)
         for host in self._hosts.values():
             host.tell_all(message)

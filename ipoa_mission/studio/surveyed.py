@@ -45,7 +45,6 @@ def coarse_survey(
 
 
 def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence[Path] = ()) -> answers.PlannedSurvey:
-    """Show the flights of a survey and their lines; `flown` are logs of the parts left out."""
     plan, names = survey.plan, survey.names
     parts = []
     for n, flight in enumerate(plan.flights):

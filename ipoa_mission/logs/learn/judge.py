@@ -56,7 +56,6 @@ def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
 
 
 def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
-    """Return the median error of a flight's time before and after, as a share; 0 without a time."""
     flown = [one for one in judged if one.flown_s]
     before = [abs(one.before_s / one.flown_s - 1) for one in flown]
     after = [abs(one.after_s / one.flown_s - 1) for one in flown]
