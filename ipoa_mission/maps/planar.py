@@ -74,8 +74,21 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> 
 
     sides = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1)
     long = sides > LONGEST_EDGE
-    degrees[long] = shapely.segmentize(degrees[long], LONGEST_EDGE)
+    sound = long & shapely.is_valid(degrees)
+    degrees[sound] = shapely.segmentize(degrees[sound], LONGEST_EDGE)
+    for i in np.flatnonzero(long & ~sound).tolist():
+        degrees[i] = _divided(degrees[i])
     return np.asarray(shapely.transform(degrees, convert)), near
+
+
+def _divided(shape: Any) -> Any:
+    """Divide long edges ring by ring: of a whole crossed polygon GEOS would leave out a half."""
+    if hasattr(shape, "geoms"):
+        return type(shape)([_divided(part) for part in shape.geoms])
+    if shape.geom_type != "Polygon":
+        return shapely.segmentize(shape, LONGEST_EDGE)
+    outer, *inner = (shapely.segmentize(ring, LONGEST_EDGE) for ring in (shape.exterior, *shape.interiors))
+    return shapely.Polygon(outer, inner)
 
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
@@ -136,11 +149,7 @@ def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
-    """Return the valid polygons of a shape, repaired, and its defect.
-
-    Raises:
-        BadInput: no area remains.
-    """
+    """Return the valid polygons of a shape, repaired, and its defect."""
     (clean,) = unrepeated(np.array([shape], object))
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
