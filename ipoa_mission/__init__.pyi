@@ -2,6 +2,10 @@
 
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot as Autopilot
+from ipoa_mission.autopilot.commands import Command as Command
+from ipoa_mission.autopilot.commands import Frame as Frame
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery as NotEnoughBattery
 from ipoa_mission.checks.check import check_mission as check_mission
 from ipoa_mission.checks.start import NotAtStart as NotAtStart
 from ipoa_mission.checks.unsafe import Unsafe as Unsafe
@@ -18,8 +22,6 @@ from ipoa_mission.flight.preflight import OutsideOwnFence as OutsideOwnFence
 from ipoa_mission.flight.preflight import expect_fit as expect_fit
 from ipoa_mission.flight.procedure import fly_mission as fly_mission
 from ipoa_mission.flight.procedure import upload_mission as upload_mission
-from ipoa_mission.flight.survey_flight import Survey as Survey
-from ipoa_mission.flight.survey_flight import plan_survey as plan_survey
 from ipoa_mission.forecast.forecast import Forecast as Forecast
 from ipoa_mission.forecast.forecast import estimate as estimate
 from ipoa_mission.forecast.timing.estimate import Estimate as Estimate
@@ -46,8 +48,6 @@ from ipoa_mission.link.vehicle import Vehicle as Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown as NotFlown
 from ipoa_mission.link.vehicle_state import NotReady as NotReady
 from ipoa_mission.logs.flight_log import read_flight as read_flight
-from ipoa_mission.mission.commands import Command as Command
-from ipoa_mission.mission.commands import Frame as Frame
 from ipoa_mission.mission.items import FenceCircle as FenceCircle
 from ipoa_mission.mission.items import FencePolygon as FencePolygon
 from ipoa_mission.mission.items import Item as Item
@@ -82,8 +82,8 @@ from ipoa_mission.scenario import read_scenario as read_scenario
 from ipoa_mission.scenario.path_limits import Limits as Limits
 from ipoa_mission.simulator.faults import Faults as Faults
 from ipoa_mission.simulator.fly import fly as fly
-from ipoa_mission.vehicles.autopilot import Autopilot as Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery as NotEnoughBattery
+from ipoa_mission.survey.survey_flight import Survey as Survey
+from ipoa_mission.survey.survey_flight import plan_survey as plan_survey
 from ipoa_mission.wind import Wind as Wind
 from ipoa_mission.world.airspace import Airspace as Airspace
 from ipoa_mission.world.airspace import Bounds as Bounds

@@ -1,7 +1,6 @@
-"""Errors that a user can understand and correct, and the register of their codes.
+"""Errors that a user can correct, and the register of their codes.
 
-Every deliberate error is a `MissionError`; the command line prints its message and returns its `exit_code`. Other
-modules derive their own errors next to the code that raises them.
+The command line prints a `MissionError` and returns its `exit_code`. Other modules derive errors of their own.
 """
 
 import json
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Self
 
-#: Codes of errors; codes of findings, some shared with errors, are in `RULES`.
+#: Codes of findings, some shared, are in `RULES`.
 _CODES = """
 already-there area-covered area-kept-out area-parted arming-refused backend-cannot bad-input battery-flown
 battery-missing cancelled cluster-lost command-not-ended command-refused complex-item contested damaged-file
@@ -35,13 +34,13 @@ CODES = frozenset(_CODES.split())
 
 @dataclass(frozen=True)
 class Remedy:
-    """A change of the scenario that may correct an error: the path of the `field`, and its new value (None: remove)."""
+    """A change of the scenario that may correct an error; value None: remove the field."""
 
     field: tuple[str | int, ...]
     value: Any = None
 
     def __str__(self) -> str:
-        """Return the change in a scenario file's notation with dots: `vehicle.cruise_speed = 3`."""
+        """Return it in a scenario's notation: `vehicle.cruise_speed = 3`."""
         value = f"{self.value:g}" if isinstance(self.value, float) else json.dumps(self.value)
         return f"{'.'.join(map(str, self.field))} = {value}"
 
@@ -50,11 +49,11 @@ class MissionError(Exception):
     """The job could not be done (exit code 1).
 
     Attributes:
-        code: stable identifier, one of `CODES`; by default the name of the class.
-        place: a file and a place in it, a key of the scenario or an option; the message begins with it.
+        code: one of `CODES`; by default of the class.
+        place: in a file, the scenario or the options; begins the message.
         hint: advice to the user.
-        remedies: changes of the scenario that may correct it.
-        known: further data for machines.
+        remedies: changes of the scenario.
+        known: data for machines.
     """
 
     exit_code = 1
@@ -83,7 +82,7 @@ class MissionError(Exception):
         return super().__str__() if self.place is None else f"{self.place}: {self.args[0]}"
 
     def at(self, place: object = None, hint: str | None = None) -> Self:
-        """Return the error with an outer place in front of its own, and another hint if given."""
+        """Return the error with an outer place before its own."""
         other = self._copied()
         other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
         other.hint = hint or self.hint
@@ -106,29 +105,29 @@ class MissionError(Exception):
 
 
 class BadInput(MissionError):
-    """The user's input is wrong (exit code 2); the message names the expected input."""
+    """The user's input is wrong (exit code 2)."""
 
     exit_code = 2
 
 
 class DamagedFile(BadInput):
-    """A file has the right format, but is incomplete."""
+    """A file of the right format is incomplete."""
 
 
 class EndlessFlight(BadInput):
-    """A mission has no end, so no duration."""
+    """A mission has no end."""
 
 
 class InvalidRing(BadInput):
-    """Corners do not form the expected ring, line or area."""
+    """Corners form no ring, line or area."""
 
 
 class NoCoordinateSystem(BadInput):
-    """A map does not name its coordinate system."""
+    """A map names no coordinate system."""
 
 
 class NotCovered(BadInput):
-    """A map, grid or forecast does not cover the place."""
+    """A map or forecast does not cover the place."""
 
 
 class NothingThere(BadInput):
@@ -144,7 +143,7 @@ class TooFar(BadInput):
 
 
 class TooLarge(BadInput):
-    """A file, or something in it, is larger than the package reads."""
+    """A file or its part is too large."""
 
 
 class UnknownName(BadInput):
@@ -168,19 +167,15 @@ class WrongSuffix(BadInput):
 
 
 class LogUseless(MissionError):
-    """A log lacks the data to learn or compare."""
+    """A log lacks data."""
 
 
 class NotModeled(MissionError):
-    """No model of the package computes this."""
+    """No model computes this."""
 
 
 def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = MissionError) -> Any:
-    """Import a library that needs an extra of the package.
-
-    Raises:
-        MissionError: it is not installed; `needed` is the message, `wrong` the error's class.
-    """
+    """Import a library of an extra, or raise `wrong` with the message `needed`."""
     try:
         return import_module(module)
     except ImportError as error:

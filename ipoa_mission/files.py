@@ -1,4 +1,4 @@
-"""Read user files; write files atomically: temporary files first, then renames."""
+"""Read user files; write files atomically."""
 
 import errno
 import os
@@ -11,27 +11,20 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
 
-PIPE_TIMEOUT_S = 5.0  # timeout for the first data in a named pipe [s]
+PIPE_TIMEOUT_S = 5.0  # for the first data [s]
 
-MISSIONS = (".plan", ".waypoints")  # suffixes of mission files
+MISSIONS = (".plan", ".waypoints")
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write `content` (text as UTF-8 with LF) to `path`; the old file stays until the new one is complete.
-
-    Raises:
-        BadInput: the folder does not exist or is not writable.
-    """
     write_together({path: content})
 
 
 def write_together(contents: Mapping[Path, str | bytes]) -> None:
-    """Write several files: each is complete before the first is renamed.
-
-    A symbolic link stays; its target is written.
+    """Write files, text as UTF-8 with LF: all are complete before the first is renamed.
 
     Raises:
-        BadInput: one of them cannot be written; none was.
+        BadInput: one cannot be written; none was.
     """
     staged: dict[Path, Path] = {}
     targets = {path: Path(os.path.realpath(path)) for path in contents}
@@ -57,11 +50,6 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and its parents if missing.
-
-    Raises:
-        BadInput: a file has this name, or the parent is not writable.
-    """
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -70,20 +58,20 @@ def make_folder(path: Path) -> None:
 
 @contextmanager
 def in_folder(path: Path) -> Iterator[None]:
-    """Make a folder for a block; remove the new folders if the block fails and leaves them empty."""
+    """Make a folder for a block; remove new, empty ones if the block fails."""
     made = [one for one in (path, *path.parents) if not one.exists()]
     make_folder(path)
     try:
         yield
     except BaseException:
-        with suppress(OSError):  # it is not empty
+        with suppress(OSError):
             for one in made:
                 one.rmdir()
         raise
 
 
 def unused(path: Path) -> Path:
-    """Return this path, or NAME-2, NAME-3, ... next to it if it exists: logs cannot be repeated.
+    """Return the first free of this path, NAME-2, NAME-3, ...
 
     >>> unused(Path("nowhere/flight.tlog")).name
     'flight.tlog'
@@ -97,11 +85,7 @@ def unused(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Read the text of a user's file; drop a byte order mark, keep line ends.
-
-    Raises:
-        BadInput: the file is missing, not a file, or not UTF-8; or nothing is written into a pipe.
-    """
+    """Drop a byte order mark, keep line ends."""
     try:
         data = _read_pipe(path) if path.is_fifo() else path.read_bytes()
         return data.decode("utf-8-sig")
@@ -113,7 +97,7 @@ def read_text(path: Path) -> str:
 
 
 def why_no_json(text: str, at: int) -> str | None:
-    """Explain why a text is not JSON from offset `at` on, or return None."""
+    """Explain why a text is not JSON from offset `at` on, if so."""
     if not text.strip():
         return "the file is empty"
     if at >= len(text.rstrip()):
@@ -123,11 +107,7 @@ def why_no_json(text: str, at: int) -> str | None:
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
-    """Read a user's file, at most `most` bytes unless negative.
-
-    Raises:
-        BadInput: the file is missing or not a file.
-    """
+    """Read at most `most` bytes, unless negative."""
     try:
         with path.open("rb") as file:
             return file.read(most)
@@ -136,17 +116,14 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
 
 
 def packed(mission: str) -> Path:
-    """Return the path of a file of `missions/`: within the package in a wheel, else next to it."""
+    """Return a path of `missions/`, inside a wheel's package or next to it."""
     package = Path(__file__).parent
     inside = package / "missions" / mission
     return inside if inside.is_file() else package.parent / "missions" / mission
 
 
 def copies(part: str) -> Iterator[Path]:
-    """Yield a file or folder, like "compiled", in other copies of this package on `sys.path`.
-
-    In a clone, the clone's package shadows the installed one.
-    """
+    """Yield a part of other copies of this package on `sys.path`, which a clone shadows."""
     package = Path(__file__).parent
     for place in sys.path:
         there = Path(place) / package.name
@@ -155,7 +132,6 @@ def copies(part: str) -> Iterator[Path]:
 
 
 def _read_pipe(path: Path) -> bytes:
-    """Read a pipe to its end, if a writer begins within `PIPE_TIMEOUT_S`."""
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     with os.fdopen(pipe, "rb") as file:
         if not select.select([pipe], [], [], PIPE_TIMEOUT_S)[0]:
@@ -165,7 +141,6 @@ def _read_pipe(path: Path) -> bytes:
 
 
 def _expect_file(path: Path) -> None:
-    """Raise if the path is a folder, which a file cannot replace."""
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
 

@@ -1,5 +1,3 @@
-"""Findings of reading or checking a mission."""
-
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -7,7 +5,7 @@ from ipoa_mission.errors import Remedy
 
 
 class Severity(StrEnum):
-    """An error keeps a mission on the ground; a warning informs before the flight."""
+    """An error keeps a mission on the ground; a warning informs."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -15,13 +13,13 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding of a check.
+    """A finding of reading or checking.
 
     Attributes:
-        code: the rule, the same in each version; docs/findings.md lists all.
-        severity: an error or a warning.
-        seq: the item's number as in mission files (home is 0); None without an item.
-        message: the fault, with its place and the expected value.
+        code: the rule; docs/findings.md lists all.
+        severity: error or warning.
+        seq: item number as in mission files (home is 0), if any.
+        message: the fault, with place and expected value.
         hint: the remedy, if known.
         remedies: changes of the scenario that may correct it.
 

@@ -1,4 +1,4 @@
-"""Lengths and angles of polylines in the local east, north, up frame."""
+"""Polylines in the local east, north, up frame."""
 
 from typing import TypeAlias
 
@@ -8,27 +8,27 @@ from numpy.typing import NDArray
 Points: TypeAlias = NDArray[np.float64]  # (n, 3) east, north, up [m]
 Vector: TypeAlias = NDArray[np.float64]  # (n,)
 
-GRAVITY = 9.80665  # standard gravity [m/s^2]
+GRAVITY = 9.80665  # standard [m/s^2]
 
 
 def leg_lengths(points: Points) -> Vector:
-    """Return the length of each leg, (n-1,) [m]."""
-    axes = np.ascontiguousarray(points.T)  # much quicker in NumPy for many points
+    """Return leg lengths (n-1,) [m]."""
+    axes = np.ascontiguousarray(points.T)  # quicker for many points
     return np.asarray(np.linalg.norm(np.diff(axes), axis=0))
 
 
 def arc_lengths(points: Points) -> Vector:
-    """Return the path length from the first point to each, (n,) [m]."""
+    """Return lengths from the first point, (n,) [m]."""
     return np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
 
 
 def polyline_length(points: Points) -> float:
-    """Return the sum of the leg lengths [m]: the paper's W1, eq. (4)."""
+    """Return the length [m]: the paper's W1, eq. (4)."""
     return float(leg_lengths(points).sum())
 
 
 def turning_angles(points: Points) -> Vector:
-    """Return the angles between horizontal projections of consecutive legs, (n-2,) [rad]: the paper's eqs. (5)-(6)."""
+    """Return horizontal angles between legs, (n-2,) [rad]: the paper's eqs. (5)-(6)."""
     legs = np.diff(points[:, :2], axis=0)
     before, after = legs[:-1], legs[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
@@ -36,6 +36,6 @@ def turning_angles(points: Points) -> Vector:
 
 
 def climb_angles(points: Points) -> Vector:
-    """Return the climb angle of each leg above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
+    """Return angles above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
     legs = np.diff(points, axis=0)
     return np.asarray(np.arctan2(legs[:, 2], np.hypot(legs[:, 0], legs[:, 1])))

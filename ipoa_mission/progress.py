@@ -1,9 +1,7 @@
-"""Progress callbacks of long tasks."""
-
 from collections.abc import Callable
 from typing import TypeAlias
 
-Progress: TypeAlias = Callable[[float, str], None]  # takes the share done, 0 to 1, and a description
+Progress: TypeAlias = Callable[[float, str], None]  # share done, 0 to 1, and a description
 
 
 def silent(share: float, words: str) -> None:

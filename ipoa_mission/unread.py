@@ -1,5 +1,3 @@
-"""Parts of a file that a reader skipped: counted by kind, with the first place and an example."""
-
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -7,15 +5,14 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Unread:
-    """One kind of thing that a reader skipped.
+    """Things of one kind that a reader skipped.
 
     Attributes:
-        file: name of the file.
-        what: the thing and the reason: `tag "hgt", which may be a height`.
-        place: place of the first one: `features[3]`.
-        example: value of the first one as spelled in the file, or empty.
-        count: number of them.
-        may_limit: whether it may be an obstacle, a zone or another limit of the flight: an error.
+        file: its name.
+        what: thing and reason: `tag "hgt", which may be a height`.
+        place: of the first one: `features[3]`.
+        example: its spelling, or empty.
+        may_limit: may be an obstacle, a zone or another limit of the flight: an error.
         remedy: advice to the user.
 
     Example:
@@ -40,7 +37,7 @@ class Unread:
 
 
 def gathered(things: Iterable[Unread]) -> tuple[Unread, ...]:
-    """Return each kind once, with its count; those that may limit the flight first."""
+    """Count each kind; those that may limit the flight first."""
     kinds: dict[tuple[str, str, bool], Unread] = {}
     for thing in things:
         key = (thing.file, thing.what, thing.may_limit)

@@ -1,15 +1,13 @@
-"""Wind: a constant speed and direction, or a profile by height."""
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-MAX_LEVELS = 8  # of a profile
+MAX_LEVELS = 8
 
 
 class WindLevel(NamedTuple):
-    """The wind at a height above home [m]: its eastward and northward components [m/s]."""
+    """Eastward and northward components at a height above home [m/s]."""
 
     height: float
     east: float
@@ -20,17 +18,16 @@ class WindLevel(NamedTuple):
 class Wind:
     """A wind that is constant in time and place, except for its height.
 
-    Below `gradient_height` the speed follows a power law: speed (height / gradient_height)^`exponent`. With `levels`,
-    the wind is interpolated linearly between them and constant beyond; `speed` and `from_deg` are then those of the
-    strongest.
+    Below `gradient_height` the speed is speed (height / gradient_height)^`exponent`. Between `levels` the wind is
+    interpolated linearly; `speed` and `from_deg` are then those of the strongest.
 
     Attributes:
         speed: [m/s].
-        from_deg: direction that it comes from, clockwise: 0 north, 90 east [degrees].
+        from_deg: direction of origin, clockwise: 0 north, 90 east [degrees].
         exponent: of the power law.
-        gradient_height: height up to which it grows [m above home].
+        gradient_height: [m above home].
         spread: uncertainty of the speed, up and down [m/s].
-        levels: the wind by height, upwards.
+        levels: by height, upwards.
 
     Example:
         >>> west = Wind(6.0, from_deg=270.0)
@@ -55,11 +52,7 @@ class Wind:
     ) -> "Wind":
         """Return a profile of at most eight levels.
 
-        Args:
-            heights: above home, increasing [m].
-            speeds: at these heights [m/s].
-            from_deg: directions that it comes from there [degrees].
-            spread: uncertainty of the speeds, up and down [m/s].
+        `heights` are above home, increasing [m], `speeds` [m/s] and `from_deg` [degrees].
         """
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
@@ -68,7 +61,6 @@ class Wind:
 
     @classmethod
     def towards_north_east(cls, north: float, east: float) -> "Wind":
-        """Return the wind with these northward and eastward components [m/s]."""
         return cls(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
 
     def at(self, height: float) -> float:
@@ -96,7 +88,6 @@ class Wind:
 
     @property
     def strongest(self) -> float:
-        """Return the greatest speed to expect at any height [m/s]."""
         return self.speed + self.spread
 
     def __str__(self) -> str:
@@ -122,7 +113,6 @@ class Wind:
         return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
 
     def as_strong_as_may_be(self) -> "Wind":
-        """Return the wind at the upper end of its spread."""
         share = self.strongest / self.speed if self.speed else 1.0
         levels = tuple(WindLevel(level.height, level.east * share, level.north * share) for level in self.levels)
         return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=levels)
@@ -136,15 +126,7 @@ class Wind:
         return -self.speed * math.cos(math.radians(self.from_deg))
 
     def along(self, east: float, north: float) -> float:
-        """Return the component along a level direction.
-
-        Args:
-            east: of a vector of any length in that direction.
-            north: of the same vector.
-
-        Returns:
-            The component [m/s], negative against the direction; 0 for a zero vector.
-        """
+        """Return the component along a direction (`east`, `north`) of any length [m/s]; 0 for a zero vector."""
         length = math.hypot(east, north)
         return (self.east * east + self.north * north) / length if length > 0 else 0.0
 

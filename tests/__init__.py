@@ -1,1 +1,1 @@
-"""What is held to be true of the package, and what the tests share."""
+"""Tests of the package, and their helpers."""

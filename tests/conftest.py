@@ -1,5 +1,3 @@
-"""What every test may lean on."""
-
 import gc
 import os
 import signal
@@ -8,25 +6,25 @@ from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads take more than they give
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy is imported: its threads cost more than they give
 
 import pytest
 from hypothesis import settings
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
-gc.set_threshold(50_000)  # imports and the collection of tests make many objects, and no garbage
+gc.set_threshold(50_000)  # imports make many objects, and no garbage
 REPOSITORY = Path(__file__).parent.parent
 
-os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every command that a test starts compiles the package anew
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every started command compiles the package
 sys.dont_write_bytecode = False  # and every worker rewrites the assertions of all tests
 
-#: A shell has its background jobs ignore Ctrl-C, and so would every command that a test starts and ends so.
+#: A shell's background jobs ignore Ctrl-C, and so would commands that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-#: No test waits for ever for something that does not come: so long it may take [s].
+#: [s]
 LONGEST_S = 900.0
 
-#: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
+#: Begun first: a file's tests are run by one worker.
 LONGEST = (
     "studio/test_studio_page.py",
     "studio/test_studio_keyboard.py",
@@ -53,41 +51,40 @@ LONGEST = (
     "forecast/test_endings.py",
 )
 
-#: CI's machines are noisy; a failure comes again. `--hypothesis-profile thorough`, as in .ci/run, tries four times as
-#: many examples.
+#: CI's machines are noisy. `--hypothesis-profile thorough`, as in .ci/run, tries four times as many examples.
 settings.register_profile("steady", deadline=None, derandomize=True, max_examples=50)
 settings.register_profile("thorough", settings.get_profile("steady"), max_examples=200)
 settings.load_profile("steady")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Simulations to fly on: see tests/sitl."""
+    """See tests/sitl."""
     for name in ("ardupilot", "px4"):
         parser.addoption(f"--{name}", metavar='LINK|"COMMAND @ LINK"', help=f"a simulated {name} for the sitl tests")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest first."""
+    """Run the longest first."""
     places = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: places.get(item.path, len(LONGEST)))
 
 
 def pytest_collection_finish() -> None:
-    """What has been imported and collected stays: it is not looked through for garbage again and again."""
+    """Exclude imports and collected tests from garbage collection."""
     gc.collect()
     gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """A test that waits without end fails, with all that pytest tells of it."""
+    """Fail a test that hangs, with pytest's report."""
 
     def too_long(number: int, frame: FrameType | None) -> None:
         raise TimeoutError(f"{item.nodeid} takes more than {LONGEST_S:g} s")
 
     if hasattr(signal, "setitimer") and item.get_closest_marker("sitl") is None:
         signal.signal(signal.SIGALRM, too_long)
-        signal.setitimer(signal.ITIMER_REAL, LONGEST_S, 10.0)  # again: what it waits for is waited for once more
+        signal.setitimer(signal.ITIMER_REAL, LONGEST_S, 10.0)  # again
     try:
         return (yield)
     finally:
@@ -97,13 +94,12 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 
 @pytest.fixture
 def missions() -> Path:
-    """The folder of scenarios that ship with the repository."""
     return REPOSITORY / "missions"
 
 
 @pytest.fixture
 def samples() -> Path:
-    """Other people's files, kept beside the repository or at IPOA_SAMPLES; not everybody has them."""
+    """Other people's files, beside the repository or at IPOA_SAMPLES; may be missing."""
     named = os.environ.get("IPOA_SAMPLES")
     folders = [Path(named)] if named else [parent / "shared" / "samples" for parent in REPOSITORY.parents]
     found = next((folder for folder in folders if folder.is_dir()), None)
@@ -113,5 +109,4 @@ def samples() -> Path:
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:
-    """A test of an autopilot has its name."""
     return str(val) if isinstance(val, Autopilot) else None

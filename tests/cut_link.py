@@ -1,4 +1,4 @@
-"""A TCP link that can be cut and joined again, between a ground station and an autopilot behind a port."""
+"""A TCP link that can be cut and joined again."""
 
 import select
 import socket
@@ -10,7 +10,7 @@ LOOK_S = 0.01
 
 
 class CutLink:
-    """Carries bytes to and from `far`, a port of this machine; while it is cut, whoever calls is refused."""
+    """Carries bytes to and from `far`, a local port; refuses connections while cut."""
 
     def __init__(self, far: int) -> None:
         self._far = socket.create_connection(("127.0.0.1", far))
@@ -20,15 +20,12 @@ class CutLink:
         self._cut, self._over = threading.Event(), threading.Event()
 
     def cut(self) -> None:
-        """The connection is closed."""
         self._cut.set()
 
     def join(self) -> None:
-        """It can be opened again."""
         self._cut.clear()
 
     def carry(self) -> None:
-        """Until it is over."""
         while not self._over.is_set():
             if self._cut.is_set():
                 self._close()
@@ -57,7 +54,7 @@ class CutLink:
                     self._leave(other)
 
     def _leave(self, one: socket.socket) -> None:
-        """Carry on without an end that was closed; without the vehicle there is nothing to carry."""
+        """Drop a closed end; without the vehicle, stop."""
         if one is self._far:
             self._over.set()
         elif one is self._near:
@@ -71,13 +68,11 @@ class CutLink:
         self._near = self._door = None
 
     def end(self) -> None:
-        """Nothing is carried any more."""
         self._over.set()
 
 
 @contextmanager
 def cut_link(far: int) -> Iterator[CutLink]:
-    """One that carries while this lasts."""
     link = CutLink(far)
     thread = threading.Thread(target=link.carry)
     thread.start()

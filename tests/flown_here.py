@@ -1,4 +1,4 @@
-"""The recorded missions flown by the built-in autopilot, for the tests and for the table in the documentation."""
+"""Fly recorded missions on the built-in autopilot."""
 
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
@@ -6,10 +6,7 @@ from tests.recorded_flights import Recorded
 
 
 def fly_here(flight: Recorded, seed: int) -> tuple[dict[int, float], float]:
-    """When each item was done, by its number in the mission file, and when the motors stopped [s].
-
-    An item that is done several times counts as it is done first.
-    """
+    """Return the time at which each item was first done, by number, and motors stopped [s]."""
     mission = flight.mission
     conditions = Conditions(version=mission.firmware_version)
     here = SimulatedFlight(mission.autopilot, mission.home, flight.parameters, seed=seed, conditions=conditions)

@@ -1,4 +1,4 @@
-"""What checks found, in short: tests ask for the severity, the code and the item, and not for words."""
+"""Findings by severity, code and item, without words."""
 
 from collections.abc import Iterable
 
@@ -6,5 +6,5 @@ from ipoa_mission.finding import Finding
 
 
 def found(findings: Iterable[Finding]) -> list[str]:
-    """`error far 2` each; an item only where one is meant."""
+    """Return `error far 2` each."""
     return [" ".join(map(str, (one.severity, one.code, *([] if one.seq is None else [one.seq])))) for one in findings]

@@ -1,12 +1,12 @@
-"""Waypoints as `plan` writes them for PX4 1.18: with a hold and a radius. ArduCopter holds for whole seconds only."""
+"""Waypoints as `plan` writes them for PX4 1.18: with a hold and a radius. ArduCopter holds for whole seconds."""
 
 from functools import partial
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import waypoint as plain
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 
 waypoint = partial(plain, hold_s=0.1, radius=2.0)
 
-#: It needs no holds, and answers on a link were recorded on it; ArduCopter is of its newest version.
+#: Needs no holds; recorded links are of it.
 PX4_117 = {Autopilot.PX4: Version(1, 17)}

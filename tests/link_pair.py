@@ -1,4 +1,4 @@
-"""Both ends of the mission service without I/O: a client's dialogue, the mock's transfers, and the air between."""
+"""Both ends of the mission service without I/O."""
 
 import heapq
 import math
@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from itertools import cycle
 from typing import Any, TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
@@ -15,7 +16,6 @@ from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.held import PX4_117
 
@@ -26,7 +26,7 @@ LIMIT_S = 6 * 3600.0
 
 
 def items_of(autopilot: Autopilot, count: int, shift: float = 0.0) -> tuple[Item, ...]:
-    """A list of `count` items as it goes over the wire; another `shift` makes another list."""
+    """A list of `count` items on the wire; another `shift` makes another list."""
     places = [Geodetic(47.4 + 0.0001 * n + shift, 8.5 - 0.0000123 * n) for n in range(count)]
     flown = [takeoff(HOME, 20.0), *(waypoint(place, 30.0) for place in places)]
     if autopilot is Autopilot.ARDUPILOT:
@@ -36,15 +36,13 @@ def items_of(autopilot: Autopilot, count: int, shift: float = 0.0) -> tuple[Item
 
 @dataclass(frozen=True)
 class Fate:
-    """What becomes of one message: how many copies arrive, and how late."""
+    """Copies of a message that arrive, and delays."""
 
     copies: int = 1
     delay_s: float = 0.02
 
 
 class Vehicle:
-    """The mock's mission service, and what it has said."""
-
     def __init__(self, autopilot: Autopilot, nak_at: int | None = None) -> None:
         self.said: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
@@ -58,12 +56,11 @@ class Vehicle:
         self.transfers.booted = True
 
     def hear(self, message: Message, now: float = 0.0, source: Target = CLIENT) -> list[Message]:
-        """What the vehicle says to this source in answer to a message."""
+        """Return its answers to a message."""
         self.transfers.receive(message, source, now)
         return self.take(source)
 
     def wait(self, until: float, source: Target = CLIENT) -> list[tuple[float, Message]]:
-        """What it says unasked, and when."""
         said: list[tuple[float, Message]] = []
         while self.transfers.deadline <= until:
             moment = self.transfers.deadline
@@ -79,7 +76,6 @@ class Vehicle:
         return self.transfers.listed(kind)
 
     def store(self, items: tuple[Item, ...], kind: int = MissionType.MISSION) -> None:
-        """What was on the vehicle before."""
         store = self.transfers.stores[MissionType(kind)]
         store.begin(len(items))
         for seq, item in enumerate(items):
@@ -89,7 +85,7 @@ class Vehicle:
 
 @dataclass
 class Air:
-    """Carries messages both ways by the fates of a schedule, on a virtual clock."""
+    """Carries messages by the fates of a schedule, on a virtual clock."""
 
     vehicle: Vehicle
     fates: Iterable[Fate] = (Fate(),)
@@ -105,7 +101,6 @@ class Air:
     def hold(
         self, dialogue: Dialogue[T], patience: Patience = SPECIFIED, interrupts: dict[float, MissionError] | None = None
     ) -> T:
-        """The result of the client's dialogue with the vehicle."""
         exchange, transfers, flying = Exchange(dialogue, self.now, patience), self.vehicle.transfers, self._flying
         interrupts = dict(interrupts or {})
         while not exchange.finished:
@@ -143,16 +138,14 @@ class Air:
 
 
 def line_of(vehicle: Any) -> Line:
-    """The link of a vehicle that has one of ours."""
     assert isinstance(vehicle.line, Line)
     return vehicle.line
 
 
 def far_end(line: Line) -> Any:
-    """Who is at the other end of a link in this process."""
     return line.channel.far  # type: ignore[attr-defined]
 
 
 def plain(message: Message) -> Message:
-    """The message without the id under which PX4 keeps a list."""
+    """Drop PX4's id of a list."""
     return replace(message, opaque_id=0) if isinstance(message, Ack) else message

@@ -1,13 +1,13 @@
-"""Missions for hypothesis: anything that a file or a vehicle could hold, as the package itself keeps it."""
+"""Hypothesis strategies for missions."""
 
 import math
 
 from hypothesis import strategies as st
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.waypoints_file import OTHER_LISTS
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)
@@ -22,7 +22,7 @@ PLACES = st.builds(Geodetic, LATITUDE, LONGITUDE, METRES)
 
 
 def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.SearchStrategy[Item]:
-    """Items that the firmware knows, with a position in one of `frames` or without one; `nan` in params or none."""
+    """Items that the firmware knows, with a position in one of `frames` or without."""
     firmware = autopilot.firmware()
     param = PARAM_OR_NAN if nan else PARAM
     params = st.tuples(param, param, param, param)
@@ -35,7 +35,7 @@ def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.Search
 
 @st.composite
 def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = True, fences: bool = True) -> Mission:
-    """Missions with jumps that lead somewhere; the polygons of a fence stand before its circles, as in files."""
+    """Jumps lead somewhere; polygons of a fence precede its circles, as in files."""
     autopilot = draw(st.sampled_from(list(registered())))
     flown = draw(st.lists(items(autopilot, frames, nan), max_size=6))
     jumps = draw(st.lists(st.integers(1, len(flown)), max_size=2)) if flown else []
@@ -50,7 +50,7 @@ def missions(draw: st.DrawFn, frames: tuple[int, ...] = (0, 3, 10), nan: bool = 
 
 
 def same(one: Mission, other: Mission) -> bool:
-    """Equality that takes NaN for NaN, -0 for 0, and a command for its number."""
+    """Take NaN for NaN, -0 for 0, and a command for its number."""
     return _bare(one) == _bare(other)
 
 

@@ -1,12 +1,10 @@
-"""A module of kernels a second time, as plain Python."""
-
 from importlib.util import find_spec, module_from_spec
 from types import ModuleType
 from unittest.mock import patch
 
 
 def as_plain_python(name: str) -> ModuleType:
-    """The module of this name with nothing compiled."""
+    """Import a module of kernels with nothing compiled."""
     specification = find_spec(name)
     assert specification is not None
     assert specification.loader is not None

@@ -1,4 +1,4 @@
-"""The link's waiting times beside an autopilot that is sixty times as fast as real."""
+"""Waiting times of the link beside an autopilot sixty times as fast as real."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,6 +16,5 @@ TIMES: tuple[tuple[ModuleType, str, object], ...] = (
 
 
 def hurry(patch: Callable[[ModuleType, str, object], None] = setattr) -> None:
-    """Set them, by a monkeypatch's `setattr` for one test only."""
     for module, name, value in TIMES:
         patch(module, name, value)

@@ -1,4 +1,4 @@
-"""Plans and routes that were looked for less hard than usual, for tests of what becomes of a plan."""
+"""Quick searches, for tests of what becomes of a plan."""
 
 from collections.abc import Callable
 from functools import partial
@@ -16,20 +16,20 @@ FEW = RouteGrid(straight_shares=(1.0, 0.3), turn_radii=(0.0, 7.0), spline_shares
 
 
 def put(name: str, value: object) -> None:
-    """What `setattr` of a monkeypatch does by a name, for as long as the process lives."""
+    """Set a name as `setattr` of a monkeypatch does, for the process."""
     module, _, attribute = name.rpartition(".")
     setattr(import_module(module), attribute, value)
 
 
 def search_quickly(patch: Callable[[str, object], None] = put) -> None:
-    """Have `plan_flight` and the command line look so; `patch`: `setattr` of a monkeypatch."""
+    """Hasten `plan_flight` and the command line; `patch`: `setattr` of a monkeypatch."""
     patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
     patch("ipoa_mission.routing.candidates.GRID", FEW)
     patch("ipoa_mission.routing.fastest.SEARCH", RouteSearch(starts=1, trials=20))
 
 
 def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
-    """The same, which answers what it was asked before as it did then; `asked`: what of its arguments counts."""
+    """Cache answers by `asked` of the arguments."""
     answers = list[tuple[object, T]]()
 
     def remembering(*arguments: Any) -> T:

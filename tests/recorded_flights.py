@@ -1,11 +1,9 @@
-"""The recorded flights as truth: what was flown, by whom, with which parameters, and how long each part took.
+"""The recorded flights as truth.
 
-A flight is judged from the first item that its autopilot reports done (the take-off, or the waypoint over it) to its
-last waypoint; what follows (RTL, LAND) apart. PX4 was flown several times where it is noisy: its truth is the mean.
-`LANDINGS` are flights armed as `fly` arms, from 8 to 60 m high, slow and fast: take-off and landing are judged by them,
-and nothing of them was fitted. `IN_WIND` are in wind, steady and gusty: nothing of them was fitted either. PX4's own
-simulator has no wind; its drag was made to act against air that moves, the same at all heights, with gusts whose
-standard deviation north and east is the turbulence.
+A flight is judged from the first item that its autopilot reports done to its last waypoint; RTL and LAND apart. Where
+PX4 is noisy, the mean of several flights is its truth. `LANDINGS`, from 8 to 60 m high, judge take-off and landing.
+`IN_WIND` are in wind, steady and gusty. Nothing was fitted to either. PX4's simulator has no wind: its drag was made to
+act against moving air, with gusts whose standard deviation north and east is the turbulence.
 """
 
 import json
@@ -17,24 +15,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 HERE = Path(__file__).resolve().parent
 FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
-#: Of the wind in ArduPilot's simulator, as it was set: it grows with the square root of the height up to 5 m.
+#: ArduPilot's simulated wind grows with the square root of the height up to 5 m.
 SIMULATED_PROFILE = 0.5, 5.0
 FLOWN_ON = {Autopilot.ARDUPILOT: Version(4, 7, 0, "dev"), Autopilot.PX4: Version(1, 17)}
 
 
 @dataclass(frozen=True)
 class Recorded:
-    """One mission as flown: `runs` holds, for each time it was flown, when each item was done [s]."""
+    """One mission; `runs`: when each item was done [s], for each time it was flown."""
 
     folder: Path
     mission: Mission
@@ -46,22 +44,20 @@ class Recorded:
 
     @property
     def name(self) -> str:
-        """The mission and its autopilot, as in `survey-px4`."""
+        """The mission and its autopilot: `survey-px4`."""
         return self.folder.name
 
     @property
     def first(self) -> int:
-        """The first item that every run reports."""
         return min(set.intersection(*(set(run) for run in self.runs)))
 
     @property
     def last(self) -> int:
-        """The last waypoint."""
         return max(n for n, item in enumerate(self.mission.items, 1) if item.command in WAYPOINTS)
 
     @property
     def spans(self) -> NDArray[np.float64]:
-        """For each run, seconds from the first item done to the last waypoint done."""
+        """Seconds from the first item done to the last waypoint, for each run."""
         return np.array([run[self.last] - run[self.first] for run in self.runs])
 
     @property
@@ -71,7 +67,6 @@ class Recorded:
 
 
 def read_flight(folder: Path) -> Recorded:
-    """Read one folder of tests/flights or tests/landings."""
     flight = json.loads((folder / "flight.json").read_text())
     autopilot = autopilot_named(flight["autopilot"])
     mission = read_mission_file(folder / "mission.waypoints", autopilot).mission
@@ -90,12 +85,11 @@ def read_flight(folder: Path) -> Recorded:
 
 @cache
 def read_flights(autopilot: Autopilot, folder: Path = FLIGHTS) -> tuple[Recorded, ...]:
-    """All flights of one autopilot, by name."""
     return tuple(read_flight(one) for one in sorted(folder.glob(f"*-{autopilot}")))
 
 
 def _run(items: dict[str, Any], complete: float | None, mission: Mission, last: int) -> dict[int, float]:
-    """When each item was done; PX4 reports the last waypoint as the mission's completion where RTL follows it."""
+    """PX4 reports the last waypoint as the mission's completion where RTL follows."""
     done = {int(seq): float(at) for seq, at in items.items()}
     if complete is not None and mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
         done[last] = complete

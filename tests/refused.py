@@ -1,5 +1,3 @@
-"""What a test expects of an error: its code, its place, and what its message must name."""
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -15,8 +13,7 @@ def refuses(
 ) -> Iterator[pytest.ExceptionInfo[Any]]:
     """Expect an error with this code, whose place ends in `place`, and whose message has each of the `names`.
 
-    Names are figures, names of things, parameters and options, a vehicle's words: no prose of ours. `kind` is the
-    error's class, where the code does not say it; `facts` are attributes that it has.
+    `names` are figures, names of things, parameters and options, no prose of ours; `facts` are attributes.
     """
     with pytest.raises(kind) as caught:
         yield caught

@@ -1,5 +1,3 @@
-"""A copy of the sources, without what tools leave behind, to be built."""
-
 import shutil
 from pathlib import Path
 
@@ -9,7 +7,7 @@ PARTS = ("pyproject.toml", "README.md", "LICENSE", ".gitignore", "ipoa_mission",
 
 
 def copy_sources(there: Path) -> Path:
-    """Copy all that a wheel is built from, and the machine code that an editable install has made of it."""
+    """Copy a wheel's sources, and an editable install's machine code."""
     leftovers = shutil.ignore_patterns("__pycache__", "node_modules", "dist")
     there.mkdir()
     for part in PARTS:

@@ -1,5 +1,3 @@
-"""What cannot share a process with what other tests load is run in one of its own."""
-
 import importlib.util
 import subprocess
 import sys

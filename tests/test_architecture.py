@@ -1,4 +1,4 @@
-"""The walls of the house: who may import whom, and what must stay out of the pure rooms."""
+"""The rules of imports between rooms."""
 
 import ast
 import re
@@ -13,66 +13,50 @@ import ipoa_mission
 from ipoa_mission.cli.app import VERBS
 
 PACKAGE = Path(ipoa_mission.__file__).parent
-#: Everyone may import these; they import nothing of ours.
+#: Everyone may import these.
 GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind"}
 
-#: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
-_MISSION = {"mission/commands", "mission/items", "vehicles", "world"}  # what all above a mission know
-_FLOWN = {"forecast/itinerary", "forecast/timing", *_MISSION}
-_PLANNED = {"forecast", "forecast/deviation", "planning", "scenario", *_FLOWN}
+#: From the ground up: a room may import the named ones, listed before it.
+_MISSION = {"autopilot", "mission", "world"}  # what all above a mission know
+_PLANNED = {"forecast", "planning", "scenario", *_MISSION}
 MAY_IMPORT = {
     "compiled": set(),
-    "mission/commands": set(),
     "world": {"compiled"},
-    "optimize": set(),
-    "survey/area": set(),
-    "vehicles/energy": set(),
-    "vehicles": {"mission/commands"},
     "maps": {"world"},
-    "mission/items": _MISSION - {"mission/items"},
-    "forecast/itinerary": _MISSION,
-    "forecast/timing": _FLOWN - {"forecast/timing"},
-    "mission": _MISSION,
-    "scenario": {"vehicles", "vehicles/energy", "world", "maps", "survey/area"},
-    "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
-    "forecast/deviation": {"planning", "scenario", *_FLOWN},
-    "forecast": {"forecast/deviation", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
-    "checks": {"mission", *_PLANNED},
-    "routing": {"checks", "compiled", "mission", *_PLANNED},
-    "survey": {"survey/area", "checks", "compiled", "mission", "routing", "vehicles/energy", *_PLANNED},
-    "link": {"checks", "forecast", "mission", *_MISSION},
-    "logs": {"link", "mission", *_MISSION},
-    "logs/learn": {"logs", "link", "forecast", "vehicles/energy", *_FLOWN},
-    "simulator": {"link", "mission", "forecast", "forecast/itinerary", *_MISSION},
-    "report/exports": {"forecast", "checks", "scenario", "mission", "forecast/itinerary", *_MISSION},
+    "optimize": set(),
+    "autopilot": set(),
+    "mission": {"autopilot", "world"},
+    "scenario": {"autopilot", "maps", "world"},
+    "planning": {"compiled", "optimize", "scenario", "world"},
+    "forecast": _PLANNED - {"forecast"},
+    "checks": _PLANNED,
+    "routing": {"checks", "compiled", *_PLANNED},
+    "link": {"checks", "forecast", *_MISSION},
+    "logs": {"link", *_MISSION},
+    "simulator": {"link", "forecast", *_MISSION},
+    "report": {"checks", "link", "logs", *_PLANNED},
+    "flight": {"checks", "link", "report", "routing", *_PLANNED},
+    "survey": {"checks", "compiled", "flight", "logs", "report", "routing", *_PLANNED},
 }
-#: A vehicle's own folder may lean on every room that asks it; nobody but the register looks into it.
-VEHICLES = ("vehicles/arducopter", "vehicles/px4_multicopter")
-_ASKING = {"forecast/timing", "forecast/deviation", "simulator", "link", "logs"}
-for vehicle in VEHICLES:
-    MAY_IMPORT[vehicle] = {"compiled", "forecast/itinerary", "mission", *_MISSION, *_ASKING}
-_BELOW_THE_REPORT = set(MAY_IMPORT) - {"logs/learn", "simulator", "optimize", "maps", *VEHICLES}
-MAY_IMPORT["report"] = _BELOW_THE_REPORT
-MAY_IMPORT["flight"] = _BELOW_THE_REPORT | {"report", "maps"}
-MAY_IMPORT["paper"] = _BELOW_THE_REPORT | {"report", "simulator", "optimize"}
-MAY_IMPORT["studio"] = set(MAY_IMPORT) - {"paper", "optimize", *VEHICLES}
-MAY_IMPORT["cli"] = set(MAY_IMPORT) - set(VEHICLES)
+#: Plug-ins, found by entry points: nothing else imports them.
+VEHICLES = ("arducopter", "px4_multicopter")
+MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
+_BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
+MAY_IMPORT["cli"] = _BELOW_THE_CLI
+MAY_IMPORT["paper"] = _BELOW_THE_CLI | {"cli"}
+MAY_IMPORT["learn"] = _BELOW_THE_CLI | {"cli"}
+MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli"}
+OF_THE_FACE = {"survey", "paper", "learn", "studio"}  # what they can, they import from `ipoa_mission`
+PLUG_INS = {"vehicles", "paper", "learn", "studio"}
 
-#: Modules that may own a socket, a clock or pymavlink; everything else is pure.
+#: May own a socket, a clock or pymavlink.
 IMPURE = {
     "socket": {"link/channel.py", "studio/web_server.py"},
     "serial": {"link/channel.py"},
     "pymavlink": {"link/definitions.py"},
 }
 NO_CLOCK = GROUND - {"files"} | set(MAY_IMPORT) - {
-    "link",
-    "simulator",
-    "report",
-    "report/exports",
-    "flight",
-    "studio",
-    "paper",
-    "cli",
+    *("link", "simulator", "report", "flight", "survey", "studio", "paper", "cli", "learn")
 }
 
 REPOSITORY = PACKAGE.parent
@@ -81,14 +65,11 @@ TOOLS = sorted((REPOSITORY / "tools").rglob("*.py"))
 
 
 def room(path: Path) -> str:
-    """The room of a file; a part of a room with walls of its own is one."""
-    return room_of("ipoa_mission." + ".".join(path.relative_to(PACKAGE).with_suffix("").parts))
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
 
 
 def room_of(name: str) -> str:
-    """The room of a module."""
-    own = "/".join(name.split(".")[1:3])
-    return own if own in MAY_IMPORT else name.split(".")[1]
+    return name.split(".")[1]
 
 
 def module(path: Path) -> str:
@@ -118,25 +99,26 @@ def imports(path: Path) -> set[str]:
 
 
 def allowed(here: str) -> set[str]:
-    """What a room may import, itself among it."""
     return {here, "errors"} if here in GROUND else MAY_IMPORT.get(here, set()) | GROUND | {here}
 
 
 def test_rooms_import_only_what_the_plan_of_the_house_allows() -> None:
-    faces = {PACKAGE / "__init__.py", PACKAGE / "__main__.py", PACKAGE / "vehicles/__init__.py"}
+    faces = {PACKAGE / "__init__.py", PACKAGE / "__main__.py"}
     inside = [path for path in FILES if path not in faces]
+    modules = {module(path) for path in FILES}
     wrong = {
         f"{path.relative_to(PACKAGE)} imports {name}"
         for path in inside
         for name in imports(path)
-        if name == "ipoa_mission" or (name.startswith("ipoa_mission.") and room_of(name) not in allowed(room(path)))
+        if (name == "ipoa_mission" and room(path) not in OF_THE_FACE)
+        or (name in modules and name.count(".") and room_of(name) not in allowed(room(path)))
     }
     assert len(inside) > 200
     assert not wrong
 
 
 def test_no_room_names_an_autopilot() -> None:
-    """A vehicle is an object that rooms ask: outside its folder and the register nobody tells one from another."""
+    """A vehicle is an object that rooms ask."""
     named = re.compile(r"Autopilot\.(PX4|ARDUPILOT)\b|is_(ardupilot|px4)|[\"'](px4|ardupilot)[\"']")
     found = {
         f"{path.relative_to(PACKAGE)}: {line.strip()}"
@@ -150,7 +132,7 @@ def test_no_room_names_an_autopilot() -> None:
 
 @pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "return_ways", "promise_of"])
 def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
-    """Whoever asks for legs, times or a promise asks a forecast, which keeps them."""
+    """A forecast keeps legs, times and promises."""
     callers = {
         path.relative_to(PACKAGE).as_posix()
         for path in FILES
@@ -160,20 +142,48 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
     assert callers == {"forecast/forecast.py"}
 
 
+#: Parts of rooms from the ground up: none imports a later one, nor the rest of its room.
+PARTS = ("forecast/itinerary", "forecast/timing", "forecast/deviation"), ("report/exports",)
+
+
+def test_parts_of_rooms_import_no_later_ones() -> None:
+    wrong = set()
+    for parts in PARTS:
+        for n, part in enumerate(parts):
+            own = tuple(f"ipoa_mission.{one.replace('/', '.')}" for one in parts[: n + 1])
+            for path in sorted((PACKAGE / part).rglob("*.py")):
+                inside = {name for name in imports(path) if name.startswith(f"ipoa_mission.{part.split('/')[0]}.")}
+                wrong |= {f"{path.relative_to(PACKAGE)} imports {name}" for name in inside if not name.startswith(own)}
+    assert not wrong
+
+
 def test_a_vehicle_is_known_before_its_flight_is() -> None:
-    """What the register imports leans on no room above it: models and stand-ins are loaded when they are asked for."""
-    modules, reached, ahead = {module(path): path for path in FILES}, set[str](), ["ipoa_mission.vehicles"]
+    """Models and mocks are loaded at first use."""
+    modules, reached = {module(path): path for path in FILES}, set[str]()
+    ahead = {f"ipoa_mission.vehicles.{one}.vehicle" for one in VEHICLES}
     while ahead:
         name = ahead.pop()
         if name not in reached and name in modules:
             reached.add(name)
-            ahead += imports(modules[name])
+            ahead |= imports(modules[name])
     rooms = {room_of(name) for name in reached if name != "ipoa_mission"}
-    assert rooms - GROUND == {"vehicles", "mission/commands", *VEHICLES}
+    assert rooms - GROUND == {"autopilot", "vehicles"}
+
+
+def test_nothing_imports_a_plug_in() -> None:
+    """A plug-in can be taken out by deleting its folder and its lines among the entry points."""
+    modules = {module(path) for path in FILES}
+    wrong = {
+        f"{path.relative_to(PACKAGE)} imports {name}"
+        for path in FILES
+        for name in imports(path)
+        if name in modules and name.count(".") and room_of(name) in PLUG_INS - {room(path)}
+    }
+    assert not wrong
 
 
 def test_the_rooms_stand_in_order() -> None:
-    """A room is listed after all that it may import, so that there is no circle."""
+    """A room is listed after all that it may import."""
     listed: list[str] = []
     for name, allowed in MAY_IMPORT.items():
         assert allowed <= set(listed) | {name}, name
@@ -181,7 +191,7 @@ def test_the_rooms_stand_in_order() -> None:
 
 
 def code_of(path: Path) -> list[str]:
-    """The lines of a file without its strings that are documentation and without comments."""
+    """Return lines without docstrings and comments."""
     whole = path.read_text(encoding="utf-8")
     lines = whole.splitlines()
     for node in nodes(path):
@@ -195,19 +205,19 @@ def test_the_readme_has_every_room() -> None:
     text = (REPOSITORY / "README.md").read_text(encoding="utf-8")
     table = text[text.index("| room | what it knows |") : text.index("`tests/test_architecture.py` says")]
     named = re.findall(r"`(\w+)/?`", "\n".join(re.findall(r"^\| (.*?) \|", table, re.MULTILINE)))
-    assert sorted(named) == sorted({name.split("/")[0] for name in MAY_IMPORT})
+    assert sorted(named) == sorted(MAY_IMPORT)
 
 
-#: Where names are somebody else's: MAVLink's messages, and what the studio and its page tell each other.
+#: MAVLink's names, and those between studio and page.
 VOCABULARIES = {"link/messages.py", "studio/answers.py", "studio/flight_answers.py", "studio/requests.py"}
 
 
 def test_one_word_is_one_thing() -> None:
-    """No two classes have one name; vehicles have parts of the same names, as they answer the same questions."""
+    """No two classes have one name, except parts of vehicles."""
     where = dict[str, set[str]]()
     for path in FILES:
         here = path.relative_to(PACKAGE)
-        own = here.parts[0] == "vehicles" and f"vehicles/{here.parts[1]}" in VEHICLES
+        own = here.parts[0] == "vehicles" and here.parts[1] in VEHICLES
         for node in tree(path).body:
             if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and str(here) not in VOCABULARIES:
                 where.setdefault(node.name, set()).add("a vehicle's" if own else here.as_posix())
@@ -218,6 +228,16 @@ def test_no_files_import_each_other_in_a_circle() -> None:
     """Not even inside a function, or for types only."""
     modules = {module(path): path for path in FILES}
     onward = {name: (imports(path) & modules.keys()) - {name} for name, path in modules.items()}
+    while settled := {name for name, others in onward.items() if not others & onward.keys()}:
+        for name in settled:
+            del onward[name]
+    assert not onward
+
+
+def test_no_scripts_of_the_page_import_each_other_in_a_circle() -> None:
+    scripts = {path.stem: path.read_text(encoding="utf-8") for path in (PACKAGE / "studio/web").glob("*.ts*")}
+    onward = {name: set(re.findall(r'from "\./([\w-]+)"', text)) - {name} for name, text in scripts.items()}
+    assert sum(map(len, onward.values())) > 50
     while settled := {name for name, others in onward.items() if not others & onward.keys()}:
         for name in settled:
             del onward[name]
@@ -243,11 +263,10 @@ def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
 
 
 LINES_OF_A_FILE, LINES_OF_A_FUNCTION, PARAMETERS = 400, 80, 8
-OF_A_VERB = 12  # options, or groups of them, that a verb of the command line takes
+OF_A_VERB = 12  # or groups of them
 
 
 def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef]]:
-    """Every function by file and name."""
     for path in files:
         for node in nodes(path):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
@@ -255,7 +274,7 @@ def functions(files: list[Path]) -> Iterator[tuple[str, ast.FunctionDef | ast.As
 
 
 def is_verb(name: str) -> bool:
-    """Whether it is a verb of the command line: its parameters are its options, its docstring is its help."""
+    """A verb's parameters are its options, its docstring is its help."""
     return any(f"{verb.__code__.co_filename}:{verb.__name__}".endswith(f"/{name}") for verb in chain(*VERBS.values()))
 
 
@@ -294,18 +313,17 @@ def test_tools_use_what_is_public() -> None:
 
 
 def called(path: Path) -> set[str]:
-    """The names of the methods that a file calls."""
     return {
         node.func.attr for node in nodes(path) if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
 
 
-#: Programs that another tool starts and speaks to, one of them by an interpreter that has nothing of ours.
+#: Started by other tools.
 STARTED = {"link_benchmark/clients.py", "link_benchmark/speed_clients.py", "planning_benchmark/mealpy_poa.py"}
 
 
 def test_a_tool_tells_of_itself_before_it_writes_anything() -> None:
-    """`--help`, or a word that it does not know, is never taken for a folder to write to, or passed over."""
+    """`--help`, or an unknown word, is never a folder to write to."""
     programs = [path for path in TOOLS if '__name__ == "__main__"' in path.read_text(encoding="utf-8")]
     deaf = {"/".join(path.parts[-2:]) for path in programs if "parse_args" not in called(path)}
     assert deaf == STARTED
@@ -315,9 +333,3 @@ def test_no_room_imports_tools_or_tests() -> None:
     roots = {name.split(".")[0] for path in FILES for name in imports(path)}
     assert "ipoa_mission" in roots
     assert not roots & {"tools", "tests"}
-
-
-def test_only_the_command_line_imports_the_paper() -> None:
-    """What reproduces the paper is a program of its own, told of by one verb."""
-    users = {path for path in FILES if any(name.startswith("ipoa_mission.paper") for name in imports(path))}
-    assert {path.relative_to(PACKAGE).as_posix() for path in users if room(path) != "paper"} == {"cli/reproducing.py"}

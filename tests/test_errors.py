@@ -1,5 +1,3 @@
-"""The codes of errors: each that is raised is registered once, and no registered one is unused."""
-
 import ast
 import re
 from collections.abc import Iterator
@@ -14,7 +12,7 @@ PACKAGE = Path(ipoa_mission.__file__).parent
 
 
 def raised() -> Iterator[str]:
-    """The codes in the sources: those of classes, and those given by name."""
+    """Yield the codes of classes, and those given by name."""
     errors = {"MissionError"}
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")]
     nodes = [node for tree in trees for node in ast.walk(tree)]

@@ -1,5 +1,3 @@
-"""No quiet loss: what is changed in a mission, a log, a model of the ground or parameters is read, or is named."""
-
 from pathlib import Path
 
 import pytest
@@ -24,7 +22,7 @@ def test_no_change_of_many_is_lost_without_a_word() -> None:
 
 
 def test_what_became_of_a_change_is_told(tmp_path: Path) -> None:
-    """A reader of the first word of a file, which names a second one only where it is "odd"."""
+    """A reader of a file's first word, which names a second one only if "odd"."""
 
     def read(path: Path) -> Reading:
         first, *others = path.read_text().split()

@@ -1,5 +1,3 @@
-"""Every name in backticks in a docstring or comment exists: stale references lead a reader astray."""
-
 import io
 import re
 import tokenize
@@ -9,7 +7,7 @@ from tools import REPOSITORY
 from tools.census import comments
 
 REFERENCE = re.compile(r"[A-Za-z_]\w*(?:[./][A-Za-z_]\w*)*(?:\(\))?")
-#: Names of other projects, of files and of data.
+#: Of other projects, files and data.
 FOREIGN = {
     "BLDG_HEIGHT", "MAVLink_command_long_message", "SOH", "_INT", "opfunu", "pyproject.toml", "rc.mc_defaults",
     "scipy.interpolate.CubicSpline", "shape_pos_vel_accel",

@@ -1,5 +1,3 @@
-"""What readers do not take is counted by kind, and an error where it may limit the flight."""
-
 from ipoa_mission.checks.unread_check import IGNORE_HINT, check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
@@ -9,7 +7,6 @@ LINK = Unread("zones.kml", "NetworkLink", "Placemark[0]", may_limit=True, remedy
 
 
 def test_each_kind_is_listed_once_with_count_place_and_example() -> None:
-    """First what may limit the flight."""
     first, second = gathered([*TAGS, LINK])
     assert first == LINK
     assert (second.count, second.place, second.example) == (3, "row[4]", "12")
@@ -18,7 +15,6 @@ def test_each_kind_is_listed_once_with_count_place_and_example() -> None:
 
 
 def test_only_what_may_limit_the_flight_is_an_error() -> None:
-    """Its remedy is the hint."""
     (finding,) = check_unread([*TAGS, LINK])
     assert (finding.code, finding.severity) == ("not-read", Severity.ERROR)
     assert finding.hint == f"save what it shows; {IGNORE_HINT}"

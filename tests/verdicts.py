@@ -1,7 +1,7 @@
-"""Items generated over all commands, params and kinds of values, and what real autopilots said to each.
+"""Items over all commands, params and kinds of values, and real autopilots' verdicts.
 
 A record's rows are by command and frame: a letter for each of 7 params times 4 values, in the order of `VALUES`. The
-letter is the MAV_MISSION_RESULT in base 36. In an item all params but one are 0, and its place is near home.
+letter is the MAV_MISSION_RESULT in base 36. All other params are 0, and its place is near home.
 """
 
 import json
@@ -10,22 +10,22 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.version import Version
 
 RECORDS = Path(__file__).parent / "recorded_verdicts"
 PLACE = (47.3978, 8.5457, 20.0)
-#: 0, NaN, 1, and out of range, for each of the seven.
+#: 0, NaN, 1, and out of range, for each param.
 VALUES = 4 * ((0.0, math.nan, 1.0, 1e6),) + 2 * ((0.0, math.nan, 1.0, 181.0),) + ((0.0, math.nan, 1.0, 1e6),)
-#: Commands of MAVLink that neither firmware has in a mission, and one that nobody has.
+#: In no mission of either firmware, or unknown.
 STRANGERS = (0, 1, 23, 95, 176, 186, 192, 300, 31_999)
 COMMANDS = tuple(sorted({*map(int, Command), *STRANGERS}))
 FRAMES = (Frame.GLOBAL_RELATIVE_ALT_INT, Frame.MISSION)
 LETTERS = "0123456789abcdefghijklmnopqrstuvwxyz"
 SLOTS = range(7)
-#: An altitude that is no number, where ArduPilot makes a whole number of it: that ends its simulator.
+#: A whole-number altitude in ArduPilot: NaN ends its simulator.
 UNASKED = frozenset({int(Command.DO_GIMBAL_MANAGER_PITCHYAW)})
 UNKNOWN = "?"
 
@@ -46,7 +46,7 @@ def row(command: int, frame: int) -> Iterator[Item]:
 
 @dataclass(frozen=True)
 class Record:
-    """One autopilot's verdicts: `rows` by command and frame; `table`: the version whose table is to agree."""
+    """`rows` by command and frame; `table`: the version whose table is to agree."""
 
     autopilot: Autopilot
     table: Version
@@ -55,7 +55,6 @@ class Record:
     rows: dict[tuple[int, int], str]
 
     def verdicts(self) -> Iterator[tuple[Item, int]]:
-        """Each item and the result that it got."""
         for (command, frame), letters in self.rows.items():
             for one, letter in zip(row(command, frame), letters, strict=True):
                 if letter != UNKNOWN:
@@ -63,7 +62,6 @@ class Record:
 
 
 def read_record(path: Path) -> Record:
-    """A record from its file."""
     read = json.loads(path.read_text(encoding="utf-8"))
     rows = {tuple(map(int, key.split())): letters for key, letters in read["rows"].items()}
     return Record(autopilot_named(read["autopilot"]), Version.parsed(read["table"]), read["says"], read["commit"], rows)  # type: ignore[arg-type]

@@ -18,17 +18,17 @@ from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.cli.checking import estimate_as_json
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.flight.flight_summary import findings_as_json
-from ipoa_mission.flight.survey_flight import plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import scenario_of
-from ipoa_mission.vehicles.autopilot import registered
+from ipoa_mission.survey.survey_flight import plan_survey
 from tools import command_line
 from tools.fly.admission_scenes import KINDS, MISSIONS, as_flown_by, scene, scene_name, shipped
 from tools.fly.surveys import surveyed

@@ -1,4 +1,4 @@
-"""Check the legs of a mission in a scenario's airspace, with the planner's proof."""
+"""Check the legs of a mission in a scenario's airspace."""
 
 from collections.abc import Iterator
 
@@ -12,13 +12,13 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.scenario import Scenario
 
-#: Tolerance for positions rounded to 1e-7 degrees and to millimeters, by unit.
+# of positions to 1e-7 degrees and to millimeters
 ROUNDING = {"m": 0.02, "deg": 0.5}
 HOME_TOLERANCE = 1.0  # [m]
 
 ANGLES = {"climb", "descent"}
 
-#: The limits of each kind of leg. A climb or a descent is steep, and begins or ends on the ground.
+# A climb or a descent is steep, and begins or ends on the ground.
 LIMITS = {
     Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", *ANGLES},
     Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
@@ -28,10 +28,9 @@ LIMITS = {
 
 
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
-    """Report a home that differs from the scenario's, then each broken limit of each leg.
+    """Report a home elsewhere, then each broken limit of each leg.
 
-    A leg between waypoints must keep the scenario's limits. The planner chooses no climb, way home or landing.
-    There a broken limit is a warning, and contact with an obstacle or the ground an error.
+    The planner chooses no climb, way home or landing: there it is a warning, and contact an error.
     """
     mission, scenario = forecast.mission, forecast.world
     offset = np.abs(scenario.frame.local(mission.home))
@@ -44,7 +43,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             words = check.words()
             begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
             if leg.phase is Phase.CRUISE and words in reported and begins:
-                continue  # reported for the leg before, where the two meet
+                continue
             reported |= {words} if leg.phase is Phase.CRUISE else set()
             item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
             if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
@@ -55,7 +54,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
 
 
 def broken(leg: Leg, scenario: Scenario) -> list[Check]:
-    """Return the limits that a leg breaks by more than rounding. A vertical leg has no limit of its angle."""
+    """Return the limits broken by more than rounding."""
     limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]

@@ -1,11 +1,9 @@
-"""Find the errors and risks of a mission before it flies; repair nothing.
-
-Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly.
-"""
+"""Find the errors and risks of a mission before it flies."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.checks.firmware_check import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
@@ -14,7 +12,6 @@ from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
-from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.promise import Promise
@@ -27,12 +24,9 @@ def check_mission(
 ) -> tuple[Finding, ...]:
     """Return the findings on a mission for its autopilot and, with a scenario, in the scenario's world.
 
-    The scenario's parameters apply where the mission sets none. A leg is checked if the positions at both of its ends
-    are sound.
-
     Args:
         mission: the mission to check.
-        scenario: the world that it is flown in; without one: format, firmware, fence.
+        scenario: its world; without one: format, firmware, fence.
         ignore: codes of findings to leave out, in addition to those that the scenario ignores.
 
     Returns:
@@ -55,7 +49,7 @@ def check_mission(
 
 
 def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
-    """Return the findings on a mission that has a forecast; `read` has the findings of reading its file."""
+    """Return the findings; `read` has those of reading the file."""
     mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
@@ -85,7 +79,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             from ipoa_mission.checks.ground_check import check_landings
 
             findings += check_landings(flown)
-        if scenario is not None:  # imported only where there is a scenario
+        if scenario is not None:
             from ipoa_mission.checks.energy_check import check_energy
             from ipoa_mission.checks.failsafe_return import check_failsafe_landing, check_failsafe_return
             from ipoa_mission.checks.wind_check import check_wind

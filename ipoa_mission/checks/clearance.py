@@ -1,10 +1,8 @@
-"""Check that enough flights keep the clearance, where the legs themselves keep it."""
-
 from collections.abc import Iterator
 
 from ipoa_mission.checks.numbered_finding import item_of
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.deviation.measured_law import not_measured
+from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.mission.items import Mission
 
@@ -14,8 +12,7 @@ LIMIT_WORDS = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "a
 def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     """Report each limit that too few flights keep.
 
-    It is an error between the first and the last waypoint, and a warning elsewhere. It is also a warning at a place
-    where the scenario itself leaves less room than the deviation bound. Contact with an obstacle is always an error.
+    It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
     """
     scenario = promise.flight.scenario
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):

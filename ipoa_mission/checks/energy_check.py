@@ -1,4 +1,4 @@
-"""Check that the battery lasts for the flight with its reserve, and for an RTL from each second of it."""
+"""Check that the battery lasts, also for an RTL at any time."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,6 @@ LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows i
 
 
 def check_energy(forecast: Forecast) -> Iterator[Finding]:
-    """Report where the scenario's battery is too small; without a battery nothing."""
     if forecast.world.vehicle.battery is None or not forecast.mission.items:
         return
     budget = budget_of(forecast)

@@ -1,22 +1,19 @@
-"""Check RTL and LAND from each place of a path, by pilot or failsafe.
-
-For RTL the vehicle brakes, climbs and flies straight to home or a rally point, without avoidance.
-"""
+"""Check RTL and LAND from each place of a path."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingencies import lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.shortfalls import at_another_height, shortfalls
 from ipoa_mission.planning.proof import Check, prove_ground
-from ipoa_mission.vehicles.contingency import Contingency
 
 ROUNDING = 0.02  # [m]
-#: Legs of a return that are reported together, with their words; the descent is a leg of the mission.
+# The descent is a leg of the mission.
 LEG_GROUPS = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 1), "flies home", "RTL"))
 
 
@@ -31,12 +28,10 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         return
     assessments = ways.assessments(Contingency.RTL)
     begin, end = forecast.promise.flight.way
-    checked = (
-        ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
-    )  # the mission's own climb and return are legs
+    checked = ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
     near = np.where(assessments.taken[..., None] & checked[:, None, None], assessments.near - ways.required, 0.0)
     braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
-    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0  # the place where the RTL begins is too near
+    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0
     for legs, verb, order in LEG_GROUPS:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
@@ -69,17 +64,14 @@ def _remedy(ways: ContingencyPaths) -> str | None:
 
 
 def in_words(seqs: Sequence[int]) -> str:
-    """Format item numbers: 3, 4, 5 and 7 are "items 3 to 5, 7"."""
+    """3, 4, 5 and 7 are "items 3 to 5, 7"."""
     runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
     words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
     return f"item{'' if len(seqs) == 1 else 's'} {words}"
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
-    """Warn where such a landing would come down on something, or too near to it.
-
-    Failsafes that can only land, as without a position, are reported by `check --endings` only.
-    """
+    """Warn where such a landing would come down on something."""
     if not forecast.mission.items or not lands_by_choice(forecast):
         return
     ways = forecast.cached(ContingencyPaths)

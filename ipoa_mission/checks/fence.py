@@ -1,4 +1,4 @@
-"""Check a mission against its own geofence: home, items, rally points and legs outside of it."""
+"""Check a mission against its own geofence."""
 
 from collections.abc import Iterator
 
@@ -13,8 +13,8 @@ from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.union import union_of
 
-CIRCLE_SEGMENTS = 90  # for each quarter: the polygon is within 4e-5 radii of the circle
-EDGE_TOLERANCE = 0.05  # [m] that a leg may cross the fence's edge
+CIRCLE_SEGMENTS = 90  # of a quarter: within 4e-5 radii of the circle
+EDGE_TOLERANCE = 0.05  # [m]
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:

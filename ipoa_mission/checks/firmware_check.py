@@ -1,13 +1,10 @@
-"""Report what a firmware refuses, changes silently, or accepts and cannot fly."""
+"""Report content that a firmware refuses, changes silently, or cannot fly."""
 
 import math
 from collections.abc import Iterator, Sequence
 
-from ipoa_mission.checks.jump_check import check_jumps
-from ipoa_mission.checks.numbered_finding import Numbered, numbered
-from ipoa_mission.checks.positions import out_of_range
-from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import (
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import (
     ENDINGS,
     FLOWN_TO,
     HOLDING,
@@ -19,17 +16,19 @@ from ipoa_mission.mission.commands import (
     command_name,
     plain_frame,
 )
+from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
+from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.checks.jump_check import check_jumps
+from ipoa_mission.checks.numbered_finding import Numbered, numbered
+from ipoa_mission.checks.positions import out_of_range
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import to_wire, values_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
-from ipoa_mission.vehicles.refusal import param_name
-from ipoa_mission.vehicles.version import Version
 
-DEVELOPMENT = "dev"  # the stage of a version
+DEVELOPMENT = "dev"  # of a version
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
@@ -50,7 +49,6 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 
 def is_too_long(mission: Mission) -> bool:
-    """Return whether the firmware holds fewer mission items than the mission has, and refuses it."""
     own = mission.autopilot.firmware(mission.firmware_version)
     return len(mission.items) + own.home_is_item_0 > own.max_items
 
@@ -110,9 +108,9 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
     for at, spoken in zip(numbered(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
-            continue  # unknown commands and frames, and jumps, have their own messages
+            continue  # reported elsewhere
         if wrong.param == 1 and spoken.command in HOLDING and math.isfinite(spoken.params[0]):
-            continue  # so do holds
+            continue
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
         if at.item.frame == Frame.MISSION or not (is_place or is_height):
@@ -178,7 +176,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
             if guidance.own_takeoff > 0.0:
                 climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m anyway"
                 yield at.warning("takeoff-low", f"a take-off to {height:g} m above home: {climbs}")
-            else:  # PX4 finds such a mission infeasible
+            else:  # infeasible in PX4
                 words = f"expected a take-off to more than {least:g} m above home, not to {height:g} m"
                 yield at.error("takeoff-low", words)
 

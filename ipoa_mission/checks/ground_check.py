@@ -6,26 +6,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.slow_landing import SlowStretch
 from ipoa_mission.checks.numbered_finding import Numbered, item_of
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.slow_landing import SlowStretch
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
 
-LONG_LANDING_DEPTH = 5.0  # depth below home from which a landing counts as long [m]
-HOME_TOLERANCE = 0.5  # tolerance of the ground at home and home's altitude [m]
+LONG_LANDING_DEPTH = 5.0  # below home [m]
+HOME_TOLERANCE = 0.5  # [m]
 
 
 @dataclass(frozen=True)
 class Landing:
-    """A place where an item lands: east and north of home, and the ground's height above home, all in m.
-
-    `counted`: the greatest height that the autopilot assumes for the ground, without a range finder.
-    """
+    """`counted`: the greatest ground height [m] that the autopilot assumes, without a range finder."""
 
     item: Numbered
     east: float
@@ -43,7 +40,6 @@ class Landing:
 
 
 def landings(forecast: "Forecast") -> Iterator[Landing]:
-    """Return where a mission lands, at its end and at its rally points, each place once."""
     mission, reported = forecast.mission, set[tuple[int, float]]()
     for leg in forecast.legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
@@ -61,7 +57,7 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
-    """Warn about ground at home that differs from home's altitude, and about landings."""
+    """Warn about ground at home that differs from home, and about landings."""
     scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_TOLERANCE:

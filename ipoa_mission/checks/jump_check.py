@@ -1,17 +1,17 @@
-"""Check jumps: targets, repeats, loops without end, and items that a jump runs at another time."""
+"""Check jumps: targets, repeats, endless loops."""
 
 import math
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import JUMPS, Command
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, tagged
 from ipoa_mission.forecast.itinerary.program import Steps, program_of
-from ipoa_mission.mission.commands import JUMPS, Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.jump_profile import JumpProfile
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:

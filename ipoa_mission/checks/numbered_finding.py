@@ -1,11 +1,9 @@
-"""Make findings about an item of a mission."""
-
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
 
 LEG_NAMES = {
@@ -39,7 +37,7 @@ def item_of(mission: Mission, seq: int) -> Numbered:
 
 
 def leg_name(leg: Leg) -> str:
-    """Return the name of a leg in a message about its item; after a jump with the item where it begins."""
+    """Return the name of a leg; after a jump with its begin."""
     if leg.jumped_from < 0:
         return LEG_NAMES[leg.phase]
     begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"

@@ -1,20 +1,20 @@
-"""Check a mission against the fence that the vehicle's own parameters set."""
+"""Check the fence of the vehicle's own parameters."""
 
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.world.frame import Geodetic
 
-EXCEEDING_SHARE = 0.01  # the share of flights that may get farther
+EXCEEDING_SHARE = 0.01  # of flights
 
 
 def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
@@ -52,7 +52,6 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 def _beyond(
     mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
 ) -> Iterator[str]:
-    """Report a leg whose flights reach a limit with their deviation [m]; `stray` below 0: a lower limit."""
     sign = math.copysign(1.0, stray)
     leg, value = max(reached, key=lambda one: sign * one[1], default=(None, 0.0))
     if leg is None or sign * (value + stray - limit.value) < 0.0:

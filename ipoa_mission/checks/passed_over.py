@@ -1,7 +1,4 @@
-"""Check the distance to map features that were skipped and may be obstacles.
-
-Their height is unknown: the distance in plan counts.
-"""
+"""Check the plane distance to skipped map features."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -16,7 +13,6 @@ from ipoa_mission.forecast.forecast import Forecast
 
 
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
-    """Report an error for each leg and code nearer than an obstacle may be, with the path's tolerance."""
     things = [thing for thing in forecast.world.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
     for code in sorted({thing.code for thing in things}):
         yield from _near(forecast, [thing for thing in things if thing.code == code], code)

@@ -2,21 +2,21 @@
 
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.program import as_flown, program_of
-from ipoa_mission.mission.commands import WAYPOINTS
 
-HEIGHT_TOLERANCE = 0.001  # PX4 takes two heights as equal up to this difference [m]
-NAMED_ITEMS = 5  # number of items in a message
+HEIGHT_TOLERANCE = 0.001  # of PX4 between equal heights [m]
+NAMED_ITEMS = 5  # in a message
 
 
 def check_passing(forecast: Forecast) -> Iterator[Finding]:
     """Report an error for waypoints without a hold before a change of height, and a warning for all others.
 
-    PX4 from 1.18 on moves its vertical setpoint separately: it oscillates where the next item has another height.
-    A waypoint passed too high or too low is not reached, and the vehicle does not return to it.
+    PX4 from 1.18 on moves its vertical setpoint separately: it oscillates, and does not return to a waypoint passed too
+    high or too low.
     """
     mission = forecast.mission
     hold = mission.autopilot.waypoint_defaults(mission.firmware_version).hold
@@ -35,11 +35,11 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _rises(forecast: Forecast) -> dict[int, float]:
-    """Return the greatest change of height [m] after each waypoint without a hold, over all passes."""
+    """Return the greatest change of height [m] after each waypoint."""
     mission = forecast.mission
     try:
         program, seqs = forecast.itinerary.program, [visit.seq for visit in forecast.itinerary.visits]
-    except BadInput:  # a jump without end
+    except BadInput:
         program = program_of(mission, as_flown(mission).items)
         seqs = list(range(1, len(mission.items) + 1))
     rises: dict[int, float] = {}

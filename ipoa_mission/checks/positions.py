@@ -1,12 +1,12 @@
-"""Check positions and heights that no vehicle should fly to. PX4 accepts them all, ArduPilot most of them."""
+"""Check positions that no vehicle should fly to."""
 
 import math
 from collections.abc import Iterable, Iterator
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.checks.numbered_finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic, apart
 
@@ -58,10 +58,7 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
 
 
 def home_elsewhere(mission: Mission) -> str | None:
-    """Return a message if the home in an ArduPilot file is far from its mission.
-
-    ArduCopter replaces it by the place where it is armed, and keeps the items.
-    """
+    """Report a far home in an ArduPilot file; ArduCopter takes the place where it is armed."""
     placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
     places = [(item.latitude_deg, item.longitude_deg) for item in placed]
     home = (mission.home.latitude_deg, mission.home.longitude_deg)
@@ -86,12 +83,10 @@ def refuse_unsound(mission: Mission) -> None:
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:
-    """Return why a mission can neither be drawn nor timed: the messages of `unsound`."""
     return tuple(finding.message for finding in unsound(check_positions(mission)))
 
 
 def unsound(positions: Iterable[Finding]) -> list[Finding]:
-    """Return the findings that keep a mission from being drawn and timed: errors, then a home elsewhere."""
     found = [one for one in positions if one.severity is Severity.ERROR or one.code == "home-elsewhere"]
     return sorted(found, key=lambda one: one.code == "home-elsewhere")
 
@@ -110,7 +105,6 @@ def _home(mission: Mission) -> Iterator[Finding]:
 
 
 def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
-    """Return why a position is invalid; None if it is valid."""
     if not abs(latitude_deg) <= 90:
         return f"expected a latitude from -90 to 90 degrees, not {latitude_deg:g}"
     if not abs(longitude_deg) <= 180:
@@ -160,7 +154,7 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
         return
     height = mission.altitude_above_home(item)
     if math.isnan(height):
-        return  # an unknown frame: `check_firmware` reports it
+        return  # `check_firmware` reports it
     if not MIN_HEIGHT <= height <= MAX_HEIGHT:
         message = f"expected a height from {MIN_HEIGHT:g} to {MAX_HEIGHT:g} m above home, not {height:g} m"
         yield at.error("height-absurd", message + _doubt(item, mission))

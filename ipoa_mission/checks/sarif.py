@@ -1,4 +1,4 @@
-"""Write findings as SARIF 2.1.0, which code hosts and editors show next to a file."""
+"""Write findings as SARIF 2.1.0."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,6 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
 def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
-    """Write the findings of mission files as one SARIF log; an item is the logical location `item N`."""
     codes = sorted({finding.code for findings in found.values() for finding in findings})
     rules = [
         {

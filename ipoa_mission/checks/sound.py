@@ -1,15 +1,15 @@
-"""Reduce a mission with unsound positions to the part that can be checked."""
+"""Reduce a mission to the part that can be checked."""
 
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals, unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import TAKEOFFS
 from ipoa_mission.mission.items import LEFT_OUT
 
 if TYPE_CHECKING:
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
-    """Return the flight without the items that `positions`, the findings about positions, call wrong.
+    """Return the flight without wrong items; None where home itself is wrong.
 
-    Items keep their numbers. A take-off without a place is one from home. Return None where home itself is wrong.
+    A take-off without a place is one from home.
     """
     mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
     if 0 in wrong:
@@ -43,6 +43,6 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 
 def promise_if_flown(forecast: Forecast) -> "Promise | None":
-    """Return the promise; None where no vehicle would fly the mission, or its flight is unknown."""
+    """Return the promise; None where it cannot be flown or is unknown."""
     mission = forecast.given
     return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

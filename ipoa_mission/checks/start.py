@@ -1,23 +1,23 @@
-"""Check a flight that begins away from its mission's home, or with a later item."""
+"""Check a flight that begins away from home, or later."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import JUMPS
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target
-from ipoa_mission.mission.commands import JUMPS
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
 
-#: Distance up to which a vehicle is at the mission's home: below the error of satellite positioning [m].
+# Below the error of satellite positioning [m].
 HOME_RADIUS = 1.5
-#: Distance up to which a flight without a scenario may begin [m].
+# Without a scenario [m].
 UNCHECKED_START = 10.0
-#: Least first climb of a vehicle on the ground, otherwise to the height of its first item [m].
+# Of a vehicle on the ground [m].
 MIN_CLIMB = 2.5
 
 
@@ -27,9 +27,6 @@ class NotAtStart(MissionError):
 
 def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mission:
     """Return the mission as flown from a place on the ground, from item `first`; items keep their numbers.
-
-    Heights above home count from that place. Without a take-off the vehicle climbs to the height of its first item,
-    and then flies straight to it.
 
     Raises:
         BadInput: there is no such item, it has no position, or a jump leads back to before it.
@@ -50,11 +47,10 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
 
 
 def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, ...]:
-    """Return remarks on a vehicle `there` that begins with item `first` (index into the items).
+    """Return remarks on a vehicle `there` that begins with item `first`.
 
     Raises:
-        NotAtStart: the way from there is not clear, or it is unknown and far from the mission's home; or the vehicle
-            is nearer to another start place of the same survey.
+        NotAtStart: the way from there is not clear, or unknown and far from home; or another start place is nearer.
     """
     mission, scenario = forecast.given, forecast.scenario
     distance = apart(there, mission.home)

@@ -22,20 +22,12 @@ def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
 
 
 def refuse_unread(scenario: "Scenario | None") -> None:
-    """Refuse a scenario with unread content that may limit the flight.
-
-    Raises:
-        Unsafe: there is such content, and the scenario does not ignore it.
-    """
+    """Raise Unsafe if unread content may limit the flight, and the scenario does not ignore it."""
     if scenario is not None and "not-read" not in scenario.safety.ignored:
         refuse_errors([*check_unread(scenario.unread)])
 
 
 def expect_plannable(scenario: "Scenario") -> None:
-    """Refuse a scenario that is known to fail a check, before a path is planned.
-
-    Raises:
-        Unsafe: the firmware's version was not measured, or content that may limit the flight was not read.
-    """
+    """Raise Unsafe if the version was not measured, or content that may limit the flight was not read."""
     expect_measured(scenario)
     refuse_unread(scenario)

@@ -1,24 +1,24 @@
-"""Refuse a mission with errors: it would crash or the vehicle would refuse it."""
+"""Refuse a mission with errors."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 
 
 class Unsafe(MissionError):
     """The checks found errors; the message has one line for each."""
 
 
-#: Warnings that are errors without `--anyway`.
+# Errors without `--anyway`.
 STRICT_CODES = frozenset({"other-vehicle"})
 
 
 def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
-    """Raise the codes of `STRICT_CODES` to errors unless `anyway`; errors come before warnings."""
+    """Raise `STRICT_CODES` to errors unless `anyway`; errors come first."""
     if anyway:
         return tuple(findings)
     harder = [replace(one, severity=Severity.ERROR) if one.code in STRICT_CODES else one for one in findings]
@@ -46,7 +46,7 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 
 def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> None:
-    """Refuse a flight with a finding about a return, if its scenario plans returns.
+    """Refuse a flight with a finding about a planned return.
 
     Raises:
         Unsafe: a return is not clear.

@@ -1,14 +1,14 @@
-"""Check whether flights of a firmware version were measured; others need an explicit request."""
+"""Check that flights of a firmware version were measured."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -21,17 +21,13 @@ MEASURE_HINT = (
 
 
 def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
-    """Report a version whose flights were not measured: a warning if `unmeasured` requests it, else an error."""
+    """Report a version that was not measured, as an error unless `unmeasured`."""
     if (why := autopilot.not_measured(version)) is not None:
         yield _finding(why, unmeasured)
 
 
 def expect_measured(scenario: "Scenario") -> None:
-    """Refuse to plan for a version that was not measured.
-
-    Raises:
-        Unsafe: the scenario names such a version without `unmeasured_version`.
-    """
+    """Raise Unsafe if the version was not measured, and not requested by `unmeasured_version`."""
     vehicle = scenario.vehicle
     refuse_errors(tuple(check_version(vehicle.autopilot, vehicle.version, vehicle.unmeasured_version)))
 
@@ -39,10 +35,7 @@ def expect_measured(scenario: "Scenario") -> None:
 def check_aboard(
     mission: Mission, autopilot: Autopilot, reported: Version | None
 ) -> tuple[Mission, tuple[Finding, ...]]:
-    """Return the mission with the version that the vehicle reports, and a finding if none is known.
-
-    Without a report the vehicle has the version that the mission names.
-    """
+    """Return the mission with the reported version, and a finding if none is known."""
     aboard = replace(mission, autopilot=autopilot, firmware_version=reported or mission.firmware_version)
     if aboard.firmware_version is not None:
         return aboard, ()

@@ -1,20 +1,17 @@
-"""Check items that the vehicle never reaches, and items after which its flight is unknown."""
+"""Check items that are never reached, or after which the flight is unknown."""
 
 import math
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.numbered_finding import item_of, numbered
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_turn
-from ipoa_mission.mission.commands import Command
 
 
 def check_way(forecast: Forecast) -> Iterator[Finding]:
-    """Report an error for each, and a warning for a circle that is flown in the other direction.
-
-    `check_firmware` reports commands that the firmware does not take or never flies.
-    """
+    """Report each, and a circle flown in the other direction."""
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:

@@ -1,8 +1,7 @@
 """Find a return altitude or an ending that makes the way home clear.
 
 The way home is straight, at a height from the autopilot's parameters and the last waypoint. An autopilot above its
-return altitude keeps its height: ArduCopter's RTL_ALT and PX4's RTL_RETURN_ALT are minimum heights. So a mission can
-have a clear way home with any parameters of the vehicle.
+return altitude keeps its height: ArduCopter's RTL_ALT and PX4's RTL_RETURN_ALT are minimum heights.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -17,7 +16,7 @@ from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 
 LAND = Remedy(("route", "ending"), "land")
-TIGHT_PLACES = 4.0  # number of tight places on the way home for which the deviation bound has room
+TIGHT_PLACES = 4.0  # on the way home
 
 
 def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
@@ -43,7 +42,6 @@ def heights_to_try(scenario: Scenario) -> Iterator[float]:
 
 
 def heights_above(above: float) -> Iterator[float]:
-    """Return each multiple of 5 m above a height [m]."""
     return (float(height) for height in range(HEIGHT_STEP, MAX_HEIGHT + 1, HEIGHT_STEP) if height > above)
 
 

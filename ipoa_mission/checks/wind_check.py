@@ -1,4 +1,4 @@
-"""Check that the vehicle can fly the mission in the scenario's wind, and at the upper end of its spread."""
+"""Check that the vehicle can fly in the scenario's wind."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
     if not forecast.mission.items or not wind.strongest > 0.0:
         return
     for one in dict.fromkeys((wind, wind.as_strong_as_may_be())):
-        why = _why_not(forecast, one)  # the second test: also without wind?
+        why = _why_not(forecast, one)
         if why is not None and _why_not(forecast, CALM) is None:
             words = f"in wind up to {one.strongest:g} m/s: {why}"
             yield Finding("wind-too-strong", Severity.ERROR, None, words, "fly in less wind, slower, or another way")

@@ -1,1 +1,1 @@
-"""Define the command line; verbs import heavy modules when they run."""
+"""Verbs import heavy modules when they run."""

@@ -1,12 +1,10 @@
-"""Run the `ipoa-mission` command, and report the user's errors.
-
-Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Every verb imports its modules when it
-runs, so that `--help` is fast.
-"""
+"""Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input."""
 
 import errno
 import os
 import sys
+from collections.abc import Callable
+from importlib.metadata import entry_points
 from itertools import pairwise
 from typing import Any
 
@@ -17,14 +15,11 @@ from ipoa_mission.cli import (
     comparing,
     creating,
     flying,
-    learning,
     linking,
     mocking,
     output,
     planning,
-    reproducing,
     showing,
-    studying,
     verbosity,
 )
 from ipoa_mission.cli.groups import grouped
@@ -40,30 +35,46 @@ app = typer.Typer(
 )
 app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
-#: Verbs by their heading in `--help`.
-VERBS = {
+HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
     "Begin here": (flying.demo,),
     "Plan and look": (
         creating.new,
         planning.plan,
-        studying.studio,
+        "studio",
         checking.check,
         checking.estimate,
         showing.show,
         showing.export,
     ),
-    "Fly": (flying.fly, mocking.mock, comparing.compare, learning.learn),
+    "Fly": (flying.fly, mocking.mock, comparing.compare, "learn"),
     "The mission on a vehicle": (linking.scan, linking.upload, linking.download, linking.set_current, linking.clear),
     "A vehicle in flight": (linking.pause, linking.resume, linking.rtl),
-    "More": (reproducing.reproduce, planning.schema),
+    "More": ("reproduce", planning.schema),
 }
+
+
+def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
+    """Return the verbs by heading; those of other packages are the last."""
+    found = {entry.name: entry for entry in entry_points(group="ipoa_mission.verbs")}
+    verbs = {
+        heading: tuple(
+            found.pop(verb).load() if isinstance(verb, str) else verb
+            for verb in listed
+            if not isinstance(verb, str) or verb in found
+        )
+        for heading, listed in HEADINGS.items()
+    }
+    return verbs | {"More": (*verbs["More"], *(found[name].load() for name in sorted(found)))}
+
+
+VERBS = _verbs()
 for heading, verbs in VERBS.items():
     for verb in verbs:
         app.command(rich_help_panel=heading)(grouped(verb))
 
 
 def command() -> Any:
-    """Return the command line for Click; flags without a value show none in the help."""
+    """Return the command line; flags without a value show none in the help."""
     whole = typer.main.get_command(app)
     for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
         helps = one.get_help_option(typer.Context(one))
@@ -81,7 +92,6 @@ def _take_shell(words: list[str]) -> None:
 
 
 def main() -> None:
-    """Run the command line; report a user's error in words, without a traceback."""
     output.replace_unencodable()
     _take_shell(sys.argv[1:])
     try:
@@ -96,7 +106,7 @@ def main() -> None:
         output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
     except SystemExit as ended:
-        if ended.code == Interrupted.exit_code:  # Typer ends this way without a message
+        if ended.code == Interrupted.exit_code:  # Typer ends this way
             output.print_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
         raise
 

@@ -1,5 +1,3 @@
-"""Check mission files in sequence, and report the findings in words and as JSON."""
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,11 +22,7 @@ if TYPE_CHECKING:
 
 
 def missions_in(paths: Iterable[Path]) -> list[Path]:
-    """List the named mission files and those in named folders, each once.
-
-    Raises:
-        BadInput: a folder contains none, or a scenario is named.
-    """
+    """List the mission files, each once, also of folders. Raises BadInput."""
     found: dict[Path, None] = {}
     for path in paths:
         inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in MISSIONS) if path.is_dir() else [path]
@@ -40,7 +34,7 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
 
 @dataclass(frozen=True)
 class CheckOptions:
-    """Options of a check: vehicle, scenario, ignored codes; `anyway` accepts any class of vehicle."""
+    """`anyway` accepts any class of vehicle."""
 
     flown_by: FlownByOptions
     world: "Scenario | None"
@@ -51,7 +45,7 @@ class CheckOptions:
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """The findings in a file; without a forecast the file could not be read."""
+    """The findings; without a forecast the file could not be read."""
 
     file: Path
     findings: tuple[Finding, ...]
@@ -114,11 +108,6 @@ class CheckedFile:
 
 
 def check_file(file: Path, how: CheckOptions) -> CheckedFile:
-    """Check one mission file.
-
-    Raises:
-        BadInput: it cannot be read.
-    """
     given = read_given(file, how.flown_by, world=how.world)
     forecast = Forecast(given.mission, how.world)
     world = forecast.scenario
@@ -136,5 +125,4 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
 
 
 def counted(number: int, what: str) -> str:
-    """Return a number with its noun: "1 error", "2 errors"."""
     return f"{number} {what}{'' if number == 1 else 's'}"

@@ -1,5 +1,3 @@
-"""`check` and `estimate`: check a mission file, and forecast its time."""
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
-EQUAL_TIME_S = 0.05  # smaller differences of times count as equal [s]
+EQUAL_TIME_S = 0.05  # [s]
 
 
 def check(
@@ -102,6 +100,7 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
+    from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unread_check import refuse_unread
     from ipoa_mission.checks.unsafe import refuse_errors
@@ -109,7 +108,6 @@ def estimate(
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.commands import short_name
     from ipoa_mission.unread import unread_as_json
 
     world = read_world(scenario, flown_by.air, ignore)
@@ -166,11 +164,7 @@ def estimate(
 
 
 def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
-    """Return the remarks on a mission's times, printed by `estimate` and `show`.
-
-    Raises:
-        MissionError: the mission has no time estimate.
-    """
+    """Return the remarks of `estimate` and `show`. Raises MissionError."""
     from ipoa_mission.checks.firmware_check import check_firmware
     from ipoa_mission.checks.version_check import check_version
     from ipoa_mission.finding import Severity
@@ -185,7 +179,6 @@ def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
 
 
 def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:
-    """Explain a difference from the planned time of the file."""
     if given.planned is not None and abs(given.planned[1] - estimate.total_s) > EQUAL_TIME_S:
         about, planned_s = given.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
@@ -193,7 +186,6 @@ def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:
-    """Compare the route with the lower bound of its time; nothing without a route."""
     route = estimate.route
     if not route.seconds > 0:
         return []
@@ -205,7 +197,7 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 
 
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
-    """Return an estimate as JSON values; items are numbered as in the file, where home is 0."""
+    """Return JSON values; items are numbered as in the file, home is 0."""
     from ipoa_mission.flight.flight_summary import route_summary
     from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 

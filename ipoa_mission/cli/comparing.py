@@ -1,5 +1,3 @@
-"""`compare`: compare flown missions with their estimates."""
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flown_clearance import FlownClearance
@@ -66,7 +64,7 @@ def compare(
     from ipoa_mission.flight.flown_clearance import flown_clearance
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
-    from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+    from ipoa_mission.logs.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import compare_logged
     from ipoa_mission.wind import CALM
 
@@ -126,7 +124,7 @@ def compare(
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
-    """Read the mission in a file for the log's autopilot; `may_differ`: whatever a plan's own autopilot is."""
+    """Read the mission for the log's autopilot; `may_differ` from the plan's own."""
     from ipoa_mission.cli.reading import read_given
 
     states = may_differ and file.suffix.lower() == ".plan"

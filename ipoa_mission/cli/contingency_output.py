@@ -1,20 +1,15 @@
-"""`--endings`: show the outcome of a contingency from each second of a flight, and the failsafes that cause it.
-
-`check` prints a table, `show` prints bars.
-"""
-
 import math
 from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
+from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingencies import ContingencyRow, bars_of
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.vehicles.failsafe import Failsafe
 
-CELLS = 50  # of a bar [characters]
+CELLS = 50  # characters
 SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
 LEGEND = "- clear  + possibly not clear  # not clear at some time  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
@@ -22,7 +17,7 @@ NO_ENDINGS = "endings: unknown, because the flight is unknown"
 
 
 def endings_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
-    """Return both as JSON values: metres, seconds from arming, watt hours; unknown values are null."""
+    """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
     if not rows:
         return {"endings": None, "failsafes": None}
     return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(one) for one in failsafes]}
@@ -74,7 +69,6 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
 
 
 def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
-    """Print a bar of each contingency over the time in the air, and what is not clear."""
     if not rows:
         print_lines(NO_ENDINGS)
         return
@@ -91,9 +85,9 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
 
 
 def bar_of(rows: Sequence[ContingencyRow]) -> str:
-    """Return one contingency as characters of equal time, each showing its worst row.
+    """Return characters of equal time, each its worst row.
 
-    >>> from ipoa_mission.vehicles.contingency import Contingency
+    >>> from ipoa_mission.autopilot.returning import Contingency
     >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
     >>> unclear = ContingencyRow(Contingency.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
     >>> bar_of((clear, unclear)).count("-")

@@ -1,5 +1,3 @@
-"""`new`: write a first scenario from a few answers, or from a map."""
-
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
@@ -81,7 +79,7 @@ def new(
 def _ask_all(
     given: Mapping[str, str], suggested: Mapping[str, str], buildings: Path | None, elevation: Path | None
 ) -> dict[str, str]:
-    """Ask for the missing answers in order; the answer `back` returns to the question before."""
+    """Ask for the missing answers; `back` returns to the question before."""
     from ipoa_mission.scenario.new import QUESTIONS, questions_about, suggest_altitude
 
     answers = dict(given)

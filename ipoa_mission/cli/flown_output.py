@@ -1,9 +1,8 @@
-"""Print the result of a flight, as JSON or in a table."""
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import Job
@@ -12,14 +11,13 @@ from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.energy_budget import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.unread import unread_as_json
 
 NEXT_STEPS = {"resume": "continues its mission", "rtl": "returns it home"}
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
-    """Return estimate and flight as JSON values; items are numbered as in the file, where home is 0."""
+    """Return JSON values; items are numbered as in the file, home is 0."""
     return {
         "completed": record.completed,
         "armed": record.armed,
@@ -35,7 +33,7 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
 
 
 def next_steps(link: str | None, system: int | None, record: FlightRecord) -> str:
-    """Name the possible orders to a vehicle that deviated and was left in the air."""
+    """Name the possible orders to a vehicle that was left in the air."""
     if link is None or not (record.deviations and record.in_air):
         return ""
     to = f"--link {link}" + (f" --system {system}" if system else "")
@@ -46,7 +44,6 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
 def print_flown_json(
     job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path], hint: str = ""
 ) -> None:
-    """Print the flight as JSON; `remarks` came with the flight."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
@@ -54,7 +51,7 @@ def print_flown_json(
         outcome["unread"] = unread_as_json(job.flight.scenario.unread)
     told = flight_as_json(job.estimate, record, job.reserves)
     failure = {"error": record.failure} | ({"hint": hint} if hint else {}) if record.failure else {}
-    print_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are single lines before it
+    print_json(told | outcome | failure, indent=None if record.deviations else 2)
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
@@ -69,8 +66,7 @@ def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
 
 
 def print_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
-    """Print the flight next to its estimate; `remarks` came with the flight."""
-    before = () if job.flight else job.remarks  # a plan's remarks were printed with it
+    before = () if job.flight else job.remarks  # printed with the plan
     print_lines(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
     print_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
@@ -83,7 +79,6 @@ def print_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], writte
 
 
 def _of_plan(job: Job) -> str:
-    """Return a planned flight's clearance and other estimates."""
     if job.flight is None:
         return ""
     promise, kept = job.flight.promise, job.flight.promise.clearance

@@ -1,5 +1,3 @@
-"""`fly` and `demo`: fly a mission on a real vehicle or on the built-in autopilot."""
-
 import sys
 from dataclasses import replace
 from functools import partial
@@ -155,7 +153,7 @@ def _fly_there(
         there.conformance.on_deviation = on_vehicle.on_deviation
         if as_json:
             there.conformance.tell = print_deviation
-        on_link.system = there.system  # a survey's next flight is this vehicle's, whatever else is heard by then
+        on_link.system = there.system  # the next flight is this vehicle's, whatever else is heard
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
         remarks, record = fly_there(job, there, begin - 1, on_link.anyway, on_vehicle.set_params)
     left = ("the vehicle is no longer watched", there.absence.meanwhile)

@@ -1,4 +1,4 @@
-"""Group options that belong together into one value of a verb; Typer sees each option."""
+"""Group options into one value of a verb; Typer sees each option."""
 
 import inspect
 from collections.abc import Callable
@@ -26,11 +26,11 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
-from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.link.conformance_watch import OnDeviation
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.simulator.faults import Faults
-    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 
@@ -100,7 +100,6 @@ class FlownByOptions:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Return parameters by name; raise BadInput as `read_parameter_options`."""
         return self._read[0]
 
     @property
@@ -109,7 +108,8 @@ class FlownByOptions:
 
     @cached_property
     def version(self) -> "Version | None":
-        from ipoa_mission.vehicles.version import Version
+        """Raises BadInput."""
+        from ipoa_mission.autopilot.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
@@ -147,7 +147,6 @@ class LinkOptions:
     ] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
-        """Return the log's path, if there is one; MAVSDK writes none."""
         log = self.log or usual_log
         return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
 

@@ -1,4 +1,4 @@
-"""Handle Ctrl-C: end with exit code 130 and report the state left behind."""
+"""Handle Ctrl-C: end with exit code 130."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,7 +7,7 @@ from ipoa_mission.errors import MissionError
 
 
 class Interrupted(MissionError):
-    """The user interrupted; the message reports the state left behind."""
+    """The message reports the state left behind."""
 
     exit_code = 130
 

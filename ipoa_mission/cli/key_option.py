@@ -1,7 +1,6 @@
-"""Sign MAVLink with a key from a file, or from a passphrase in the environment, which is never printed.
+"""Sign MAVLink with a key from a file, or a passphrase in the environment, never printed.
 
-A key is 64 hexadecimal digits, 32 binary bytes, or a passphrase without its line end, in a file as in the environment.
-Timestamps of signatures must grow from run to run; the last one is kept in the user's state folder.
+A key: 64 hexadecimal digits, 32 binary bytes, or a passphrase. The last timestamp is kept: they must grow.
 """
 
 import os
@@ -18,13 +17,7 @@ PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
 
 
 def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
-    """Return a signer by the key file, else by the environment's passphrase, else None.
-
-    Each role has its own timestamps.
-
-    Raises:
-        BadInput: the key cannot be read, or the state folder cannot be created.
-    """
+    """Return a signer by the key file, else the environment; each role has own timestamps. Raises BadInput."""
     words = os.environ.get(PASSPHRASE)
     if key is None and not words:
         return None

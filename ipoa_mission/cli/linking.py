@@ -1,5 +1,3 @@
-"""Verbs for a vehicle on a link: its mission, and orders in flight."""
-
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -219,7 +217,7 @@ def _name(vehicle: "Vehicle") -> str:
 def _report(
     as_json: bool, vehicle: "Vehicle", about: dict[str, Any], words: list[str], log: list[str] | None = None
 ) -> None:
-    """Print the result, as JSON with the vehicle, or in words with the files written (`log`: some of them)."""
+    """Print the result, as JSON with the vehicle, or in words with the files written (`log`: some)."""
     if as_json:
         version = vehicle.version_heard
         who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}

@@ -1,11 +1,11 @@
-"""Read what the command line flies: a scenario planned here, or a mission file."""
-
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -17,11 +17,9 @@ from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
 from ipoa_mission.forecast.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
@@ -29,11 +27,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `remarks` are for the user, `flight` is its plan if planned here.
-
-    `begun` is the forecast from another item than the first; `reserves` records the battery in flight.
-    `ignore` has the codes of ignored findings.
-    """
+    """A mission ready to fly; `begun`: the forecast from another item; `reserves`: the battery in flight."""
 
     name: str
     forecast: Forecast
@@ -55,12 +49,7 @@ class Job:
 def read_job(
     source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
 ) -> Job:
-    """Read a job from a mission file; `autopilot` is the default, `ignore` has codes of findings.
-
-    Raises:
-        BadInput: the file is not valid.
-        Unsafe: the mission fails a check.
-    """
+    """Read a mission file; `autopilot` is the default. Raises BadInput, Unsafe."""
     given = read_given(source, flown_by, autopilot)
     forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
     warnings = refuse_errors(check(forecast, ignore, given.findings))
@@ -76,13 +65,11 @@ def planned(flight: Flight) -> Job:
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
-    """Run `plan_flight` with a progress bar."""
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_flight(scenario, wind=wind, seed=seed, progress=show)
 
 
 def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Run `plan_for_batteries` with a progress bar."""
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 

@@ -1,13 +1,11 @@
-"""Return the position and scenario of the built-in autopilot of `mock`."""
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.conditions import USUAL, Conditions
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
 ZURICH = (47.397742, 8.545594, 488.0)
@@ -27,11 +25,7 @@ def mock_setup(
     autopilot: Autopilot | None,
     parameters: Mapping[str, float],
 ) -> MockSetup:
-    """Return the scenario's values, replaced by given options.
-
-    Raises:
-        BadInput: naming the option or the place in the scenario.
-    """
+    """Return the scenario's values, replaced by options. Raises BadInput."""
     if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
     if scenario is None:

@@ -1,10 +1,9 @@
-"""`mock`: run the built-in autopilot on a port, for any ground station."""
-
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.cli.options import (
     JsonOption,
@@ -19,13 +18,10 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
 )
 from ipoa_mission.cli.output import notes, print_json, print_lines
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 
 @dataclass
 class MockOptions:
-    """Options of the autopilot, its position and its scenario."""
-
     autopilot: Annotated[
         Autopilot | None, autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
     ] = None
@@ -71,13 +67,13 @@ def mock(
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
+    from ipoa_mission.autopilot.known_parameters import expect_own
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.cli.key_option import signer_of
     from ipoa_mission.cli.mock_place import mock_setup
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import serve
-    from ipoa_mission.vehicles.known_parameters import expect_own
-    from ipoa_mission.vehicles.version import Version
 
     address = parse_address(link)
     given, remarks = read_parameter_options(one.param, one.param_file)

@@ -1,5 +1,3 @@
-"""Define options that several verbs share."""
-
 import math
 from enum import StrEnum
 from functools import partial
@@ -9,18 +7,16 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
 
-#: Packed scenarios, planned by their names.
 NAMES = ("campus",)
 ANYWAY = "Continue although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
-#: Headings of options in `--help`.
 link_option = partial(typer.Option, rich_help_panel="The link")
 bad_link_option = partial(typer.Option, rich_help_panel="Faults of the link to the built-in autopilot")
 
@@ -31,19 +27,18 @@ class Backend(StrEnum):
 
 
 def optimizers_like(beginning: str) -> list[str]:
-    """Return optimizers by the beginning of their names, for completion in a shell."""
     from ipoa_mission.optimize.registry import optimizer_names
 
     return [name for name in optimizer_names() if name.startswith(beginning)]
 
 
 def or_packed(path: Path) -> Path:
-    """Return the named file; if it does not exist, the packed scenario of that name in `NAMES`."""
+    """Return the named file, else the packed scenario of that name."""
     return packed(f"{path}.toml") if str(path) in NAMES and not path.exists() else path
 
 
 def expect_scenario(path: Path) -> Path:
-    """Return the path of a scenario, or of a packed one; raise BadInput for a mission file."""
+    """Refuse a mission file. Raises BadInput."""
     if path.suffix.lower() in MISSIONS:
         words = "expected a scenario (.toml), not a mission"
         raise WrongSuffix(words, hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}", place=path)
@@ -106,7 +101,6 @@ def autopilot_called(name: str) -> Autopilot:
         raise typer.BadParameter(str(error)) from None
 
 
-#: Parser of options that name an autopilot.
 autopilot_option = partial(
     typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(one.name for one in registered())
 )
@@ -167,11 +161,7 @@ JsonOption: TypeAlias = Annotated[
 
 
 def read_wind_option(given: str | None) -> "Wind | None":
-    """Return the given wind: a speed [m/s], an @, and the direction that it comes from [deg]; None if absent.
-
-    Raises:
-        BadInput: it is not such a pair of numbers.
-    """
+    """Return a wind `SPEED@FROM` [m/s], [deg]. Raises BadInput."""
     from ipoa_mission.wind import Wind
 
     if given is None:
@@ -188,11 +178,7 @@ def read_wind_option(given: str | None) -> "Wind | None":
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Return parameters from a file, overridden by those on the command line, and remarks on the file.
-
-    Raises:
-        BadInput: not NAME=VALUE with a known name and a number, or a file that cannot be read.
-    """
+    """Return the file's parameters, overridden by the command line's, and remarks. Raises BadInput."""
     parameters, remarks = dict[str, float](), tuple[str, ...]()
     if file is not None:
         from ipoa_mission.mission.parameter_file import read_parameter_file
@@ -212,8 +198,8 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[
 
 
 def _known(name: str) -> str:
-    """Return the name if a firmware's model uses it; other parameters may come from a file."""
-    from ipoa_mission.vehicles.known_parameters import expect_known
+    """Return a name that the firmware's model uses; others may come from a file."""
+    from ipoa_mission.autopilot.known_parameters import expect_known
 
     try:
         expect_known([name])

@@ -1,4 +1,4 @@
-"""Print results to standard output, progress and errors to standard error."""
+"""Results go to standard output, progress and errors to standard error."""
 
 import io
 import json
@@ -12,15 +12,15 @@ from typing import Any, Literal
 
 from ipoa_mission.errors import MissionError
 
-#: Control characters of terminals, and those that change the direction of writing.
+#: control characters, and those that change the direction of writing
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
 DEFAULT_WIDTH = 80  # characters
-COLUMN_GAP = 2  # between columns of a table [characters]
-LEAST_COLUMN = 7  # least width of a column of words [characters]
+COLUMN_GAP = 2  # characters
+LEAST_COLUMN = 7  # characters
 
 
 def shown(text: str) -> str:
-    """Return words of a vehicle or a file for one line of a terminal, with control characters as in `\\x1b`."""
+    """Return foreign words for one line of a terminal, control characters as `\\x1b`."""
     return _OBEYED.sub(lambda match: ascii(match[0])[1:-1], text)
 
 
@@ -30,7 +30,7 @@ def print_lines(*lines: str) -> None:
 
 
 def _say(text: str) -> None:
-    """Print to standard output; ignore a reader that has closed it (`| head`)."""
+    """Print; ignore a reader that has closed it (`| head`)."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -42,23 +42,22 @@ def notes(remarks: Iterable[str]) -> list[str]:
 
 
 def print_json(result: Any, indent: int | None = 2) -> None:
-    """Print a result as JSON at once, without NaN; without an indent in one line."""
+    """Print JSON at once, without NaN; without an indent in one line."""
     text = json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False)
     lines = (_OBEYED.sub(lambda match: json.dumps(match[0])[1:-1], line) for line in text.split("\n"))
     _say("\n".join(lines))
 
 
 def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
-    """Return some attributes of a thing by their names, with floats rounded."""
+    """Return some attributes by name, floats rounded."""
     values = {name: getattr(thing, name) for name in names}
     return {name: round(value, digits) if isinstance(value, float) else value for name, value in values.items()}
 
 
 def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
-    """Print a table: words to the left, numbers to the right; omit empty columns.
+    """Print a table, words to the left, numbers to the right, without empty columns.
 
-    A line break in a column's name puts its unit below it. The width is that of the terminal, else COLUMNS, else 80
-    characters. Long words are folded, names last. Numbers are never cut: the table becomes wider instead.
+    A line break in a column's name puts its unit below. Long words are folded, names last; numbers are never cut.
     """
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
@@ -97,7 +96,6 @@ def _columns() -> int:
 
 
 def print_error(error: MissionError, as_json: bool = False) -> None:
-    """Print an error and its hint to standard error, and as JSON to standard output too."""
     from rich.console import Console
     from rich.markup import escape
 
@@ -114,7 +112,7 @@ def print_error(error: MissionError, as_json: bool = False) -> None:
 
 
 def replace_unencodable() -> None:
-    """Replace characters outside a stream's encoding by `?`, so that no name in a file raises an error."""
+    """Replace characters outside a stream's encoding by `?`: names may not raise errors."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
@@ -128,10 +126,7 @@ def discard_output() -> None:
 
 @contextmanager
 def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[float, str], None]]:
-    """Show a progress bar on a terminal; elsewhere nothing, or its first words once (`is_waiting`).
-
-    Call the result with the fraction done and a few words.
-    """
+    """Show a bar on a terminal, else the first words once (`is_waiting`); call the result with fraction and words."""
     if not sys.stderr.isatty():
         yield _print_once(words) if is_waiting else lambda _fraction, _words: None
         return

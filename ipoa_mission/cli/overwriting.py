@@ -11,11 +11,7 @@ from ipoa_mission.errors import BadInput, Unwritable
 
 
 def expect_folder(path: Path) -> None:
-    """Check before a plan that a folder exists or can be created.
-
-    Raises:
-        BadInput: it cannot be created or written.
-    """
+    """Refuse a folder that cannot be created or written, before a plan. Raises BadInput."""
     there = next(above for above in (path, *path.absolute().parents) if above.exists())
     if not there.is_dir():
         raise Unwritable(f"expected a folder, not {there}", place=path)
@@ -24,11 +20,7 @@ def expect_folder(path: Path) -> None:
 
 
 def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
-    """Check that no file is overwritten against the user's will; `ask`: a person at a terminal may say yes.
-
-    Raises:
-        BadInput: a file exists, and neither `force` nor the user allows to overwrite it.
-    """
+    """Refuse to overwrite files; `ask`: a person at a terminal may say yes. Raises BadInput."""
     for path in paths:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
@@ -38,21 +30,13 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
 
 
 def expect_plans(folder: Path, names: Iterable[str], report: bool, force: bool, ask: bool = True) -> None:
-    """Check that plans of these names overwrite only unchanged earlier plans.
-
-    Raises:
-        BadInput: as `expect_free`.
-    """
+    """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
     from ipoa_mission.flight.written import not_as_written
 
     expect_free((path for name in names for path in not_as_written(folder, name, report)), force, ask)
 
 
 def expect_log(path: Path | None) -> None:
-    """Check that `--log` does not overwrite a file that is not a log.
-
-    Raises:
-        BadInput: a file of another kind exists.
-    """
+    """Refuse to overwrite a file that is not a log. Raises BadInput."""
     if path is not None and path.is_file() and path.suffix.lower() != ".tlog":
         raise BadInput(f"expected a .tlog file, or a new file, not {path}", place="--log")

@@ -1,5 +1,3 @@
-"""Print a planned flight in a few lines."""
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -13,7 +11,7 @@ from ipoa_mission.wind import Wind
 
 
 def print_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
-    """Print the plan and the files written; with `routes`, the other modes of choosing waypoints."""
+    """Print the plan and its files; with `routes`, the other modes."""
     print_lines(*describe(flight))
     if routes:
         print_table(
@@ -38,7 +36,6 @@ def describe(flight: Flight) -> list[str]:
 
 
 def wind_words(wind: Wind) -> list[str]:
-    """Return a line on the wind; nothing in calm air."""
     return [f"wind {wind}"] if wind.strongest > 0 else []
 
 
@@ -56,7 +53,6 @@ def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path
 
 
 def promised(promise: Promise | None) -> list[str]:
-    """Return a line on the least clearance; nothing if unknown."""
     kept = None if promise is None else promise.clearance
     if promise is None or kept is None:
         return []
@@ -64,7 +60,6 @@ def promised(promise: Promise | None) -> list[str]:
 
 
 ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear", "not written"]
-#: Legend of the columns, below the first table that has them.
 ROUTE_WORDS = (
     "curve: the smooth planned path; the waypoints approximate it, and flights cut its corners",
     "at limits: time along the curve at the vehicle's limits of speed and acceleration",
@@ -74,7 +69,7 @@ PASSED_OVER = "not written: reason against a faster mode"
 
 
 def route_rows(flight: Flight) -> list[tuple[str, ...]]:
-    """Return a row for each mode of choosing waypoints, fastest first; the chosen one is marked."""
+    """Return a row for each mode, fastest first."""
     return [
         (
             "*" if option.mode == flight.scenario.route.mode else " ",

@@ -1,5 +1,3 @@
-"""`plan` and `schema`: write mission files from a scenario."""
-
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 

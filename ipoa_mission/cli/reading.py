@@ -1,35 +1,29 @@
-"""Read mission files and the parameters next to them."""
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import parameter_path
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 if TYPE_CHECKING:
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.mission.mission_file import MissionFile
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
-SHOWN = 6  # parameters in a remark
+SHOWN = 6
 
 
 @dataclass(frozen=True)
 class Given:
-    """The mission in a file, on the requested vehicle; `findings` are those of reading the file.
-
-    `remarks` are for the user: the findings in words, and parameters found next to it. `planned`: the NAME.json written
-    with it, and its time [s].
-    """
+    """The mission on the requested vehicle; `planned`: the NAME.json written with it, and its time [s]."""
 
     mission: Mission
     findings: tuple[Finding, ...]
@@ -40,11 +34,7 @@ class Given:
 def read_given(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
 ) -> Given:
-    """Read a mission file; `autopilot` is the default, for `.waypoints` also that of the `world`.
-
-    Raises:
-        BadInput: the file or the parameters next to it cannot be read, or the version is unknown.
-    """
+    """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s. Raises BadInput."""
     has_version = _with_version(flown_by.version)
     otherwise = None if world is None else world.vehicle.autopilot
     if len(has_version) == 1:
@@ -89,11 +79,7 @@ def _with_version(version: "Version | None") -> list[Autopilot]:
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":
-    """Return the named scenario in the given wind, without findings of the ignored codes.
-
-    Raises:
-        BadInput: the file cannot be read, or a code may not be ignored.
-    """
+    """Return the scenario in this wind. Raises BadInput."""
     if file is None:
         return None
     from ipoa_mission.scenario import read_scenario

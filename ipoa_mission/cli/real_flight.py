@@ -1,5 +1,3 @@
-"""Fly on a vehicle on a link, from the first contact to landing."""
-
 import logging
 import math
 from collections.abc import Iterator
@@ -25,14 +23,14 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
 
-FORECAST_INTERVAL_S = 1.0  # least interval of contingency forecasts
+FORECAST_INTERVAL_S = 1.0
 
 log = logging.getLogger(__name__)
 
 
 @contextmanager
 def no_flight_yet() -> Iterator[None]:
-    """Report errors in here as no flight, with the known data of the vehicle, for JSON output."""
+    """Report errors as no flight, with the vehicle's known data for JSON."""
     try:
         yield
     except MissionError as error:
@@ -45,11 +43,7 @@ def print_deviation(deviation: Deviation) -> None:
 
 
 def begun_with(job: Job, item: int) -> Job:
-    """Return the job with its estimate from another item than the first, as a file numbers them.
-
-    Raises:
-        BadInput: there is no such item, or it has no position.
-    """
+    """Return the job from another item than the first. Raises BadInput."""
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
     if item == 1:
         return job
@@ -60,13 +54,7 @@ def begun_with(job: Job, item: int) -> Job:
 def fly_there(
     job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
 ) -> tuple[tuple[str, ...], FlightRecord]:
-    """Upload, prepare, arm, start, watch; return remarks and the flight.
-
-    `first`: index of the first item; `anyway`: report failed checks and continue.
-
-    Raises:
-        MissionError: there was no flight, or the vehicle was lost; `known` has its data.
-    """
+    """Upload, arm, start, watch; `anyway`: continue after failed checks. Raises MissionError with `known` data."""
     remarks, known = list[str](), list[ContingenciesNow]()
     try:
         record = fly_forecast(
@@ -91,10 +79,7 @@ def fly_there(
 def _with_endings(
     forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[ContingenciesNow], stage: Stage
 ) -> Iterator[Progress]:
-    """Yield stages with a display, and in flight the contingencies of this second if known.
-
-    Record the reserve. Contingencies are computed before arming: a vehicle in the air may miss its ground station.
-    """
+    """Yield stages with this second's contingencies, computed before arming: in the air links must be served."""
     with stages_shown(stage) as show:
         told = None
         if stage is Stage.READY and forecast.scenario is not None:
@@ -107,10 +92,7 @@ def _with_endings(
 
 
 class ContingencyDisplay:
-    """Show contingencies by the vehicle's position, and its battery's reserve.
-
-    Append to `reserves` whenever the battery's share changes.
-    """
+    """Show contingencies by position; append to `reserves` when the battery's share changes."""
 
     def __init__(
         self,

@@ -1,7 +1,4 @@
-"""`show` and `export`: print a mission file, or write it for other programs."""
-
 import sys
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -24,17 +21,6 @@ from ipoa_mission.files import MISSIONS, write_atomically
 
 if TYPE_CHECKING:
     from ipoa_mission.report.exports.table import Row
-
-
-class Form(StrEnum):
-    """Formats of an export: suffixes without their dots."""
-
-    KML = "kml"
-    GEOJSON = "geojson"
-    CSV = "csv"
-    GPX = "gpx"
-    PLAN = "plan"
-    WAYPOINTS = "waypoints"
 
 
 def show(
@@ -143,10 +129,12 @@ def export(
         Path,
         typer.Argument(
             metavar="TARGET",
-            help="File to write: .kml, .geojson, .csv, .gpx, .plan or .waypoints; - is standard output.",
+            help="File to write, in the format of its suffix, like .kml; - is standard output.",
         ),
     ],
-    form: Annotated[Form | None, typer.Option("--format", help="Format; default: by TARGET's suffix.")] = None,
+    form: Annotated[
+        str | None, typer.Option("--format", help="Format, like kml or csv; default: by TARGET's suffix.")
+    ] = None,
     scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
     force: ForceOption = False,
@@ -160,12 +148,15 @@ def export(
     from ipoa_mission.cli.reading import read_world, taken_for
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
-    from ipoa_mission.report.exports import forecast_text
+    from ipoa_mission.report.exports import EXPORTS, forecast_text
 
     if target == Path("-") and form is None:
         raise OptionConflict("expected --format with it", hint="like --format kml", place="-")
-    suffix = target.suffix.lower() if form is None else f".{form}"
-    if suffix not in (suffixes := [f".{one}" for one in Form]):
+    suffix = target.suffix.lower() if form is None else f".{form.lower()}"
+    if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
+        if form is not None:
+            words = f"expected {', '.join(one[1:] for one in suffixes)}, not {form!r}"
+            raise OptionConflict(words, place="--format")
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
     is_mission = suffix in MISSIONS
     read = read_by_items(file, read_mission_file(file, autopilot))

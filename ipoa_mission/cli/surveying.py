@@ -1,5 +1,3 @@
-"""Plan surveys on the command line, with or without a scenario, print them, and fly them."""
-
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,15 +15,15 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ipoa_mission.cli.mission_source import Job
-    from ipoa_mission.flight.survey_flight import Flown, Survey
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.survey.survey_flight import Flown, Survey
 
-#: The job as flown, remarks, and the flight.
+#: the job as flown, remarks, the flight
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
-#: Flies a job, with every frame in a log.
+#: with every frame in a log
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-OPTION = Path("--survey")  # beginning of errors about a survey without a scenario
+OPTION = Path("--survey")  # begins errors without a scenario
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
 
@@ -69,13 +67,7 @@ class SurveyOptions:
         return [log if self.system is None else (log, self.system) for log in self.flown or ()]
 
     def scenario(self, path: Path | None) -> "Scenario":
-        """Return the scenario in a file, with this survey instead of start, goal and via.
-
-        Without a file, home is at the beginning of the area's outline.
-
-        Raises:
-            BadInput: there is neither scenario nor survey, or one of them is not valid.
-        """
+        """Return the scenario with this survey; without a file home is at the area's begin. Raises BadInput."""
         from ipoa_mission.scenario.scenario_file import read_scenario, read_table, scenario_of
         from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
@@ -124,8 +116,7 @@ def _home_beside(area: Path) -> dict[str, float]:
 def plan_here(
     scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
 ) -> "Survey":
-    """Run `plan_survey` with a progress bar, without the parts `flown`."""
-    from ipoa_mission.flight.survey_flight import plan_survey
+    from ipoa_mission.survey.survey_flight import plan_survey
 
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
@@ -197,7 +188,7 @@ def begins_at(survey: "Survey", n: int) -> str:
 
 
 def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
-    """Write the survey's files; raise BadInput if others exist."""
+    """Write the files. Raises BadInput."""
     from ipoa_mission.cli.overwriting import expect_plans
 
     expect_plans(out, dict.fromkeys((survey.name, *survey.names)), report, force, ask=not as_json)
@@ -205,11 +196,7 @@ def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json
 
 
 def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None:
-    """Check that each flight has its own log, and on a link that a terminal can confirm a battery change.
-
-    Raises:
-        BadInput: there are several flights, and one log for all, or no terminal.
-    """
+    """Refuse one log for several flights, and a link without a terminal. Raises BadInput."""
     count = len(survey.names)
     if count > 1 and log is not None:
         message = f"expected one flight, not {count}"
@@ -228,14 +215,11 @@ def fly_survey(
     as_json: bool,
     link: str | None,
 ) -> None:
-    """Fly the survey's flights in sequence; `written` are its files.
-
-    On a vehicle the user confirms a charged battery before the next flight. Stop after the first incomplete flight.
-    """
+    """Fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
     from ipoa_mission.cli.flown_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.survey_flight import survey_as_json
+    from ipoa_mission.survey.survey_flight import survey_as_json
 
     if not as_json:
         print_survey(survey, written)
@@ -268,7 +252,6 @@ def fly_survey(
 
 
 def _is_ready(survey: "Survey", n: int) -> bool:
-    """Ask whether the vehicle is ready for the next flight; it may have to be moved."""
     landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
     place = f"{begins_at(survey, n)} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"

@@ -1,5 +1,3 @@
-"""Find a vehicle on a link, check it, and write to it."""
-
 import logging
 import time
 from collections.abc import Iterator
@@ -8,13 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage
@@ -26,16 +24,10 @@ log = logging.getLogger(__name__)
 
 @contextmanager
 def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Iterator[Vehicle]":
-    """Connect to the vehicle on a link; log every frame (default: `usual_log`), unless MAVSDK is used.
+    """Connect to the vehicle; log every frame (default: `usual_log`) without MAVSDK. Raises BadInput, LinkDown,
+    NoAnswer, NotFlown.
 
-    `reading`: nothing is written, so any vehicle is accepted. Errors in here name the log.
-
-    After `options.timeout` seconds raise, unless it is in flight by then.
-
-    Raises:
-        BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
-        LinkDown, NoAnswer: no vehicle answers.
-        NotFlown: it is not a multicopter of ArduPilot or PX4.
+    `reading`: any vehicle is accepted. Errors name the log. `options.timeout` ends all but a flight.
     """
     logs = {file: _written_ns(file) for file in options.written(usual_log)}
     try:
@@ -91,7 +83,7 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
 
 @contextmanager
 def stages_shown(stage: "Stage") -> "Iterator[Progress]":
-    """Show a bar for a stage; on an interruption report the state left behind."""
+    """Show a bar; on an interruption report the state left behind."""
     from ipoa_mission.flight.procedure import Stage
     from ipoa_mission.progress import silent
 
@@ -117,5 +109,5 @@ def stages_shown(stage: "Stage") -> "Iterator[Progress]":
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
-    """Return whether a mission file names its firmware; `.waypoints` does not, and fits any vehicle."""
+    """Return whether a mission file names its firmware; `.waypoints` does not."""
     return autopilot is not None or file.suffix.lower() != ".waypoints"

@@ -1,4 +1,4 @@
-"""Define options before the verb: `-v` logs to standard error, `--version` prints the version."""
+"""Define options before the verb."""
 
 import logging
 from typing import Annotated
@@ -46,7 +46,6 @@ def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) 
 
 
 def listen_to_log(level: int) -> None:
-    """Send log records from this level upwards to standard error."""
     handler = logging.StreamHandler()
     detailed = "%(relativeCreated)6d ms  %(levelname)-7s %(name)s: %(message)s"
     handler.setFormatter(_Plain() if level == logging.WARNING else _Detailed(detailed))

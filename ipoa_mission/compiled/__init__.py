@@ -1,8 +1,7 @@
-"""Kernels as machine code: compiled with the package, or by numba at first use.
+"""Kernels as machine code: shipped, or by numba at first use.
 
-A kernel is one Python function, decorated with `njit`, or passed to `jit_if_faster` if it also runs as plain Python. A
-wheel carries machine code made by `tools/machine_code`, which loads in 1 ms and needs neither numba nor a writable
-folder. If the sources (`library.SOURCES`), system or CPU differ, numba compiles and caches instead.
+A kernel is a function decorated with `njit`, or passed to `jit_if_faster` if it also runs as plain Python. Shipped code
+(`tools/machine_code`) loads in 1 ms; numba compiles if `library.SOURCES`, system or CPU differ.
 """
 
 import sys
@@ -16,15 +15,11 @@ from ipoa_mission.compiled.library import PACKAGE, shipped, sources_digest
 from ipoa_mission.errors import MissionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-MANY_STEPS = 50_000  # plain Python takes as long for these as loading numba and its cache
+MANY_STEPS = 50_000  # for which plain Python takes as long as loading numba
 
 
 def njit(**options: Any) -> Any:
-    """Decorate a kernel like `numba.njit`, with shipped machine code if available.
-
-    Raises:
-        MissionError: no machine code for this system, and no numba.
-    """
+    """Decorate a kernel like `numba.njit`, with shipped machine code if available."""
 
     def decorated(function: Callable[..., Any]) -> Any:
         kernels = shipped()
@@ -40,9 +35,9 @@ def njit(**options: Any) -> Any:
             kernel = numba.njit(**options)(function)
         except RuntimeError:  # no writable cache folder
             return numba.njit(**options | {"cache": False})(function)
-        if options.get("cache"):  # numba would check the time of one file only, without its imports
+        if options.get("cache"):  # numba would check the time of one file, without its imports
             index = kernel._cache._cache_file
-            # numba unpickles the index of its own version only, and other sources may have other module names
+            # numba unpickles only its own version's index; other sources may have other module names
             index._version, index._source_stamp = f"{numba.__version__} {_digest()}", _digest()
         return kernel
 
@@ -53,7 +48,7 @@ _digest = lru_cache(maxsize=1)(sources_digest)
 
 
 def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Function:
-    """Return a plain function, compiled if `fast`; None compiles if that is quicker for `steps` steps.
+    """Return a function, compiled if `fast`; None: if that is quicker for `steps` steps.
 
     The results are identical, bit for bit.
     """
@@ -65,7 +60,7 @@ def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Functi
 
 @lru_cache(maxsize=8)
 def compiled(function: Any) -> Any:
-    """Compile a plain function with all functions of its package that it calls."""
+    """Compile a function and those of its package that it calls."""
     options = {"error_model": "numpy", "no_cfunc_wrapper": True}
     kernel = njit(cache=True, **options)(function)
     if shipped() is None:
@@ -77,7 +72,7 @@ def compiled(function: Any) -> Any:
 
 
 def called_by(function: Any) -> set[FunctionType]:
-    """Return the functions of its package that a function calls, directly or indirectly."""
+    """Return all functions of its package that a function calls."""
     package, found, todo = function.__module__.rpartition(".")[0], set[FunctionType](), [function]
     while todo:
         caller = todo.pop()

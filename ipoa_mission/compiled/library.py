@@ -1,7 +1,6 @@
-"""Find and load the shipped machine code for this CPU and these sources.
+"""Find the shipped machine code for this CPU and these sources.
 
-In a clone, the sources may shadow an installed package. Machine code of the installed one is used if its digest of the
-sources matches.
+A clone may shadow an installed package, whose machine code is used if its digest of the sources matches.
 """
 
 import ctypes
@@ -18,16 +17,15 @@ from ipoa_mission.compiled.native import Native
 from ipoa_mission.files import copies
 
 PACKAGE = Path(__file__).parent.parent
-#: Sources of compiled code and its constants.
 SOURCES = (
     "compiled/__init__.py",
     "compiled/native.py",
     "compiled/records.py",
-    "mission/commands.py",
+    "autopilot/commands.py",
     "vehicles/*/dynamics/*.py",
     "vehicles/*/parameter_table.py",
     "vehicles/*/limits.py",
-    "vehicles/parameters.py",
+    "autopilot/parameters.py",
     "geometry.py",
     "planning/_*.py",
     "survey/_*.py",
@@ -40,7 +38,7 @@ SOURCES = (
     "world/obstacles/obstacle.py",
 )
 INDEX = "kernels.json"
-#: CPUs, best first, with numpy's names of the required instruction sets.
+#: Best first, with numpy's names of instruction sets.
 CPUS: dict[str, dict[str, tuple[str, ...]]] = {
     "x86_64": {"x86-64-v4": ("X86_V4", "AVX512_SKX"), "x86-64-v3": ("X86_V3", "AVX2"), "x86-64": ("SSE2",)},
     "aarch64": {"generic": ("NEON",)},
@@ -50,7 +48,7 @@ NUMBA = "IPOA_MISSION_NUMBA"  # any value: always compile with numba
 
 @lru_cache(maxsize=1)
 def shipped() -> dict[str, Callable[..., Any]] | None:
-    """Return the kernels by module and name, or None if there are none for this system and these sources."""
+    """Return the kernels by module and name, if any for this system and these sources."""
     if os.environ.get(NUMBA):
         return None
     here = PACKAGE / "compiled"
@@ -58,7 +56,6 @@ def shipped() -> dict[str, Callable[..., Any]] | None:
 
 
 def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
-    """Return the kernels in a folder, or None if there are none for this system and these sources."""
     try:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -69,12 +66,12 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
     try:
         library = ctypes.CDLL(str(files[0]))
         return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
-    except (OSError, AttributeError):  # for another system, or without the exported symbols
+    except (OSError, AttributeError):  # another system, or no exported symbols
         return None
 
 
 def _is_of(index: dict[str, Any], library: Path) -> bool:
-    """Return whether a library was built with this index: another may be of other sources."""
+    """Return whether the library and its index were built together."""
     made: dict[str, str] | None = index.get("libraries")
     return made is None or made.get(library.name) == digest_of(library)
 
@@ -84,7 +81,7 @@ def digest_of(library: Path) -> str:
 
 
 def file_name(cpu: str) -> str:
-    """Return the library's file name; its suffix is not that of a Python module."""
+    """Avoid the suffix of a Python module."""
     return f"kernels-{platform.system()}-{cpu}.bin"
 
 
@@ -96,7 +93,6 @@ def sources_digest() -> str:
 
 
 def these_cpus() -> list[str]:
-    """Return those of `CPUS` whose instructions this machine has, best first."""
     from numpy._core._multiarray_umath import __cpu_features__ as has
 
     machine = platform.machine()

@@ -1,10 +1,10 @@
-"""Call machine code made by numba without numba, with arguments packed as words in its calling convention.
+"""Call numba's machine code without numba, in its calling convention of words.
 
-A number is packed as itself, a tuple as its parts. An array is packed as two unused words, its size, item size, data
-address, shape and strides. The result is written to the first argument, in the same layout.
+A tuple is packed as its parts; an array as two unused words, size, item size, address, shape and strides. The result is
+written to the first argument in the same layout.
 
-Types are strings, or lists of types for tuples: "float", "int", "bool", or an array's element type and dimensions: "<f8
-2", of records "|V16 1".
+Types: "float", "int", "bool", an array's element type and dimensions ("<f8 2"; "|V16 1" for records), or lists for
+tuples.
 """
 
 import ctypes
@@ -17,13 +17,13 @@ import numpy as np
 
 Type = str | Sequence["Type"]
 RETURNED, RETURNED_NONE = 0, -2  # numba's status codes
-CACHED_TUPLES = 4  # named tuples whose words are cached per argument
+CACHED_TUPLES = 4  # cached per argument
 
-_NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # format characters of `struct`
+_NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # of `struct`
 
 
 class Native:
-    """A kernel of a library, called like its Python function."""
+    """A kernel, called like its Python function."""
 
     def __init__(self, library: ctypes.CDLL, name: str, arguments: Sequence[Type], result: Type | None) -> None:
         self._call, self._name = library[name], name
@@ -35,10 +35,10 @@ class Native:
         release.restype = None
         self._returned = struct.Struct("=" + _layout(result or []))
         self._result = None if result is None else _unpacker(result, release)
-        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for numba's error information
+        self._room = ctypes.c_char * (self._returned.size + 8)  # last: numba's error information
 
     def __call__(self, *values: Any) -> Any:
-        """Return the result of the Python function; arrays are new.
+        """Return new arrays.
 
         Raises:
             TypeError: an array is not of the compiled type.
@@ -53,7 +53,7 @@ class Native:
 
 
 class _CachedPacker:
-    """Pack tuples as words; cache those of named tuples, which are immutable."""
+    """Cache the words of named tuples, which are immutable."""
 
     def __init__(self, kind: Sequence[Type]) -> None:
         self._packed = _packer(kind)
@@ -111,7 +111,7 @@ def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[
 
 
 def _address(array: Any) -> int:
-    if array.dtype.names is None:  # for records, ctypes would write out the format of each field
+    if array.dtype.names is None:  # ctypes would write out a record's fields
         try:
             return ctypes.addressof(ctypes.c_char.from_buffer(array))
         except (TypeError, ValueError):  # read-only or empty

@@ -1,4 +1,4 @@
-"""Convert named tuples to numpy records of the same fields, for compiled code with long tuples."""
+"""Named tuples as numpy records, for long tuples in compiled code."""
 
 from functools import cache
 from operator import attrgetter
@@ -11,10 +11,7 @@ _PLAIN = {float: np.float64, int: np.int64, bool: np.bool_}
 
 @cache
 def record_type(kind: type) -> np.dtype[np.void]:
-    """Return the numpy record type with the fields of a class.
-
-    A field with several values is `Annotated[list[X], n]`, always of length n.
-    """
+    """Return a class's record type; `Annotated[list[X], n]` has length n."""
     return np.dtype([(name, *_field(hint)) for name, hint in get_type_hints(kind, include_extras=True).items()])
 
 
@@ -26,7 +23,7 @@ def _field(hint: Any) -> tuple[Any, ...]:
 
 
 def records(values: Any, kind: type) -> Any:
-    """Return values of one class, named tuples or objects with plain fields, as an array of records."""
+    """Return named tuples, or objects with plain fields, as records."""
     made = record_type(kind)
     rows = list(values) if issubclass(kind, tuple) else list(map(attrgetter(*made.names or ()), values))
     return np.array(rows, made)

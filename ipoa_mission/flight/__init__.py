@@ -1,1 +1,1 @@
-"""The main job as one call: a scenario becomes a mission that was planned, proved, checked and timed."""
+"""Plan and fly a scenario's mission."""

@@ -1,5 +1,3 @@
-"""Plan a flight from its scenario to its files; a flight that fails a check is refused."""
-
 import logging
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -8,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.autopilot.energy.consumption import Consumption
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unread_check import expect_plannable
 from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
@@ -47,7 +46,6 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
-from ipoa_mission.vehicles.energy.consumption import Consumption
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
@@ -59,14 +57,14 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, repr=False)
 class Flight:
-    """A planned flight, ready to fly; `plan_flight` makes it.
+    """A planned flight; `plan_flight` makes it.
 
     Attributes:
         plan: the path.
-        options: the ways to choose waypoints, each with its result.
+        options: the ways to choose waypoints, with results.
         forecast: of the flight.
         findings: warnings of the check.
-        remarks: notes for the user, the warnings first.
+        remarks: notes, the warnings first.
     """
 
     plan: Plan
@@ -88,12 +86,11 @@ class Flight:
 
     @property
     def proof(self) -> Proof:
-        """Return the clearances of its legs between the take-off and the last waypoint."""
         return self.forecast.proof
 
     @property
     def promise(self) -> Promise:
-        """Return the guaranteed clearances of its flights."""
+        """Return the guaranteed clearances."""
         return self.forecast.promise
 
     @property
@@ -102,12 +99,11 @@ class Flight:
 
     @property
     def energy(self) -> Consumption | None:
-        """Return its energy, or None without an airframe or a learned vehicle."""
+        """None without an airframe or a learned vehicle."""
         return self.forecast.energy
 
     @property
     def budget(self) -> Budget | None:
-        """Return its energy item by item, compared with the battery."""
         return budget_of(self.forecast)
 
     @property
@@ -121,19 +117,17 @@ class Flight:
         return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write NAME.plan, NAME.waypoints and NAME.json, and NAME.params if the mission has parameters.
-
-        Makes a missing folder. The same flight gives the same bytes.
+        """Write NAME.plan, .waypoints, .json, and .params for parameters; the same flight gives the same bytes.
 
         Raises:
-            BadInput: the folder cannot be made or written.
+            BadInput: the folder cannot be written.
         """
         make_folder(folder := Path(folder))
         files, _ = write_files(self.mission, folder, self.name, self.summary())
         return files
 
     def summary(self) -> dict[str, object]:
-        """Return the contents of NAME.json in meters, seconds and degrees; `legs` are those that will be flown."""
+        """Return NAME.json in meters, seconds and degrees."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
         budget = self.budget
         ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
@@ -169,11 +163,11 @@ class Flight:
         }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
-        """Write the page of the flight, with its flown record if given.
+        """Write the page of the flight.
 
         Args:
             path: of an HTML file.
-            record: of the flight as flown.
+            record: as flown.
 
         Raises:
             BadInput: the file cannot be written.
@@ -184,23 +178,22 @@ class Flight:
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:
-    """Plan a path, choose waypoints, check and time the mission, and compare it with the battery.
+    """Plan a path, choose waypoints, check and time the mission.
 
     Args:
         scenario: places, world, vehicle and limits.
-        seed: of the random numbers; the same scenario, seed and wind give the same flight.
-        wind: replaces the scenario's. It affects the choice of the route, the deviation bound and the times.
+        seed: of the random numbers; the same arguments give the same flight.
+        wind: replaces the scenario's.
         progress: called with the share done and a message.
 
     Returns:
         The flight, whose `write` makes the files.
 
     Raises:
-        BadInput: the optimizer is unknown, or lacks a setting; start and goal are the same place; the scenario has a
-            survey.
+        BadInput: unknown or incomplete optimizer, equal start and goal, or a survey.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not return with its reserve; with planned returns, not from every second.
+        NotEnoughBattery: it would not return with its reserve (planned returns: not from every second).
 
     Example:
         >>> from ipoa_mission import plan_flight, read_scenario
@@ -211,7 +204,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
     if scenario.survey is not None:
         words = "expected a scenario without a survey"
         raise BadInput(words, hint="use plan_survey, as `ipoa-mission plan` does", place="survey")
-    with threadpool_limits(1, "blas"):  # on small matrices more threads only wait, and round differently
+    with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:
         raise short
@@ -221,11 +214,9 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
 def plan_for_batteries(
     scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
 ) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Plan a flight for one or more batteries; return the whole, and the fewest flights with a battery each.
+    """Return the whole, and the fewest flights with a battery each.
 
-    Raises:
-        BadInput: as `plan_flight`; or the scenario has no battery.
-        MissionError: as `plan_flight`, or as `split`.
+    Raises BadInput without a battery, else as `plan_flight` or `split`.
     """
     with threadpool_limits(1, "blas"):
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
@@ -233,7 +224,7 @@ def plan_for_batteries(
 
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
-    """Plan a flight without checking the reserve of its battery."""
+    """Do not check the battery's reserve."""
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)

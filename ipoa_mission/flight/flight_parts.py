@@ -1,4 +1,4 @@
-"""Write a flight of several parts, one battery each: NAME-1.plan and so on, NAME.json and one page."""
+"""Write NAME-1.plan and so on, a battery each."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,12 +15,12 @@ from ipoa_mission.forecast.forecast import Forecast
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts of a flight as missions of their own, without the whole, which needs several batteries.
+    """Write the parts without the whole, which needs several batteries.
 
-    `summary` goes to NAME.json; with `report` write one page of all parts, NAME.html.
+    `summary` goes to NAME.json; `report`: also NAME.html.
 
     Raises:
-        BadInput: the folder cannot be made or written.
+        BadInput: the folder cannot be written.
     """
     make_folder(folder)
     written, digests = list[Path](), dict[str, str]()
@@ -46,7 +46,7 @@ def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Pat
 
 
 def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
-    """Return the contents of NAME.json: the whole flight's summary, and the file, time and energy of each part."""
+    """Return the whole's summary with each part's file, time and energy."""
     flights = []
     for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
         budget = budget_of(part)

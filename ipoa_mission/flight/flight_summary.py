@@ -1,14 +1,13 @@
-"""Format the parts of NAME.json. The same flight gives the same numbers."""
-
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import down, up
 
-if TYPE_CHECKING:  # `check` and `estimate` run without the planner
+if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable
 
+    from ipoa_mission.autopilot.energy.consumption import Interval
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.deviation.promise import Kept, Promise
     from ipoa_mission.forecast.energy_budget import Budget
@@ -16,16 +15,12 @@ if TYPE_CHECKING:  # `check` and `estimate` run without the planner
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.energy.consumption import Interval
 
 MILLIMETERS = 1000
 
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
-    """Return the smallest guaranteed clearance on the way, its object and its item; empty if unknown.
-
-    `elsewhere` holds shortfalls outside the guarantee: at take-off, at the ending and at given places.
-    """
+    """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
     kept = None if promise is None else promise.clearance
     if promise is None:
         return {}
@@ -36,7 +31,7 @@ def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
 
 
 def _kept_as_json(kept: "Kept") -> dict[str, Any]:
-    """Round to the millimeter: the kept clearance down, the required one up."""
+    """Round to the millimeter: kept down, required up."""
     return {
         "required_m": up(kept.required, MILLIMETERS),
         "nominal_m": down(kept.nominal, MILLIMETERS),
@@ -47,12 +42,12 @@ def _kept_as_json(kept: "Kept") -> dict[str, Any]:
 
 
 def passed_over_as_json(scenario: "Scenario") -> list[dict[str, Any]]:
-    """Return the map objects that became no obstacle, counted by file and reason."""
+    """Count omitted map objects by file and reason."""
     return [asdict(counted) for counted in scenario.passed_counts]
 
 
 def energy_as_json(budget: "Budget") -> dict[str, Any]:
-    """Return the energy (low, likely, high) [Wh] and the shares of the battery left, in total and by item."""
+    """Return energies (low, likely, high) [Wh] and battery shares."""
     late = budget.no_return
     return {
         "energy_wh": [rounded(wh) for wh in budget.used.between],
@@ -72,7 +67,6 @@ def _shares(left: "Interval | None") -> list[float] | None:
 
 
 def route_summary(estimate: "Estimate") -> dict[str, float] | None:
-    """Return the time of the route, its lower bound, and their ratio, or None without a route."""
     route = estimate.route
     if not route.seconds > 0:
         return None

@@ -1,5 +1,3 @@
-"""Compare a flown path with the terrain, the obstacles and the clearance that its scenario requires."""
-
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,9 +12,9 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-#: Between the begin of a flight and the scenario's home, to compare them [m].
+#: From a flight's begin [m].
 MAX_DISTANCE_OF_HOME = 20_000.0
-#: Horizontal radius of vertical climb and descent [m].
+#: Of vertical climb and descent [m].
 COLUMN_RADIUS = 3.0
 
 
@@ -24,10 +22,8 @@ COLUMN_RADIUS = 3.0
 class FlownClearance:
     """The smallest clearance of a flight, the required and the planned one [m].
 
-    `least` has the smallest slack; its place is east, north, up of the scenario's home. `place` is its geodetic
-    place, and `time_s` the time since arming. `planned` is the clearance of the mission's own legs. `strayed` is the
-    largest distance from them between the first and last waypoint. Both are None without a mission that flies
-    somewhere. `promised` is the clearance that the mission guarantees.
+    `least` has the smallest slack, east, north, up of home. `strayed`: the largest distance from the planned legs.
+    `promised`: guaranteed.
     """
 
     least: Clearance
@@ -40,7 +36,6 @@ class FlownClearance:
 
     @property
     def kept(self) -> bool:
-        """Return whether the flight kept the required clearance, as both are printed."""
         return not falls_short(self.least.distance, self.required)
 
     def words(self) -> str:
@@ -55,14 +50,14 @@ class FlownClearance:
 
 
 def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission | None = None) -> FlownClearance | None:
-    """Return the smallest clearance of a flown path, or None if the log has no path at the scenario's place.
+    """Return the smallest clearance of a flown path, if it is at the scenario's place.
 
-    Heights are above the place of arming, which is on the scenario's ground. The ground counts from the first to the
-    last time that it was cleared as required, so not in take-off and landing. If that was kept throughout, the rest of
-    climb and descent is left out too. Obstacles always count. The guaranteed clearance has the scenario's confidence.
+    Heights are above the place of arming, on the scenario's ground. The ground counts from the first to the last time
+    that it was cleared as required. If it always was, the rest of climb and descent is left out. Obstacles always
+    count.
 
     Raises:
-        BadInput: the flight is of another place than the scenario.
+        BadInput: the flight is of another place.
         BadInput, MissionError: as the scenario's maps.
     """
     if len(record.path) < 2:
@@ -101,7 +96,7 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
 
 
 def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
-    """Return the clearance, to an obstacle or the ground, with the smallest slack, and what is required."""
+    """Return the clearance with the smallest slack, and the required one."""
     world, limits = scenario.airspace, scenario.limits
     clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
@@ -117,7 +112,7 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
 
 
 def _in_column(points: Points) -> int:
-    """Return the number of points, from the first, that are above or below it."""
+    """Count the first points in a column."""
     outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN_RADIUS)
     return int(outside[0]) if len(outside) else len(points)
 
@@ -129,7 +124,7 @@ def _between(points: Points, first: Points, last: Points) -> Points:
 
 
 def _farthest(points: Points, polylines: list[Points]) -> float:
-    """Return the largest distance of points (n, 3) to the nearest of some polylines."""
+    """Points are (n, 3)."""
     nearest = np.full(len(points), np.inf)
     for polyline in polylines:
         for a, b in pairwise(polyline):

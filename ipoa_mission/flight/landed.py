@@ -1,7 +1,4 @@
-"""Report where a flight landed: at a rally point, or on ground of another height than the mission's.
-
-A simulator's ground may be at home's height everywhere.
-"""
+"""Report where a flight landed; a simulator's ground may be at home's height everywhere."""
 
 import math
 
@@ -17,7 +14,6 @@ RALLY_RADIUS = 10.0  # [m]
 
 
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    """Report a return that ended at a rally point; empty if it ended at home or the mission has none."""
     if not record.completed or not record.path or not mission.rally:
         return ()
     end, frame = record.path[-1], LocalFrame(mission.home)
@@ -32,10 +28,7 @@ def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
 
 
 def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
-    """Report a landing above or below the expected ground, and the estimated time to it.
-
-    Empty if the flight did not land, or landed as expected.
-    """
+    """Report other ground than expected, and the time to it."""
     mission = forecast.mission
     expected = landing_height(mission)
     if expected is None or not record.completed or not record.path:

@@ -1,10 +1,11 @@
-"""Compare a mission with this very vehicle before the upload, for the command line and the studio."""
+"""Compare a mission with this very vehicle before the upload."""
 
 import logging
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.ground_check import landings, touches_down
 from ipoa_mission.checks.own_fence_check import breaches
@@ -17,7 +18,6 @@ from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.commands import Frame, plain_frame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, apart
@@ -29,15 +29,11 @@ log = logging.getLogger(__name__)
 
 
 class FarFromHome(MissionError):
-    """The vehicle is elsewhere, so heights above home would refer to other ground."""
+    """Heights above home would refer to other ground."""
 
 
 def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tuple[str, ...]:
-    """Compare the vehicle's home with the mission's; return remarks for the user.
-
-    Raises:
-        FarFromHome: it is over 100 m away, heights count from home, and `anyway` is not set.
-    """
+    """Raise FarFromHome over 100 m away, if heights count from home, and not `anyway`."""
     here = mission.home
     distance, higher = apart(here, there), there.altitude - here.altitude
     if distance > MAX_HOME_DISTANCE:
@@ -78,15 +74,10 @@ def _words(place: Geodetic) -> str:
 
 
 class FastLanding(MissionError):
-    """The vehicle would touch down fast with its own parameters, but not with the mission's."""
+    """The vehicle's own parameters make a fast touchdown."""
 
 
 def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
-    """Refuse a vehicle that would touch down fast because it lacks the mission's parameters.
-
-    Raises:
-        FastLanding: with the place, the ground there, and the speed.
-    """
     mission = forecast.mission
     planned = mission.autopilot.slow_stretch(mission.parameters)
     if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
@@ -102,17 +93,11 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
 
 
 class LowBattery(MissionError):
-    """The vehicle reports too little battery for the flight and its reserve."""
+    """Too little battery for the flight and its reserve."""
 
 
 def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
-    """Refuse a vehicle that would land with less than the scenario's reserve, by its reported battery.
-
-    `first`: index of the item with which the flight begins.
-
-    Raises:
-        LowBattery: with the charge now and after landing.
-    """
+    """Raise LowBattery if less than the scenario's reserve remains; begin at item `first`."""
     left = vehicle.state.battery_left
     if forecast.scenario is None or left is None or left >= CHARGED_SHARE:
         return
@@ -136,11 +121,7 @@ class OutsideOwnFence(MissionError):
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    """Wait until a vehicle knows its position; `progress` gets its messages meanwhile.
-
-    Raises:
-        NotReady, TimeUp: it has no position in time.
-    """
+    """Raise NotReady or TimeUp."""
     state, until_s = vehicle.state, vehicle.line.now() + vehicle.ready_s
     reason = ""
     try:
@@ -155,12 +136,12 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
 
 
 def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()) -> tuple[str, ...]:
-    """Check a mission against this vehicle. Sends nothing.
+    """Check a mission against this vehicle; send nothing.
 
     Args:
-        vehicle: at the other end of a link, from `connect`.
+        vehicle: from `connect`.
         mission: to fly.
-        anyway: return failed checks as remarks, except a firmware version that was not measured.
+        anyway: return failed checks as remarks, except an unmeasured firmware version.
         ignore: codes of findings to leave out.
 
     Returns:

@@ -1,4 +1,4 @@
-"""Upload and fly a mission by the one safe procedure of the command line, the studio and users."""
+"""The one safe procedure to upload and fly a mission."""
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 
 class Stage(StrEnum):
-    """The stages of a flight, from the first look at the vehicle until it is on the ground again."""
-
     POSITION = "waiting for a position"
     CHECK = "checking the mission against the vehicle"
     UPLOAD = "upload"
@@ -36,7 +34,7 @@ class Stage(StrEnum):
     FLIGHT = "flying"
 
 
-#: Called with each stage; returns a context that shows the stage's progress.
+#: Shows a stage's progress.
 Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
 
 
@@ -54,21 +52,21 @@ def unseen(stage: Stage) -> AbstractContextManager[Progress]:
 def upload_mission(
     vehicle: Vehicle, mission: Mission, *, anyway: bool = False, ignore: Iterable[str] = (), stages: Stages = unseen
 ) -> tuple[str, ...]:
-    """Check a mission against this very vehicle, upload it, and verify each list.
+    """Check a mission against this vehicle, upload it, and verify each list.
 
     Args:
-        vehicle: at the other end of a link, from `connect`.
+        vehicle: from `connect`.
         mission: for this vehicle's autopilot, unless `anyway`.
-        anyway: return failed checks as remarks, and upload all the same.
+        anyway: return failed checks as remarks.
         ignore: codes of findings to leave out.
-        stages: called with each stage; returns a context that shows its progress.
+        stages: shows each stage's progress.
 
     Returns:
-        Remarks for the user: warnings, parameters that differ on the vehicle, a disabled fence.
+        Remarks: warnings, parameters that differ, a disabled fence.
 
     Raises:
         Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be aborted; nothing was sent.
-        MissionError: it was made for another autopilot; or it is not on the vehicle, see `Vehicle.upload`.
+        MissionError: it was made for another autopilot; or as `Vehicle.upload`.
 
     Example:
         >>> from ipoa_mission import connect, read_mission, upload_mission
@@ -85,7 +83,7 @@ def upload_mission(
 def _put(
     vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
-    """Upload; return whether its fence is idle, and the parameters that differ or are missing on the vehicle."""
+    """Return whether its fence is idle, and differing and missing parameters."""
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
@@ -96,13 +94,13 @@ def _put(
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
-    """Report a fence or rally points of another mission on the vehicle, if this one has none."""
+    """Report another mission's fence or rally points."""
     left: dict[MissionType, str] = {}
     for kind, own, words in (
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
         (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
     ):
-        with suppress(MissionError):  # a vehicle may not support the list
+        with suppress(MissionError):  # the list may be unsupported
             if not own and vehicle.download_items(kind):
                 left[kind] = f"the vehicle holds {words}, and that was not checked"
     return left
@@ -119,29 +117,29 @@ def fly_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground again.
+    """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground.
 
-    Position and progress are compared with the forecast. At the first deviation the vehicle gets the order in
-    `vehicle.conformance.on_deviation`, by default to hold. Once it holds, the watch ends.
+    At the first deviation from the forecast the order in `vehicle.conformance.on_deviation` is given, by default to
+    hold, which ends the watch.
 
     Args:
         vehicle: on the ground and disarmed.
         mission: for its autopilot, unless `anyway`.
         scenario: world in which the way from the vehicle's position is checked.
-        first: index in `mission.items` of the first item.
+        first: index in `mission.items`.
         anyway: pass failed checks to `remark`, and fly all the same.
-        set_params: write the mission's parameters where the vehicle's differ.
-        stages: called with each stage; returns a context that shows its progress.
-        remark: called with notes for the user as they arise.
+        set_params: write differing parameters of the mission.
+        stages: shows each stage's progress.
+        remark: called with notes as they arise.
 
     Returns:
-        When its items were reached, its path, whether it completed, and its deviations from the forecast.
+        The record of the flight.
 
     Raises:
-        NotReady: it is armed already, has no position, or cannot be armed; with its own reasons.
+        NotReady: it is armed already, has no position, or cannot be armed.
         FastLanding, LowBattery, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check failed; nothing was armed.
-        MissionError: as `upload_mission` and `Vehicle.start`; or the vehicle was lost; or it holds rally points of
-            another mission, and this one has none.
+        MissionError: as `upload_mission` and `Vehicle.start`; the vehicle was lost, or holds another mission's rally
+            points.
 
     Example:
         >>> from ipoa_mission import connect, fly_mission, read_mission, read_scenario
@@ -166,7 +164,6 @@ def fly_forecast(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """Fly a mission as `fly_mission`, with its given forecast, without findings of the codes in `ignore`."""
     how: dict[str, Any] = {"anyway": anyway, "stages": stages, "remark": remark}
     own = load_mission(vehicle, forecast, ignore=ignore, set_params=set_params, **how)
     return begin_mission(vehicle, own, first=first, **how)
@@ -182,18 +179,14 @@ def load_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> Forecast:
-    """Run the first half of `fly_forecast`: until the mission is on a vehicle that knows its position.
-
-    Returns:
-        The forecast with the vehicle's own values of the mission's parameters.
-    """
+    """Return the forecast with the vehicle's parameters."""
     mission = forecast.given
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)
     if set_params:
         _set_parameters(vehicle, mission, remark)
-    if not anyway:  # after setting parameters too: the vehicle may lack one, or lose it
+    if not anyway:  # a parameter may be missing or lost
         expect_slow_landing(vehicle, forecast)
     with stages(Stage.CHECK):
         remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
@@ -201,7 +194,7 @@ def load_mission(
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
     idle, others, lacking = _put(vehicle, mission, anyway, stages)
-    with suppress(NoAnswer):  # no parameter reply
+    with suppress(NoAnswer):
         vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *idle, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
@@ -220,8 +213,6 @@ def begin_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """Run the second half of `fly_forecast`: prepare, arm, start and watch the vehicle."""
-
     def permit(there: Geodetic) -> None:
         if not anyway:
             expect_charge(vehicle, forecast, first)
@@ -245,7 +236,7 @@ def begin_mission(
 
 
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
-    """Return the monitor of a flight that begins with item `first`, or None and a remark without a forecast."""
+    """Return None and a remark without a forecast."""
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     mission = forecast.given

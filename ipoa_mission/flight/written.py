@@ -1,4 +1,4 @@
-"""Write the files of a planned mission, and find files that were changed or are not ours."""
+"""Write the files of a planned mission, and find files that were changed."""
 
 import json
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ PAGE_MARK = '<meta name="generator" content="ipoa-mission">'
 def write_files(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
 ) -> tuple[tuple[Path, ...], dict[str, str]]:
-    """Write NAME.plan and NAME.waypoints, NAME.params if it has parameters, and NAME.json if `about` is given.
+    """Write all files or none; return them with the digests of the first two.
 
-    Writes all or none. Return them, with the digests of the first two, which NAME.json has too.
+    `about` makes a NAME.json, parameters a NAME.params.
 
     Raises:
         BadInput: one cannot be written.
@@ -40,7 +40,7 @@ def as_text(contents: Mapping[str, Any]) -> str:
 
 
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
-    """Return the NAME.plan, NAME.waypoints, NAME.json (and NAME.html) that `Flight.write` did not write so."""
+    """Return files that differ from `Flight.write`."""
     about = folder / f"{name}.json"
     digests = written_with(about)
     missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)

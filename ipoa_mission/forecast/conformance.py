@@ -1,4 +1,4 @@
-"""Compare samples of a flight with its forecast in flight, without I/O."""
+"""Compare samples of a flight with its forecast."""
 
 import math
 from dataclasses import dataclass
@@ -7,27 +7,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.world.frame import Geodetic
 
-#: Margin beyond the deviation bound: twice its width, at least 5 m [m]; a take-off drifts twice as far.
+# Beyond the deviation bound: twice its width, at least 5 m [m]; a take-off drifts twice as far.
 MARGIN_FACTOR, MIN_MARGIN, TAKEOFF_FACTOR = 2.0, 5.0, 2.0
-#: PX4 returns to an item that it missed. It overshoots by its braking distance and at most this [m].
+# Of PX4 beyond its braking distance, before it turns back to a missed item [m].
 OVERSHOOT = 10.0
-#: Late: this factor times the longest time of nine flights in ten for an item, counted as 10 s or more.
+# Of the longest of nine flights in ten for an item; at least 10 s.
 LATE_FACTOR, MIN_LEG_S = 2.0, 10.0
-LASTING_S = 1.0  # least duration of a deviation [s]
-ITEM_TOLERANCE_S = 3.0  # tolerance of the vehicle's report of its item, early or late [s]
-SPACING = 0.5  # between the places that a sample is compared with [m]
-EXCEEDING_SHARE = 0.01  # of the deviation bound without a scenario's confidence
+LASTING_S = 1.0
+ITEM_TOLERANCE_S = 3.0  # early or late [s]
+SPACING = 0.5  # [m]
+EXCEEDING_SHARE = 0.01  # without a scenario's confidence
 
 
 class DeviationKind(StrEnum):
@@ -39,10 +38,7 @@ class DeviationKind(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """A deviation from the forecast on the way to item number `item` of the mission file (home is 0).
-
-    `time_s` is on the clock of the samples. `found` and `allowed` are in meters, for LATE in seconds.
-    """
+    """A deviation on the way to item `item`; `found` and `allowed` in meters, for LATE in seconds."""
 
     kind: DeviationKind
     item: int
@@ -55,17 +51,15 @@ class Deviation:
         return f"item {self.item}: {self.words}"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the deviation as JSON; `unit` is that of `found` and `allowed`."""
         unit = "s" if self.kind is DeviationKind.LATE else "m"
         rounded = {"time_s": round(self.time_s, 2), "found": round(self.found, 2), "allowed": round(self.allowed, 2)}
         return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
 
 
 class _Leg(NamedTuple):
-    """The forecast of the flight to one visit. `goal` is None at the mission's end, or where nothing is compared.
+    """`goal` is None where nothing is compared. `excursion`: of the predicted flight away from the goal [m].
 
-    `excursion`: how far the predicted flight moves away from the goal [m]. `comes_back`: how far beyond the goal the
-    vehicle may turn back [m]. `longest_s`: the longest time of nine flights in ten.
+    `comes_back`: beyond the goal, where the vehicle may turn back [m]. `longest_s`: of nine flights in ten.
     """
 
     points: Points
@@ -116,13 +110,11 @@ class ConformanceMonitor:
         self._detour: Points | None = None
 
     def local(self, at: Geodetic, height: float) -> Vector:
-        """Return east, north and up of home [m] of a vehicle `at` a place, `height` above its own home."""
         home = self._forecast.mission.home
         up = home.altitude + height if self._counts_from_home else at.altitude
         return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:
-        """Note that the vehicle left its mission; it may resume from another place."""
         self._begun_s = None
         self._since.clear()
 
@@ -131,8 +123,8 @@ class ConformanceMonitor:
 
         Args:
             time: on any clock that does not stop [s].
-            place: east, north and up of home (3,) [m].
-            item: index in `Mission.items` of the item that the vehicle flies to; None: as before.
+            place: (3,) [m].
+            item: index in `Mission.items`; None: as before.
         """
         self._turn_to(item, time, place)
         leg = self._leg(self._visit)
@@ -219,7 +211,6 @@ class ConformanceMonitor:
         return np.array([law.lateral(self._chance), deviation_bound.down, deviation_bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
-        """Return times (n,), places (n, 3) and the deviation bound to the side, down and up (n, 3) of the flight."""
         track, law = self._estimate.track, self._law
         flown = arc_lengths(track.points)
         evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
@@ -274,7 +265,7 @@ class ConformanceMonitor:
 
     def _is_modeled(self, visit: int) -> bool:
         item = self._visits[visit].item
-        waits = item.command == Command.NAV_DELAY and not item.params[0] > 0.0  # for a time of day
+        waits = item.command == Command.NAV_DELAY and not item.params[0] > 0.0
         return not waits and self._visits[visit].seq not in self._unknown
 
     def _direct(self, place: Vector) -> Points | None:

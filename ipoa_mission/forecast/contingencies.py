@@ -1,8 +1,4 @@
-"""Compute the contingencies of a flight at each second: path, clearance, duration and energy.
-
-On the order the vehicle flies on until it has braked. Then it returns, lands in place, flies
-back along its path, or holds its place. A return climbs, flies to home or a rally point and descends.
-"""
+"""Compute the contingencies of a flight at each second."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -14,6 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
@@ -22,50 +20,39 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
 from ipoa_mission.forecast.stopping_points import StoppingPoints
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
 
-BEGIN_TOLERANCE_S = (
-    0.6  # the flight may begin early or late by this: ArduCopter 4.8-dev is 0.5 s early after its take-off
-)
-EXACT_SAMPLES = 6  # samples of a row that are measured to the millimeter
-GROUND_NAME, NO_GOAL = "the ground", "unknown"  # a nearest thing and a goal
-TAIL_S = 1e6  # after the last item both clocks run alike for this time [s]
-TIMED_SAMPLES = 3  # samples of a row whose flight is timed
-WEIGHT_STEP_S = 0.25  # between the times that weigh the probability of a path that is not clear [s]
-#: Contingencies that are computed. The others fly on, fall, or have no known path.
+BEGIN_TOLERANCE_S = 0.6  # begin of the flight [s]: ArduCopter 4.8-dev is 0.5 s early after its take-off
+EXACT_SAMPLES = 6
+GROUND_NAME, NO_GOAL = "the ground", "unknown"
+TAIL_S = 1e6  # both clocks run alike [s]
+TIMED_SAMPLES = 3
+WEIGHT_STEP_S = 0.25
+# The others fly on, fall, or have no known path.
 COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)
-COMMON_CONTINGENCIES = frozenset(
-    {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
-)  # for a vehicle without known failsafes
+COMMON_CONTINGENCIES = frozenset({Contingency.RTL, Contingency.LAND, Contingency.HOLD})
 
 
 def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
-    """Return the failsafes by this mission's parameters; none where they are unknown."""
     mission = forecast.mission
     return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
 
 
 def lands_by_choice(forecast: Forecast) -> tuple[Failsafe, ...]:
-    """Return the failsafes that land in place, and would return with another value of their parameter."""
     return tuple(one for one in failsafes_of(forecast) if one.lands_by_choice)
 
 
 def who_lands(forecast: Forecast) -> str:
-    """Return these failsafes in words: "critical battery (BATT_FS_CRT_ACT = 1)"."""
     return " and ".join(f"{one.cause} ({one.parameter} = {one.value:g})" for one in lands_by_choice(forecast))
 
 
 def to_return_instead(forecast: Forecast) -> str:
-    """Return the setting that makes them return, in words: "BATT_FS_CRT_ACT = 2 returns"."""
     values = {one.parameter: one.returns_at for one in lands_by_choice(forecast)}
     words = " and ".join(f"{name} = {value}" for name, value in values.items())
     return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
 
 
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
-    """Return the contingencies of `COMPUTED` that a failsafe or a pilot's order leads to."""
     failsafes = failsafes_of(forecast)
     actions = [action for one in failsafes for action in (one.route, *one.differs.values())]
     had = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
@@ -76,11 +63,10 @@ def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
 class ContingencyRow:
     """A contingency with one goal and one `grade` from `from_s` to `to_s` [s after arming].
 
-    `least_m` is the least distance to the nearest thing, `to`, minus the deviation bound; a height where `to` is the
-    ground. It is infinite with nothing near, and NaN where the path is unknown: `to` has the reason then. The vehicle
-    touches down `touches_s` and disarms `duration_s` after the order, each as minimum and maximum. `energy_wh` is the
-    least and the greatest energy, None where unknown. `lands`: east and north of home [m], None where it holds or where
-    the place changes all the time.
+    `least_m`: least distance to the nearest thing, `to`, minus the deviation bound; a height where `to` is the ground.
+    It is NaN where the path is unknown: `to` has the reason then. The vehicle touches down `touches_s` and disarms
+    `duration_s` after the order (minimum, maximum). `energy_wh`: minimum and maximum, None where unknown. `lands`: east
+    and north of home [m], None where the place is not fixed.
     """
 
     contingency: Contingency
@@ -102,18 +88,15 @@ class ContingencyRow:
 
     @property
     def leads(self) -> str:
-        """Return the goal in words: "here", "to home", "to home or rally point 1"."""
         return {"here": "here", NO_GOAL: "goal unknown"}.get(self.goal, f"to {self.goal}")
 
     @property
     def keeps(self) -> str:
-        """Return the grade and the nearest thing: "not clear, 0.81 m inside mast"."""
         is_short = not self.clear and math.isfinite(self.least_m) and down(self.least_m) >= 0.0
         return f"{self._nearest}{self._required if is_short else ''}"
 
     @property
     def in_full(self) -> str:
-        """Return goal, grade, distance and limit: "to home: clear, 4.10 m from mast, 2.50 m required"."""
         return f"{self.leads}: {self._nearest}{self._required if math.isfinite(self.least_m) else ''}"
 
     @property
@@ -151,11 +134,7 @@ def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
 
 
 class Contingencies:
-    """The contingencies of a forecast, in its scenario's world: `forecast.cached(Contingencies)`.
-
-    Times are means over all flights, some of which are late at a waypoint, and none early. Times of `ways` are of a
-    flight with exact position.
-    """
+    """The contingencies of a forecast: `forecast.cached(Contingencies)`; times are means over all flights."""
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
@@ -193,7 +172,7 @@ class Contingencies:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        """Return the rows of one contingency over the flight; with times and energy if `timed`.
+        """Return the rows of one contingency; with times and energy if `timed`.
 
         Raises:
             MissionError: the vehicle has no model of its flight.
@@ -212,7 +191,6 @@ class Contingencies:
         return tuple(self._timed(row, assessments, run) if timed else row for row, run in self._rows[contingency])
 
     def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
-        """Return a contingency ordered at one time in the air [s]; raises as `rows`."""
         if contingency is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
             return ContingencyRow(contingency, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, NO_GOAL)
         tolerance = float(self._tolerances(np.array([time]))[0])
@@ -228,12 +206,10 @@ class Contingencies:
         return self._timed(row, assessments, range(middle, middle + 1)) if timed else row
 
     def _tolerances(self, times: Vector) -> Vector:
-        """Return how early or late the flight may be at each time (n,) [s]."""
         prediction = self.forecast.expected
         return BEGIN_TOLERANCE_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
     def _grades(self, contingency: Contingency, assessments: ContingencySamples) -> list[Grade]:
-        """Return the grade of each sample (n,), over all places where the vehicle may be then."""
         times, tolerances = assessments.times, self._tolerances(assessments.times)
         clear, shares = clear_at_any_time(times, assessments.clear, tolerances), np.zeros(len(times))
         if not clear.all():
@@ -242,7 +218,6 @@ class Contingencies:
         return graded(clear, shares)
 
     def _nearer(self, contingency: Contingency, assessments: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
-        """Return evenly spaced times (m,), and whether the paths predicted from there break the required distance."""
         begin, end = assessments.times[0], assessments.times[-1]
         evenly = np.linspace(begin, end, max(2, round((end - begin) / WEIGHT_STEP_S) + 1))
         after = np.clip(np.searchsorted(assessments.times, evenly), 1, len(assessments.times) - 1)
@@ -274,7 +249,6 @@ class Contingencies:
         )
 
     def _seen(self, assessments: ContingencySamples, run: range) -> range:
-        """Return a run extended by the samples where the vehicle may be instead."""
         edges = assessments.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._tolerances(edges)
         begin, end = np.searchsorted(assessments.times, early), np.searchsorted(assessments.times, late, side="right")
@@ -283,7 +257,6 @@ class Contingencies:
     def _nearest(
         self, contingency: Contingency, assessments: ContingencySamples, run: range
     ) -> list[tuple[int, Clearance]]:
-        """Return the samples of a run nearest to something, with their clearance; one is the minimum."""
         spare = assessments.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # their depth is not yet known
         few = np.linspace(0, len(inside) - 1, min(len(inside), EXACT_SAMPLES)).astype(int)
@@ -310,7 +283,6 @@ class Contingencies:
         return None if taken is None else taken.lasts
 
     def takes(self, contingency: Contingency, time: float) -> Taken | None:
-        """Return duration and energy of a contingency as `flown_from`; None where unknown."""
         try:
             return flown_from(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:
@@ -318,7 +290,6 @@ class Contingencies:
 
 
 def _runs(taken: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
-    """Return runs of samples with the same goals (n, k) and the same grade (n,)."""
     same = (taken[1:] == taken[:-1]).all(axis=1) & [one is other for one, other in pairwise(grades)]
     begin = 0
     for end in [*(np.flatnonzero(~same) + 1).tolist(), len(grades)]:

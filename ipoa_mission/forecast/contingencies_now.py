@@ -1,26 +1,26 @@
-"""Report the contingencies at the present time of a flight, from the forecast of the whole flight."""
+"""Report the contingencies at the present time of a flight."""
 
 import math
 from functools import lru_cache
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.contingency import Contingency
 
-DELAY_CHANGE_S = 12.0  # the vehicle's delay to the forecast may change by this between two calls [s]
-DELAY_PENALTY = 0.2  # distance [m] that a time nearer by 1 s to the expected one may be farther away
-STEP_S = 10.0  # between the times at which a duration is computed; interpolated between them
-MAX_SLOPE, MIN_STEP_S = 2.5, 1.0  # shorter where the duration changes by this many s per s; never below this [s]
-NEAR_DISTANCE = 8.0  # farther than the required distance by this: nothing near [m]
+DELAY_CHANGE_S = 12.0  # change between two calls [s]
+DELAY_PENALTY = 0.2  # of a time farther from the expected one [m/s]
+STEP_S = 10.0  # [s]; durations are interpolated between them
+MAX_SLOPE, MIN_STEP_S = 2.5, 1.0  # of a duration [s/s]; [s]
+NEAR_DISTANCE = 8.0  # nothing near beyond the required distance and this [m]
 TIMED = (Contingency.RTL, Contingency.LAND)  # the others do not end on the ground
 
 
 class ContingenciesNow:
-    """The contingencies of a forecast that can be ordered, for use in flight.
+    """The contingencies that can be ordered, in flight.
 
     Raises:
         MissionError: the vehicle has no model of its flight.
@@ -33,14 +33,11 @@ class ContingenciesNow:
         self._late_s = 0.0
 
     def at(self, time: float) -> tuple[tuple[ContingencyRow, float | None], ...]:
-        """Return the row and the duration [s] of each contingency, at a time of the forecast [s]."""
+        """Return row and duration [s] of each contingency, at a time of the forecast [s]."""
         return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
 
     def time_at(self, place: Vector, time: float) -> tuple[float, float]:
-        """Return the forecast time [s] of a place (3,) [m] reached at `time` [s], and its distance to the forecast [m].
-
-        The delay found is the first guess of the next call.
-        """
+        """Return the forecast time [s] of a place (3,) reached at `time` [s], and its distance to the forecast [m]."""
         stops = self._endings.stops()
         expected = time - self._late_s
         near = np.flatnonzero(np.abs(stops.times - expected) <= DELAY_CHANGE_S)
@@ -52,7 +49,6 @@ class ContingenciesNow:
         return found, float(apart[best])
 
     def from_here(self, contingency: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
-        """Return a hold or a landing from a place (3,) [m], at a velocity east and north (2,) [m/s]."""
         forecast, ways = self._endings.forecast, self._endings.ways
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
         stop = place.copy()
@@ -65,7 +61,7 @@ class ContingenciesNow:
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
 
     def words(self, time: float) -> str:
-        """Return all contingencies in a line: "rtl clear, 2.13 m from mast, 62 s"."""
+        """For example: "rtl clear, 2.13 m from mast, 62 s"."""
         texts = ((f"{row.contingency} {row.keeps}", seconds) for row, seconds in self.at(time))
         return "; ".join(words if seconds is None else f"{words}, {seconds:.0f} s" for words, seconds in texts)
 

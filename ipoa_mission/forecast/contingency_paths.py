@@ -1,7 +1,6 @@
-"""Compute the paths of contingencies ordered at many times of one flight, and their clearance.
+"""Compute the paths of contingencies at many times of one flight.
 
-Between two clear times no path is nearer than required: there no path moves farther than the slack of both. Paths are
-straight legs, level or vertical except where the vehicle brakes. Obstacles are enlarged by the deviation bound.
+Between two clear times no path moves farther than the slack of both. Obstacles are enlarged by the deviation bound.
 """
 
 import math
@@ -14,26 +13,25 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.stopping_points import StoppingPoints, stopping_points_of
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
-STEP_S = 1.0  # between the first times [s]
-BATCH_SIZE = 5_000  # times computed together, to limit the memory
-MIN_STEP_S = 0.05  # least time between two samples [s]
-TIGHT_PLACES = 4.0  # number of tight places for which the deviation bound has room on a path
-LIFTED_HEIGHT = 1.0  # below this height over its take-off place the vehicle can end its flight in place [m]
-BACK_SHARES = (0.0, 0.5, 1.0)  # shares of the way back to the place of the order, at which it may climb
-POSITION_ERROR = 10.0  # error of the vehicle's position as it chooses its goal [m]
+STEP_S = 1.0  # [s]
+BATCH_SIZE = 5_000  # limited by memory
+MIN_STEP_S = 0.05  # [s]
+TIGHT_PLACES = 4.0
+LIFTED_HEIGHT = 1.0  # below it can end its flight in place [m]
+BACK_SHARES = (0.0, 0.5, 1.0)  # of the way back to the place of the order
+POSITION_ERROR = 10.0  # as it chooses its goal [m]
 OFFSETS = (
     (0.0, 0.0),
     (POSITION_ERROR, 0.0),
@@ -41,11 +39,11 @@ OFFSETS = (
     (0.0, POSITION_ERROR),
     (0.0, -POSITION_ERROR),
 )
-CHORD_ERROR = 0.02  # greatest distance of a flown bend to the chords between its samples [m]
-LEVEL_ERROR = 0.5  # greatest deviation of level paths from a straight line [m]
-MAX_SPARE = 8.0  # clearance above the required one is capped at this [m]
-BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)  # the legs of a return
-GROUND = -2  # the index of the ground among those of obstacles; -1 is nothing
+CHORD_ERROR = 0.02  # [m]
+LEVEL_ERROR = 0.5  # [m]
+MAX_SPARE = 8.0  # [m]
+BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)
+GROUND = -2  # among the indices of obstacles; -1 is nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class ContingencySamples:
         ways: the possible paths, (n, k, p, 3) [m].
         taken: whether a path is possible, (n, k).
         near: the distance of their legs to the nearest thing, (n, k, p - 1) [m]; infinite with nothing near.
-        which: the index of that thing, (n, k, p - 1).
+        which: its index, (n, k, p - 1).
         spare: the slack to the required distance, (n,) [m].
     """
 
@@ -73,13 +71,12 @@ class ContingencySamples:
 
     @property
     def same_as_next(self) -> NDArray[np.bool_]:
-        """Return whether the next sample may have the same goals, and is as clear, (n - 1,)."""
         taken, clear = self.taken, self.clear
         return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
 
     def gaps(self) -> Vector:
-        """Return the middle of each interval that may hide a shortfall, or a smaller distance."""
-        places = np.moveaxis(self.ways, 2, 0)  # one after the other, to limit the memory
+        """Return the middle of each interval that may hide a shortfall."""
+        places = np.moveaxis(self.ways, 2, 0)  # limits the memory
         moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
         moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
         hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
@@ -98,7 +95,6 @@ class ContingencySamples:
 
     @classmethod
     def following(cls, parts: "Iterable[ContingencySamples]", count: int) -> "ContingencySamples":
-        """Concatenate parts with `count` times in all; free each part before the next."""
         whole, begin = dict[str, NDArray[Any]](), 0
         for part in parts:
             own = {f.name: getattr(part, f.name) for f in fields(cls)}
@@ -111,17 +107,14 @@ class ContingencySamples:
     @classmethod
     def merged(cls, assessments: "Sequence[ContingencySamples]") -> "ContingencySamples":
         order = np.argsort(np.concatenate([some.times for some in assessments]), kind="stable")
-        taken = slice(None) if (np.diff(order) == 1).all() else order  # as they are, or copied
+        taken = slice(None) if (np.diff(order) == 1).all() else order
         return cls(
             **{f.name: np.concatenate([getattr(one, f.name) for one in assessments])[taken] for f in fields(cls)}
         )
 
 
 class ContingencyPaths:
-    """Compute contingency paths for a forecast, in its scenario's world: `forecast.cached(ContingencyPaths)`.
-
-    Times are of a flight with exact position.
-    """
+    """Compute contingency paths: `forecast.cached(ContingencyPaths)`. Times are of a flight with exact position."""
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
@@ -131,14 +124,13 @@ class ContingencyPaths:
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
-        """Return the paths of a forecast in this world that differs only in return altitude or rally points."""
         return forecast.cached(ContingencyPaths, self._of_another)
 
     def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
         other = ContingencyPaths(forecast)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # the same flight
+            other.__dict__["in_air"], other._stops = self.in_air, self._stops
             other._samples = {
                 contingency: assessments
                 for contingency, assessments in self._samples.items()
@@ -152,7 +144,7 @@ class ContingencyPaths:
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
-        """Return the paths without room for the deviation bound: the clearance of the predicted paths."""
+        """Return the paths without room for the deviation bound."""
         other = ContingencyPaths(self.forecast)
         other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
         other._stops = self._stops
@@ -178,7 +170,7 @@ class ContingencyPaths:
         return None
 
     def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        """Return a contingency at times in the air, or between two of them, without a hidden shortfall."""
+        """Return a contingency at times in the air, without a hidden shortfall."""
         if between is None:
             if contingency not in self._samples:
                 self._samples[contingency] = self.assessments(contingency, self.in_air)
@@ -213,7 +205,6 @@ class ContingencyPaths:
         return self._with_ground(assessments, _end_index(contingency))
 
     def exactly(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Clearance:
-        """Return the clearance of one sample to the nearest obstacle, to the millimeter."""
         if contingency is Contingency.SMART_RTL:
             return self._least_noted(assessments, n)
         least = NOTHING_NEAR
@@ -223,7 +214,7 @@ class ContingencyPaths:
         return least
 
     def lowest(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Check:
-        """Return the least height of one sample over the ground on its possible paths, before the descent."""
+        """Return the least height over the ground before the descent."""
         ways = assessments.ways[n, assessments.taken[n], : _end_index(contingency)]
         checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
@@ -243,7 +234,6 @@ class ContingencyPaths:
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """Return the distance and obstacle of each leg of paths (n, k, p, 3); exactly where one brakes on a slant."""
         air, shape = self.roomy.airspace, (*ways.shape[:2], ways.shape[2] - 1)
         starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + MAX_SPARE)
@@ -255,7 +245,6 @@ class ContingencyPaths:
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
-        """Return the nearest obstacle of the planned flight until each time (n,), or after it (`ahead`)."""
         near, which = (legs[:, 0, 0] for legs in self._flown)
         turned = slice(None, None, -1) if ahead else slice(None)
         near, which = near[turned], which[turned]
@@ -275,12 +264,11 @@ class ContingencyPaths:
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         places = self.stops().places
-        if len(places) == 1:  # it is in the air for one moment
+        if len(places) == 1:
             places = np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, assessments: ContingencySamples, end: int) -> ContingencySamples:
-        """Return the samples with the height over ground of their paths up to place `end`, where it is less."""
         begin, last = self.forecast.promise.flight.way
         near, which, spare = assessments.near.copy(), assessments.which.copy(), assessments.spare.copy()
         on_the_way = np.flatnonzero((assessments.times >= begin) & (assessments.times <= last))
@@ -308,10 +296,7 @@ class ContingencyPaths:
     def _returns(
         self, places: Points, stops: Points, seqs: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return all possible paths of returns, to each goal with each start, and whether each is possible.
-
-        `seqs` (n,): the items that the vehicle flies to.
-        """
+        """Return the paths of returns (to each goal with each start), and whether each is possible."""
         to_goals, kinds = self.forecast.returns_from(stops), self.routes.kinds
         back = places - stops
         back[:, 2] = 0.0
@@ -335,7 +320,6 @@ class ContingencyPaths:
         return np.stack(ways, axis=1), taken
 
     def _goals(self, stop: Vector, seq: int) -> set[int]:
-        """Return the goals of a return from near a place: 0 home, n the rally point n, then those along the mission."""
         if not self.rally and not self.routes.kinds:
             return {0}
         east, north, up = (float(x) for x in stop)
@@ -352,11 +336,9 @@ class ContingencyPaths:
 
 
 def _end_index(contingency: Contingency) -> int:
-    """Return the index of the first place of a path on the ground, or after braking."""
     return -1 if contingency is Contingency.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:
-    """Pad paths (n, p, 3) to `places` places, by repeating the last but one."""
     stays = np.repeat(ways[:, -2:-1], places - ways.shape[1], axis=1)
     return np.concatenate([ways[:, :-1], stays, ways[:, -1:]], axis=1)

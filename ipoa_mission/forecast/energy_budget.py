@@ -1,4 +1,4 @@
-"""Compute the energy of a flight by item, and the point of no return."""
+"""Compute energy by item, and the point of no return."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,12 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
-from ipoa_mission.scenario.budget import battery_of, flight_energy
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.energy.consumption import (
+from ipoa_mission.autopilot.energy.consumption import (
     LIFTED_DISTANCE,
     Battery,
     Consumption,
@@ -20,17 +15,19 @@ from ipoa_mission.vehicles.energy.consumption import (
     NotEnoughBattery,
     shortage,
 )
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
+from ipoa_mission.scenario.budget import battery_of, flight_energy
 
-FIRST_TIMES = 12  # times at which a return is computed first
-TIME_ACCURACY_S = 1.0  # accuracy of a point of no return [s]
+FIRST_TIMES = 12
+TIME_ACCURACY_S = 1.0
 RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
 
 class Taken(NamedTuple):
-    """Duration of a contingency until it disarms, and until it touches down, at least and at most [s].
-
-    `used` is its energy; None where unknown.
-    """
+    """Duration until it disarms and until it touches down [s]; `used` energy, None where unknown."""
 
     lasts: tuple[float, float]
     used: Consumption | None
@@ -38,17 +35,15 @@ class Taken(NamedTuple):
 
 
 class ItemEnergy(NamedTuple):
-    """Energy of one item [Wh], and the charge left after it as a share; None without a battery."""
-
     seq: int
     takes: Interval
     left: Interval | None
 
 
 class NoReturn(NamedTuple):
-    """The time [s after arming], in item `seq`, from which an RTL would not land with the reserve; its energy `takes`.
+    """The time [s after arming] from which an RTL would not land with the reserve.
 
-    `why` has the reason. `takes` is None where the vehicle does not get home at all.
+    `takes` is None where the vehicle does not get home at all.
     """
 
     time: float
@@ -61,10 +56,7 @@ class NoReturn(NamedTuple):
 
 
 class ReserveNow(NamedTuple):
-    """The charge `left` in flight at a time [s after arming], and the `planned` one, as shares.
-
-    The vehicle lands with the share `lands` if the rest takes the planned energy; `reserve` is required.
-    """
+    """Shares of the charge at a time [s after arming]; `lands` if the rest takes the planned energy."""
 
     time: float
     left: float
@@ -80,30 +72,21 @@ class ReserveNow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Budget:
-    """The energy of a flight and its battery; `budget_of` makes it.
-
-    Attributes:
-        forecast: the flight.
-        used: its energy over time.
-        battery: None where the scenario has none.
-    """
+    """Energy and battery of a flight; made by `budget_of`."""
 
     forecast: Forecast
     used: Consumption
     battery: Battery | None
 
     def left(self, taken: Interval) -> Interval | None:
-        """Return the share of the battery left after `taken` [Wh]; None without a battery."""
         if self.battery is None:
             return None
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
 
     def taken(self, time: float, ended: Consumption) -> Interval:
-        """Return the energy of the flight [Wh] if this contingency ends it at a time [s]."""
         return Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
 
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
-        """Return the reserve with the share `left` at a time [s]; None without a battery."""
         if self.battery is None:
             return None
         until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
@@ -124,7 +107,6 @@ class Budget:
 
     @property
     def share(self) -> float:
-        """Return the used share of the usable energy, 0 without a battery; from 1 on the battery is too small."""
         if self.battery is None:
             return 0.0
         takes = self.used.between
@@ -136,7 +118,7 @@ class Budget:
 
     @property
     def refusal(self) -> NotEnoughBattery | None:
-        """Return why the flight is not planned: for its energy, or that of an RTL where returns are planned."""
+        """Return the refusal for the flight's energy, or an RTL's."""
         if self.shortage is None and self.plans_returns and self.no_return is not None:
             return NotEnoughBattery(f"{self.no_return}", hint=RETURN_HINT, place="battery")
         return self.shortage
@@ -165,7 +147,6 @@ class Budget:
 
     @cached_property
     def no_return(self) -> NoReturn | None:
-        """Return the point of no return; None without a battery, and where an RTL is always possible."""
         if self.battery is None:
             return None
         times = list(self._times())
@@ -205,7 +186,7 @@ class Budget:
 
 
 def budget_of(forecast: Forecast) -> Budget | None:
-    """Return the budget of a flight, cached; None where its energy is unknown.
+    """Return the cached budget; None where the energy is unknown.
 
     Raises:
         MissionError: the vehicle has no model, or makes no progress.
@@ -219,7 +200,7 @@ def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
 
 
 def shortage_of(forecast: Forecast) -> NotEnoughBattery | None:
-    """Return why a flight is refused for its energy; None if it is not, or its energy is unknown.
+    """Return the refusal of a flight for its energy.
 
     Raises:
         MissionError: as `budget_of`.
@@ -234,7 +215,7 @@ def _budget(forecast: Forecast) -> Budget | None:
 
 
 def flown_from(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
-    """Return the duration [s], at least and at most, and the energy of an RTL or LAND ordered at a time [s].
+    """Return duration and energy of an RTL or LAND ordered at a time [s].
 
     Raises:
         MissionError: the vehicle makes no progress, or its model has no such flights.

@@ -1,4 +1,4 @@
-"""Forecast the flight of a mission: legs, itinerary, times, energy and clearance, each computed once."""
+"""Forecast the flight of a mission, each part computed once."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, return_ways
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
@@ -15,20 +18,17 @@ from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
-if TYPE_CHECKING:  # imported on use
+if TYPE_CHECKING:
+    from ipoa_mission.autopilot.energy.consumption import Consumption
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.prediction import Prediction
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.energy.consumption import Consumption
 
 Made = TypeVar("Made")
 
@@ -38,8 +38,7 @@ class Forecast:
 
     Args:
         mission: the mission to fly.
-        scenario: its world, with the mission's autopilot; of a survey with start places, as seen from the one where
-            the mission begins.
+        scenario: its world; of a survey with start places, as seen from the one where the mission begins.
         wind: replaces the scenario's wind.
         left_out: items without legs to or from them.
 
@@ -79,9 +78,7 @@ class Forecast:
 
     @cached_property
     def mission(self) -> Mission:
-        """Return the mission as flown, with the scenario's parameters where it sets none.
-
-        Learned values of the vehicle come from the mission, else from the scenario.
+        """Return the mission with the scenario's parameters, and its learned values, where it sets none.
 
         Raises:
             BadInput: the mission is of another place than the scenario.
@@ -94,20 +91,20 @@ class Forecast:
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
 
     def on(self, version: Version | None) -> "Forecast":
-        """Return the flight by a vehicle that reports this version; without a report by the mission's version."""
+        """Return the flight by a vehicle of this version."""
         if version is None or version == self.given.firmware_version:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 
     def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
-        """Return `make` of this forecast, computed once; `by` computes the same faster."""
+        """Return `make` of this forecast, computed once; `by` is a faster way."""
         if make not in self._made:
             self._made[make] = (by or make)(self)
         made: Made = self._made[make]
         return made
 
     def drop(self, make: "Callable[[Forecast], Any]") -> None:
-        """Drop the cached result of `make`, and the large pieces of the deviation bound."""
+        """Drop the cached result of `make`, and large parts of the promise."""
         self._made.pop(make, None)
         if "promise" in self.__dict__:
             self.promise.flight.__dict__.pop("pieces", None)
@@ -119,7 +116,6 @@ class Forecast:
 
     @cached_property
     def frame(self) -> LocalFrame:
-        """Return the frame of east, north and up of home."""
         return LocalFrame(self.mission.home) if self.scenario is None else self.scenario.frame
 
     @cached_property
@@ -129,7 +125,6 @@ class Forecast:
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
-        """Return the legs from the take-off to the landing, and the ways home to other rally points."""
         over = self.ground if self.scenario is None else self.scenario.airspace.ground
         legs = flown_legs(self.mission, self.frame, None if over.is_level else over)
         after = {min((leg.seq for leg in legs if leg.seq > seq), default=seq) for seq in self.left_out}
@@ -144,12 +139,12 @@ class Forecast:
         return [leg for leg in self.legs if leg.phase is Phase.RETURN]
 
     def returns_from(self, places: Points) -> NDArray[np.float64]:
-        """Return the paths of returns from places (n, 3): place, over it, over each goal, (goals, n, 3, 3) [m]."""
+        """Return paths of returns, (goals, n, 3, 3) [m]."""
         return return_ways(self.mission, self.frame, places)
 
     @cached_property
     def itinerary(self) -> Itinerary:
-        """Return the visits of the vehicle in order.
+        """Return the visits in order.
 
         Raises:
             BadInput: a jump leads nowhere or never ends.
@@ -158,13 +153,12 @@ class Forecast:
 
     @cached_property
     def unknown(self) -> tuple[Unknown, ...]:
-        """Return the items after which the flight, and so its clearance, is unknown."""
         return tuple(unknown_ways(self.given))
 
     def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
-        """Predict times and places of the flight; not `sure` of its position, as PX4, in the mean of its flights.
+        """Predict times and places; not `sure` of its position, as PX4, in the mean of its flights.
 
-        `fast` runs the same arithmetic compiled (True), plain (False), or, by default, the quicker one.
+        `fast`: as in `estimate`.
 
         Raises:
             BadInput: the mission has no end, or a parameter is invalid.
@@ -198,17 +192,15 @@ class Forecast:
 
     @cached_property
     def expected(self) -> "Prediction":
-        """Return the prediction in the mean of its flights; raises as `predicted`."""
         return self.predicted(sure=False)
 
     @cached_property
     def estimate(self) -> "Estimate":
-        """Return the time of each item in the mean of its flights; raises as `predicted`."""
         return self.timed()
 
     @cached_property
     def energy(self) -> "Consumption | None":
-        """Return the energy; None where neither airframe nor hover power is known; raises as `predicted`."""
+        """Return the energy; None where neither airframe nor hover power is known."""
         track = self.estimate.track
         if len(track.times) < 2 or (self.scenario is None and self.mission.vehicle is None):
             return None
@@ -219,7 +211,7 @@ class Forecast:
 
     @cached_property
     def promise(self) -> "Promise":
-        """Return what its flights keep of the limits; raises as `predicted`, and where its way is unknown."""
+        """Return the kept limits; raises as `predicted`, and where its way is unknown."""
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
@@ -245,7 +237,6 @@ class Forecast:
 
     @cached_property
     def proof(self) -> "Proof":
-        """Return the proof of its legs from the end of the take-off to the last waypoint."""
         from ipoa_mission.planning.proof import prove
 
         points, stray = join(self.cruise)
@@ -267,11 +258,10 @@ def estimate(
 
     Args:
         mission: the mission to fly.
-        parameters: of the vehicle; they replace those of the mission, and these the autopilot's defaults.
+        parameters: replace those of the mission, and these the autopilot's defaults.
         wind: in which it is flown.
-        fast: run the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
-            mission), plain (False), or by default compiled only where that is ready and quicker. The result is the
-            same.
+        fast: run the same arithmetic compiled (True: some seconds the first time on a machine), plain (False), or by
+            default compiled only where that is ready and quicker.
 
     Returns:
         The total time and that of each item.

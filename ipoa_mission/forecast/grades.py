@@ -1,4 +1,4 @@
-"""Grade how surely a contingency keeps the required distance: clear, perhaps not, or not."""
+"""Grade how surely a contingency keeps the required distance."""
 
 from enum import StrEnum
 
@@ -7,16 +7,14 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
 
-WOULD_SHARE = 0.5  # share of the possible times with a shortfall, from which the grade is `WOULD`
-DEVIATIONS_OF_90 = 1.645  # nine in ten of a normal distribution are within this many standard deviations of its mean
+WOULD_SHARE = 0.5  # of the possible times with a shortfall
+DEVIATIONS_OF_90 = 1.645  # 90 % of a normal distribution, in standard deviations
 
 
 class Grade(StrEnum):
-    """The grade of a contingency at one time.
+    """`CLEAR`: each possible flight keeps the required distance. `MAY`: some do not.
 
-    `CLEAR`: each possible flight keeps the required distance. `MAY`: some do not, by their deviation or timing.
-    `WOULD`: the predicted path does not, at half or more of the times at which the vehicle may be there. `UNKNOWN`: the
-    path is unknown.
+    `WOULD`: the predicted path does not, at half or more of the possible times. `UNKNOWN`: the path is unknown.
     """
 
     CLEAR = "clear"
@@ -26,7 +24,7 @@ class Grade(StrEnum):
 
 
 def clear_at_any_time(times: Vector, clear: NDArray[np.bool_], tolerances: Vector) -> NDArray[np.bool_]:
-    """Return whether each time (n,) is clear with the vehicle early or late by up to `tolerances` [s]."""
+    """Return whether each time (n,) is clear, early or late by `tolerances` [s]."""
     unclear = times[~clear]
     after = np.searchsorted(unclear, times - tolerances, side="left")
     return np.asarray(after == np.searchsorted(unclear, times + tolerances, side="right"))
@@ -35,8 +33,7 @@ def clear_at_any_time(times: Vector, clear: NDArray[np.bool_], tolerances: Vecto
 def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDArray[np.bool_]) -> Vector:
     """Return the share of possible times with a shortfall, at each of `times` (n,).
 
-    The vehicle is early or late by `tolerances` (n,) in nine cases of ten, and never by more. `nearer` (m,) is the
-    shortfall at `evenly` spaced times (m,).
+    `tolerances` (n,) contain nine cases of ten, and limit all.
 
     >>> share_nearer(np.array([5.0, 20.0]), np.full(2, 2.0), np.arange(0.0, 30.0), np.arange(30) < 5).round(2)
     array([0.33, 0.  ])

@@ -1,6 +1,6 @@
-"""Compute returns along the mission, ahead to its landing or back to the take-off, and returns over terrain.
+"""Compute returns along the mission, and returns over terrain.
 
-The kind of return may change on the way: it is computed at each place, with the item flown to.
+The kind of return may change on the way.
 """
 
 import math
@@ -10,12 +10,8 @@ from functools import cached_property, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
-from ipoa_mission.forecast.itinerary.program import as_flown
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import FLOWN_TO, Command
-from ipoa_mission.vehicles.returning import (
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.returning import (
     HOME,
     MissionLanding,
     OverTerrain,
@@ -23,8 +19,12 @@ from ipoa_mission.vehicles.returning import (
     ReturnBy,
     ReturnRoute,
 )
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.geometry import Points, Vector
 
-FOLLOWING_LEGS = 60  # of a way that follows the ground
+FOLLOWING_LEGS = 60
 WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 
 
@@ -57,7 +57,7 @@ class ReturnRoutes:
         return frozenset(self.route(here, seq).by for here, seq in starts)
 
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Return the paths from starts (n, k, 3) to the ground, (n, p, 3)."""
+        """Return the paths (n, p, 3) from starts (n, k, 3)."""
         most, ways = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
@@ -66,10 +66,7 @@ class ReturnRoutes:
 
     @cached_property
     def off_terrain(self) -> tuple[float, ...]:
-        """Return the possible errors of its height over the ground on the way home [m]; none where it does not.
-
-        They are dense enough that each place between two of them is within the required distance of one.
-        """
+        """Return the possible errors of the followed height [m], close enough for the required distance."""
         over = self._over_terrain
         if over is None:
             return ()
@@ -82,14 +79,12 @@ class ReturnRoutes:
 
     @property
     def surely_over_terrain(self) -> bool:
-        """Return whether it always follows the ground, and never its return altitude over home."""
         return self._over_terrain is not None and self._over_terrain.surely
 
     def over_terrain(self, places: Points, stops: Points, beyond: Points, up: float, off: float) -> NDArray[np.float64]:
-        """Return the paths from places (n, 3) over `stops` straight to beyond, with the ground followed, (n, p, 3).
+        """Return the paths (n, p, 3) from places over `stops` straight to beyond, following the ground.
 
-        `up`: height of the goal above home; `off`: error of the height over the ground [m]. Each path has the same
-        number of legs.
+        `up`: height of the goal above home; `off`: error of the height over the ground [m].
         """
         ground, lower = self.forecast.world.airspace.ground, self.forecast.world.airspace.ground(beyond)
         under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
@@ -102,10 +97,6 @@ class ReturnRoutes:
         return np.concatenate([np.stack([places, stops, stops], axis=1), ways, down[:, None]], axis=1)
 
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
-        """Return the places after the climb in order; the last two are over the ground and on it.
-
-        Ahead begins with the item that it flies to, back with the one before.
-        """
         if by is ReturnBy.BACK:
             before = [place for number, place in reversed(self._places) if number < seq] or [self._places[0][1]]
             last, down = before[-1], np.zeros(3)

@@ -1,4 +1,4 @@
-"""Report shortfalls of contingencies, and find return altitudes without them."""
+"""Report shortfalls of contingencies, and clear return altitudes."""
 
 import math
 from collections.abc import Iterator
@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency_paths import (
     BRAKES,
     CLIMBS,
@@ -15,22 +16,21 @@ from ipoa_mission.forecast.contingency_paths import (
     ContingencyPaths,
     ContingencySamples,
 )
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.contingency import Contingency
 
-HEIGHT_STEP, MAX_HEIGHT = 5, 500  # step and maximum of return altitudes [m above home]
-MAX_TRIES = 8  # return altitudes
-FAR_DISTANCE = 1e5  # from which a return climbs to its whole height [m]
-EXCEEDING_SHARE = 0.01  # share of flights that may exceed the height allowed below a fence's ceiling
-SAG = 0.3  # greatest height that a return may be below its set height [m]
+HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
+MAX_TRIES = 8
+FAR_DISTANCE = 1e5  # of a return to its whole height [m]
+EXCEEDING_SHARE = 0.01  # of flights above a fence's ceiling
+SAG = 0.3  # below the set height of a return [m]
 
 
 @dataclass(frozen=True)
 class Shortfall:
     """A contingency too near to a body, ordered at a time [s], with its greatest missing distance [m].
 
-    `part` is the leg of its path. `overhead`: the body is above the vehicle as it climbs. The ground is "".
+    `overhead`: above the climbing vehicle.
     """
 
     contingency: Contingency
@@ -46,7 +46,6 @@ class Shortfall:
 
 
 def returning(ways: ContingencyPaths) -> list[Shortfall]:
-    """Return the shortfalls of RTL; first from few times, as one shortfall is enough."""
     begin, end = ways.in_air
     few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * STEP_S)))))
     return list(shortfalls(ways, Contingency.RTL, few)) or list(
@@ -55,9 +54,9 @@ def returning(ways: ContingencyPaths) -> list[Shortfall]:
 
 
 def highest_return(forecast: Forecast) -> float:
-    """Return the greatest return altitude that bounds, ceiling and the vehicle's own fence allow [m above home].
+    """Return the greatest return altitude that bounds and the vehicle's own fence allow [m above home].
 
-    A fence of the mission, and with it its ceiling, holds only where the vehicle's own fence is enabled.
+    A fence of the mission holds only where the vehicle's own fence is enabled.
     """
     mission, world = forecast.mission, forecast.world
     book = mission.autopilot.book
@@ -70,7 +69,7 @@ def highest_return(forecast: Forecast) -> float:
 
 
 def return_altitude(forecast: Forecast) -> float:
-    """Return the height above home of a return from far away, to home or the highest rally point [m]."""
+    """Return the height of a return from far away [m above home]."""
     mission = forecast.mission
     values = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     ups = (0.0, *(place.altitude for place in mission.rally))
@@ -80,10 +79,7 @@ def return_altitude(forecast: Forecast) -> float:
 def at_another_height(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
-    """Return the lowest tried return altitude at which RTL is clear, else the one with the smallest shortfall.
-
-    A return altitude above the allowed one is lowered.
-    """
+    """Return the lowest clear return altitude that was tried, else the one with the smallest shortfall."""
     by = forecast.mission.autopilot.book.return_height
     now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
     highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
@@ -111,7 +107,7 @@ def _merit(found: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
 
 
 def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
-    """Return multiples of 5 m above obstacles in the way, and below those overhead."""
+    """Return multiples of 5 m above obstacles in the way, below those overhead."""
     bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
     required = ways.required + SAG
     over = [now + one.missing for one in short if one.body == "" and one.part >= CLIMBS]

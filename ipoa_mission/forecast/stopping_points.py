@@ -1,21 +1,21 @@
-"""Compute where a flight would stop if it were aborted: after a delay and braking."""
+"""Compute where a flight would stop if it were aborted."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.autopilot import STATIONARY_SPEED
-from ipoa_mission.vehicles.contingency import Contingency
 
-STEP_S = 0.2  # between the places at which the flight may be aborted [s]
+STEP_S = 0.2  # [s]
 
 
 @dataclass(frozen=True, eq=False)
 class StoppingPoints:
-    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs` (n,), and the stopping points `stops`."""
+    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs`, and the stopping points `stops`."""
 
     times: Vector
     places: Points
@@ -26,7 +26,6 @@ class StoppingPoints:
         return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
 
     def at(self, times: Vector) -> tuple[Points, Points]:
-        """Return its place and its stopping point at any times (n,), each (n, 3) [m]."""
         places, stops = (
             np.column_stack([np.interp(times, self.times, axis) for axis in points.T])
             for points in (self.places, self.stops)
@@ -37,7 +36,7 @@ class StoppingPoints:
 def stopping_points_of(
     forecast: Forecast, begin: float | None = None, end: float | None = None, contingency: Contingency = Contingency.RTL
 ) -> StoppingPoints:
-    """Return the stopping points between two times [s], by default from the take-off to the last waypoint."""
+    """Return the stopping points between two times [s], by default on the way."""
     mission, flight = forecast.mission, forecast.promise.flight
     autopilot = mission.autopilot
     begin, end = flight.way[0] if begin is None else begin, flight.way[1] if end is None else end
@@ -49,9 +48,9 @@ def stopping_points_of(
     along = velocity[:, :2] / speed[:, None]
     gains = np.gradient(np.hypot(*velocity[:, :2].T), STEP_S) if len(times) > 1 else np.zeros(1)
     accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / STEP_S**2
-    del before, after  # large for flights of many hours
+    del before, after
     accel += along * (gains - (accel * along).sum(axis=1))[:, None]
-    if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within 0.5 m
+    if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
         way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
         stops[:, 2] += velocity[:, 2] * way / speed
     stops[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)

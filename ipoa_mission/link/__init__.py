@@ -1,1 +1,1 @@
-"""Communicate with a vehicle: the MAVLink mission service and commands."""
+"""The MAVLink mission service and commands."""

@@ -1,7 +1,4 @@
-"""Parse connection strings: `udpin:127.0.0.1:14550` or `udpin://127.0.0.1:14550`.
-
-Without a host the address is the loopback: nothing listens on the network unless the user asks for it.
-"""
+"""Parse connection strings; the default host is the loopback, for safety."""
 
 import re
 from dataclasses import dataclass
@@ -35,8 +32,6 @@ _SPELLINGS = {
 
 @dataclass(frozen=True)
 class Address:
-    """Address a link: host and port, or a serial device and its baud rate."""
-
     transport: Transport
     host: str = LOOPBACK
     port: int = 0
@@ -50,11 +45,6 @@ class Address:
 
 
 def parse_address(url: str) -> Address:
-    """Return the address in a connection string.
-
-    Raises:
-        BadInput: it is not a connection string.
-    """
     if match := _SERIAL.fullmatch(url):
         return Address(Transport.SERIAL, device=match["device"], baud=int(match["baud"] or DEFAULT_BAUD))
     match = _NETWORK.fullmatch(url)

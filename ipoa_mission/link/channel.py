@@ -1,7 +1,6 @@
 """Send and receive bytes: the only owner of sockets, serial ports and the real clock.
 
-A channel knows peers, not vehicles: `receive` returns the sender of bytes, `send` takes their receiver. Reading
-blocks until its deadline at most. Writing never blocks: a full buffer loses bytes, as a radio does.
+Writing never blocks: a full buffer loses bytes.
 """
 
 import os
@@ -19,11 +18,11 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 Peer: TypeAlias = Hashable
 MAX_READ = 65536
 MAX_CONNECTIONS = 16
-TCP_TIMEOUT_S = 10.0  # a connection opened here that takes nothing for this long is closed: reconnecting is faster
-RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
+TCP_TIMEOUT_S = 10.0  # [s] without progress: closed
+RECEIVE_BUFFER = 4 << 20  # [bytes] PX4 streams thousands of frames a second
 CLOSED = "the other side closed the connection"
 CLOSED_HINT = "was the autopilot, or what relays it, restarted?"
-MAX_UNSENT = 2048  # bytes queued for a serial line: a third of a second at 57600 baud
+MAX_UNSENT = 2048  # [bytes] for a serial line: 0.3 s at 57600 baud
 
 
 class LinkDown(MissionError):
@@ -31,9 +30,7 @@ class LinkDown(MissionError):
 
 
 class Channel(Protocol):
-    """Carry bytes, and provide the link's clock."""
-
-    #: True if bytes come in datagrams of whole frames.
+    #: bytes come in datagrams of whole frames
     datagrams: bool
 
     def now(self) -> float: ...
@@ -41,21 +38,15 @@ class Channel(Protocol):
     def unix_s(self) -> float: ...
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """Return received bytes as soon as there are some, or none at `until`."""
+        """Return received bytes at once, or none at `until`."""
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """Send to one peer; None: to the remote address of the channel, if it has one."""
+        """Send to one peer; None: to the channel's remote address, if any."""
 
     def close(self) -> None: ...
 
 
 def open_channel(url: str) -> Channel:
-    """Open the link of a connection string.
-
-    Raises:
-        BadInput: it is not a connection string.
-        LinkDown: the link cannot be opened.
-    """
     address = parse_address(url)
     try:
         match address.transport:
@@ -65,7 +56,7 @@ def open_channel(url: str) -> Channel:
                 return TcpChannel(address)
             case _:
                 return SerialChannel(address)
-    except (OSError, ValueError) as error:  # ValueError: an impossible host, device or baud rate
+    except (OSError, ValueError) as error:
         words = f"cannot be opened: {_reason(error)}"
         raise LinkDown(words, hint=_hint(error), code="link-not-opened", place=address) from error
 
@@ -81,8 +72,6 @@ def _hint(error: Exception) -> str | None:
 
 
 class RealTime:
-    """Provide the computer's clock to channels that leave this process."""
-
     def __init__(self) -> None:
         self._epoch = time.time() - time.monotonic()
 
@@ -98,7 +87,7 @@ def _family(host: str) -> socket.AddressFamily:
 
 
 class UdpChannel(RealTime):
-    """Carry UDP: `udpin` waits at its port and answers its peers; `udpout` sends to one address first."""
+    """`udpin` waits at its port; `udpout` sends first."""
 
     datagrams = True
 
@@ -118,7 +107,7 @@ class UdpChannel(RealTime):
         except (OSError, ValueError):
             self._socket.close()
             raise
-        self._sender = self._socket.dup()  # reading blocks with a timeout; writing never does
+        self._sender = self._socket.dup()  # reading sets a timeout; writing never blocks
         self._sender.setblocking(False)
 
     @property
@@ -130,13 +119,13 @@ class UdpChannel(RealTime):
         try:
             self._socket.settimeout(max(0.0, until - time.monotonic()))
             return [self._socket.recvfrom(MAX_READ)]
-        except (TimeoutError, BlockingIOError, ConnectionError):  # nothing came, or a datagram met a closed port
+        except (TimeoutError, BlockingIOError, ConnectionError):  # a datagram met a closed port
             return []
         except OSError as error:
             raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """Send, and ignore a peer that cannot be reached, whatever its address."""
+        """Ignore a peer that cannot be reached."""
         to: Any = peer or self._remote
         if to is None:
             return
@@ -158,8 +147,6 @@ def _is_loopback(host: str) -> bool:
 
 
 class TcpChannel(RealTime):
-    """Carry TCP: `tcp` connects, `tcpin` accepts connections; a peer is a connection."""
-
     datagrams = False
 
     def __init__(self, address: Address) -> None:
@@ -174,7 +161,7 @@ class TcpChannel(RealTime):
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)
             self._adopt(connection)
-            with suppress(AttributeError):  # not available on every system
+            with suppress(AttributeError):
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * TCP_TIMEOUT_S))
 
     @property
@@ -240,7 +227,7 @@ class TcpChannel(RealTime):
             self._adopt(connection)
 
     def _finish(self, connection: socket.socket, rest: bytes) -> None:
-        """Send the rest of a frame within 0.5 s, else drop the connection: a partial frame would corrupt the stream."""
+        """Send the rest within 0.5 s, else drop the connection: a partial frame corrupts the stream."""
         connection.settimeout(0.5)
         try:
             connection.sendall(rest)
@@ -290,7 +277,7 @@ class SerialChannel(RealTime):
         return data
 
     def _write(self) -> None:
-        """Write only what the line takes at once: pyserial blocks for ever on a line that takes nothing."""
+        """Write only what the line takes at once: else pyserial blocks for ever."""
         if self._unsent and self._is_ready():
             self._unsent = self._unsent[self._port.write(self._unsent) :]
 

@@ -1,7 +1,7 @@
 """Convert messages to MAVLink frames and back.
 
-The framing is our own, because pymavlink's parser has three faults. It drops the sender of an unknown message. It
-drops a whole good frame after a corrupt length. It records a signature's timestamp before it has checked it.
+pymavlink's parser drops the sender of an unknown message, and a good frame after a corrupt length. It records a
+signature's timestamp unchecked.
 """
 
 import re
@@ -19,9 +19,9 @@ from ipoa_mission.link.signing import Signer
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
-HEADER_BYTES = 10  # of MAVLink 2
+HEADER_BYTES = 10
 SIGNATURE_BYTES = 13
-#: Possible start of a frame: a MAVLink 2 length is followed by flags, of which only the signature's is known.
+#: Start of a frame; of the MAVLink 2 flags only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
 RADIO_STATUS = "RADIO_STATUS"
 _HEADER = struct.Struct("<BBBBBBHB")  # after the magic byte
@@ -29,8 +29,6 @@ _MAGIC_2 = bytes((MAGIC_2,))
 
 
 class Target(NamedTuple):
-    """Address a message; 0 is everyone."""
-
     system: int
     component: int
 
@@ -40,12 +38,12 @@ EVERYONE = Target(0, 0)
 
 @dataclass(frozen=True)
 class Heard:
-    """Hold one received message, its sender and target; `raw` is its frame."""
+    """`raw` is its frame, `message` None if unused."""
 
     system: int
     component: int
     target: Target
-    message: Message | None  # None: a message that the package does not use
+    message: Message | None
     raw: bytes
 
     def is_for(self, system: int, component: int) -> bool:
@@ -57,8 +55,6 @@ def checksum(frame: bytes, crc_extra: int) -> int:
 
 
 class Codec:
-    """Encode with one end's ids and frame sequence, and sign if there is a signer."""
-
     def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
         self.system = system
         self.component = component
@@ -66,14 +62,14 @@ class Codec:
         self._sequence = 0
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
-        """Return the MAVLink 2 frame of a message; `unix_s` is the time in its signature."""
+        """`unix_s` is its signature's time."""
         name, fields = wire.write(message)
         definition = definition_of(name)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
         return self.frame(definition, definition.pack(addressed), unix_s)
 
     def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
-        """Return the next MAVLink 2 frame with this payload, which has no trailing zeros."""
+        """`payload` has no trailing zeros."""
         signer = self.signer
         flags = SIGNED if signer else 0
         number = definition.number
@@ -86,7 +82,6 @@ class Codec:
         return frame if signer is None else frame + signer.signature(frame, unix_s)
 
     def decode(self, frame: bytes) -> Heard | None:
-        """Decode a whole frame; None if its signature is not accepted."""
         definition, system, component, payload = _parts(frame)
         if self.signer and not self.signer.accepts(frame, system, component) and definition.name != RADIO_STATUS:
             return None
@@ -98,7 +93,7 @@ class Codec:
 
 
 class Framer:
-    """Cut the bytes of one peer into whole frames; skip all other bytes."""
+    """Cut the bytes of one peer into whole frames."""
 
     def __init__(self) -> None:
         self._buffer = b""
@@ -108,7 +103,7 @@ class Framer:
         return bool(self._buffer)
 
     def feed(self, data: bytes) -> Iterator[bytes]:
-        """Yield the frames that `data` completes, with checked checksums; buffer one frame at most."""
+        """Yield completed good frames; buffer one at most."""
         self._buffer += data
         at = 0
         while (start := next_magic(self._buffer, at)) >= 0:
@@ -123,10 +118,7 @@ class Framer:
         self._buffer = b""
 
     def datagram(self, data: bytes) -> Iterator[bytes]:
-        """Yield the frames that a datagram completes: usually one, but some links split a frame over two.
-
-        A datagram that begins with a whole frame discards an incomplete frame in the buffer.
-        """
+        """Yield completed frames: some links split one over two datagrams."""
         first = frame_at(data, 0)
         if first is None:
             yield from self.feed(data)
@@ -147,7 +139,7 @@ def frames(data: bytes) -> Iterator[bytes]:
 
 
 def frame_at(data: bytes, start: int) -> bytes | None:
-    """Return the whole frame at `start`, of a known message with the right checksum, or None."""
+    """Return a known message's whole frame with the right checksum."""
     length = _frame_length(data, start)
     if length is None or start + length > len(data):
         return None
@@ -163,7 +155,7 @@ def frame_at(data: bytes, start: int) -> bytes | None:
 
 
 def unknown_frame(data: bytes, start: int) -> int:
-    """Return the length of the frame at `start` if its message is unknown, else 0."""
+    """Return the frame's length if its message is unknown, else 0."""
     length = _frame_length(data, start)
     if length is None or start + length > len(data):
         return 0
@@ -172,7 +164,7 @@ def unknown_frame(data: bytes, start: int) -> int:
 
 
 def numbered(frame: bytes) -> tuple[tuple[int, int], int]:
-    """Return a whole frame's sender (system, component) and its sequence number modulo 256."""
+    """Return the sender (system, component) and the sequence number modulo 256."""
     first = 2 if is_old(frame) else 4
     return (frame[first + 1], frame[first + 2]), frame[first]
 

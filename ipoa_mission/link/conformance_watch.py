@@ -1,35 +1,38 @@
-"""Compare a watched vehicle with its forecast, and order the chosen reaction to a deviation."""
-
 import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from ipoa_mission.link.dialogue import Dialogue
 from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.world.frame import Geodetic
 
-if TYPE_CHECKING:  # a large module, which most commands do not need
+
+class OnDeviation(StrEnum):
+    HOLD = "hold"
+    RTL = "rtl"
+    REPORT = "report"
+
+
+if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation
 
 log = logging.getLogger(__name__)
-COMPARE_INTERVAL_S = 0.2  # between two comparisons, on the vehicle's clock [s]
+COMPARE_INTERVAL_S = 0.2  # [s] of the vehicle's clock
 
 
 class Conformance:
-    """React to deviations of one vehicle's flight, and record them.
+    """React to deviations of one vehicle's flight.
 
     Attributes:
-        on_deviation: the order at the first deviation, and again after the vehicle has resumed its mission.
         tell: called with each deviation; its time counts from the arming [s].
-        ends_held: whether watching ends when the vehicle holds because of a deviation.
-        deviations: those of this flight.
+        ends_held: whether watching ends when a deviation holds the vehicle.
     """
 
     def __init__(self, state: VehicleState, order: FlightOrder) -> None:
@@ -44,7 +47,6 @@ class Conformance:
         self._is_ordered = False
 
     def compare(self, monitor: "ConformanceMonitor | None") -> None:
-        """Compare the next flight; None: no forecast is known for it."""
         self._monitor, self._seen_s, self._is_ordered = monitor, -math.inf, False
         self.deviations.clear()
 
@@ -63,7 +65,6 @@ class Conformance:
 
     @property
     def why_not(self) -> str:
-        """Return why a flight ended by a deviation is not complete; empty for other flights."""
         if not self._is_ordered:
             return ""
         what = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
@@ -82,7 +83,7 @@ class Conformance:
         if self._is_ordered and self._order.is_under_way:
             return  # ignore deviations until the vehicle obeys
         if self._state.custom_mode == self._state.autopilot.modes.mission:
-            self._is_ordered = False  # it refused the order, or went on with its mission
+            self._is_ordered = False  # refused, or the mission was resumed
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         if (deviation := self._monitor.see(heard.time_s, place, self._item)) is not None:
             self._deviates(deviation)

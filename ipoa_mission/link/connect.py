@@ -1,4 +1,4 @@
-"""Find the vehicle on a link by its heartbeat, and by its system id if there are several."""
+"""Find the vehicle on a link by its heartbeat."""
 
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
-#: Timeouts for the first heartbeat, and for those of other vehicles after it [s].
+#: For the first heartbeat, and for others after it [s].
 PRESENCE_S, OTHER_HEARTBEATS_S = 10.0, 1.2
 
 
@@ -36,11 +36,11 @@ def connect(
     """Open a link and find the vehicle on it.
 
     Args:
-        link: a connection string, an open connection of pymavlink's mavutil, or MAVSDK's System. An open connection
-            stays open when the vehicle is closed.
-        system: the vehicle's system id, if there are several vehicles.
-        log: a `.tlog` to write, with every frame.
-        signer: signs sent frames and checks the signatures of received ones.
+        link: a connection string, a connection of pymavlink's mavutil, or MAVSDK's System. Closing the vehicle leaves
+            an open connection open.
+        system: the system id, if there are several vehicles.
+        log: a `.tlog` to write.
+        signer: signs sent frames and checks received ones.
         patience: the timeouts and retries.
         fast: use ArduPilot's mission file.
         anyway: take the first of several vehicles with this system id.
@@ -52,7 +52,7 @@ def connect(
     Raises:
         BadInput, LinkDown: the link cannot be opened.
         NoAnswer: there is no vehicle.
-        SignsOtherwise: a vehicle is heard, but its signatures are not accepted.
+        SignsOtherwise: the signatures of a heard vehicle are not accepted.
         NotFlown: it is not a multicopter of ArduPilot or PX4; only our heartbeat was sent to it.
         MissionError: there are several, and `system` does not choose one.
         Contested: two vehicles use this system id.
@@ -83,7 +83,6 @@ def connect(
 
 
 def _drop_unanswered(log: Path) -> None:
-    """Remove a log that contains only our own frames."""
     if log.is_file() and all(sender_of(record.frame) == STATION_SYSTEM for record in read_tlog(log)):
         log.unlink()
 
@@ -104,17 +103,7 @@ def meet(
     anyway: bool = False,
     reading: bool = False,
 ) -> Vehicle:
-    """Return the vehicle on a line: the one with this system id, or the only one.
-
-    Vehicles are pinged meanwhile, so that the first timers already fit the link's round trip.
-
-    Raises:
-        NoAnswer: there is none.
-        SignsOtherwise: one is heard, but its signatures are not accepted.
-        NotFlown: it is not a multicopter of ArduPilot or PX4, and not only to be read from (`reading`).
-        MissionError: there are several, and `system` does not choose one.
-        Contested: two vehicles use this system id; `anyway` takes the first.
-    """
+    """Raise as `connect` does; pings meanwhile fit the first timers to the round trip."""
     autopilots: dict[int, FoundVehicle] = {}
     trips: dict[int, float] = {}
     until = line.now() + min(PRESENCE_S, patience.total_s)

@@ -1,4 +1,4 @@
-"""Read a list that nobody changes meanwhile: between two answers it could have been replaced."""
+"""Read a list that nobody changes meanwhile."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from ipoa_mission.link.item_payloads import unpack_items
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, silent
 
-READ_ATTEMPTS = 5  # attempts to read a list that changes, or seems to change, each time
+READ_ATTEMPTS = 5
 
 
 class KeepsChanging(MissionError):
@@ -26,10 +26,9 @@ class KeepsChanging(MissionError):
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
 ) -> Dialogue[tuple[list[Item | bytes], int]]:
-    """Read the vehicle's list and its checksum, equal before and after the reading (0: the vehicle computes none).
+    """Return the list and its checksum (0: none), equal before and after the reading.
 
-    `numbers`: sequence numbers for the questions for the checksum. Without them a change during the reading goes
-    unnoticed.
+    Without `numbers` for the checksum, a change goes unnoticed.
 
     Raises:
         KeepsChanging: the list differed each time.
@@ -50,7 +49,6 @@ def read_consistent(
 def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
-    """Read the vehicle's list in its wire form; raises as `read_consistent` does."""
     stored, _ = yield from read_consistent(kind, numbers, progress)
     return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
 

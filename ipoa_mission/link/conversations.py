@@ -1,7 +1,4 @@
-"""The mission service: `offer` and `fetch` are the two ends of one transfer, for the client and the mock alike.
-
-In an upload the client offers and the vehicle fetches; in a download it is the reverse.
-"""
+"""The mission service: `offer` and `fetch` are the two ends of a transfer."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -34,20 +31,18 @@ T = TypeVar("T")
 Answer = TypeVar("Answer", Ack, Count)
 Take = Callable[[int, ItemAt], int]
 
-#: Refusals after which a vehicle may still ask for items. PX4 answers a second COUNT or a stray item with ERROR.
-#: ArduPilot answers a duplicate with INVALID_SEQUENCE. Neither ends the transfer.
+#: Refusals after which a vehicle may still ask: PX4 answers a second COUNT or a stray item with ERROR, ArduPilot a
+#: duplicate with INVALID_SEQUENCE.
 DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
-#: Timeout for the next request after a doubtful refusal [s]; both firmwares repeat theirs within a second.
+#: Both firmwares repeat their request within a second [s].
 REFUSAL_TIMEOUT_S = 3.0
-#: Timeout for the final Ack [s]; after it the read-back decides.
+#: After it the read-back decides [s].
 FINAL_ACK_TIMEOUT_S = 3.0
-#: The words that explain a refusal come before it or within this time after it [s].
+#: For words that explain a refusal [s].
 REASON_TIMEOUT_S = 0.3
 
 
 class MissionRefused(MissionError):
-    """The vehicle refused: `result` (a `Result`), the refused item if known, and the vehicle's words."""
-
     def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "") -> None:
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
         name = Result(result).name if result in set(Result) else str(result)
@@ -64,15 +59,13 @@ def list_name(kind: int) -> str:
 
 @dataclass
 class VehicleTexts:
-    """Collect the vehicle's texts during a conversation, of severity `least_severity` or worse."""
-
     least_severity: int = INFO
     words: list[str] = field(default_factory=list)
 
     def note(self, message: Message | None) -> None:
         match message:
             case Text(severity, text) if severity <= self.least_severity:
-                words = text.rstrip("\t ")  # PX4 marks a text that repeats an event with a tab
+                words = text.rstrip("\t ")  # PX4 marks a repeated event with a tab
             case Event(number, _, arguments):
                 words = words_of(number, arguments) or ""
             case _:
@@ -85,7 +78,7 @@ class VehicleTexts:
 
 
 def observed(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
-    """Pass each heard message to `note` first; an error that `note` raises ends the dialogue without the message."""
+    """Pass each heard message to `note` first."""
     move = partial(dialogue.send, None)
     while True:
         try:
@@ -109,19 +102,11 @@ def offer(
     asked: Callable[[int], None] = lambda seq: None,
     packed: Payloads | None = None,
 ) -> Dialogue[int | None]:
-    """Offer a list. Return ACCEPTED, or what else followed the last item: None for silence, or a doubtful refusal.
+    """Return ACCEPTED, or what followed the last item: None for silence, or a doubtful refusal.
 
-    With `opening` Ask we are the client. The vehicle requests the items in order, so a request for an earlier item is
-    a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may request any item.
-
-    Args:
-        opening: Ask or Tell.
-        asked: called with the number of each requested item, and at the end with their count.
-        packed: the items' payloads, if they exist already.
-
-    Raises:
-        MissionRefused: a refusal ended the transfer.
-        NoAnswer: silence before the last item was requested.
+    A client (`opening` Ask) ignores requests for earlier items: they are late duplicates. A vehicle (Tell) answers any.
+    Raise MissionRefused, or NoAnswer before the last request. `asked` gets each requested number, and at the end the
+    count.
     """
     in_order = opening is Ask
     run = ItemsSent(kind, len(items), items=items, packed=packed, asked=asked)
@@ -159,7 +144,7 @@ def offer(
                 raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
-            case None:  # no request came within REFUSAL_TIMEOUT_S
+            case None:
                 raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
                 texts.note(heard)
@@ -167,8 +152,6 @@ def offer(
 
 @dataclass(frozen=True)
 class RequestStyle:
-    """Choose the old MISSION_REQUEST, and whether a stray item is answered with INVALID_SEQUENCE."""
-
     legacy: bool = False
     rebukes: bool = False
 
@@ -179,14 +162,9 @@ BY_REQUEST_INT = RequestStyle()
 def fetch(
     count: int, kind: int, take: Take, style: RequestStyle = BY_REQUEST_INT, run: ItemsRead | None = None
 ) -> Dialogue[int]:
-    """Fetch the items from `run.at` (else 0) to `count` - 1 in order and pass each to `take`.
+    """Pass the items from `run.at` (else 0) to `take`; return its first result other than ACCEPTED.
 
-    Return ACCEPTED, or the first other result of `take`, which ends it. A `run` reads items without the dialogue, and
-    passes them to `run.keep`. The caller sends the closing Ack, because it may check the whole list first.
-
-    Raises:
-        MissionRefused: the other side ended the transfer.
-        NoAnswer: silence.
+    The caller sends the closing Ack. Raise MissionRefused or NoAnswer.
     """
     doubt: int | None = None
     here = run or ItemsRead(kind, count, at=0)
@@ -217,13 +195,9 @@ def fetch(
 
 
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Read the vehicle's list: each item, or its payload.
+    """Return items or payloads; raise MissionRefused or NoAnswer.
 
-    A vehicle closes a transfer after some seconds of silence (PX4: 5 s). It is then opened again, and the reading
-    continues with the next item.
-
-    Raises:
-        MissionRefused, NoAnswer.
+    A vehicle closes a silent transfer (PX4: after 5 s); it is opened again at the next item.
     """
     stored: list[Item | bytes] = []
     total = yield from open_list(kind)
@@ -248,7 +222,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
             if idle > 2:
                 raise
             again = yield from open_list(kind, silence)
-            if again != total:  # another list has replaced it
+            if again != total:  # the list was replaced
                 stored.clear()
             total = again
         else:
@@ -257,12 +231,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
 
 
 def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
-    """Ask for the length of the list; `silence` is the error to raise if nobody answers.
-
-    Raises:
-        MissionRefused: among others, while another station uploads (ArduPilot).
-        NoAnswer.
-    """
+    """Raise `silence` if nobody answers, and MissionRefused, as ArduPilot does while another station uploads."""
     try:
         answer = yield from _answered(RequestList(kind), Count)
     except NoAnswer as still:
@@ -271,11 +240,6 @@ def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
 
 
 def clear(kind: int) -> Dialogue[None]:
-    """Clear a list on the vehicle.
-
-    Raises:
-        MissionRefused, NoAnswer.
-    """
     yield from _answered(ClearAll(kind), Ack)
 
 
@@ -296,7 +260,6 @@ def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogu
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    """Note the vehicle's words for a moment: they explain a refusal."""
     heard: Message | None = yield Pause(REASON_TIMEOUT_S)
     while heard is not None:
         texts.note(heard)

@@ -1,5 +1,3 @@
-"""Define MAVLink's messages: number, name, fields, checksum seed. The tables are pymavlink's, of any dialect."""
-
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -15,7 +13,7 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.message_layout import Fields
 
-NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # MAVLink's descriptions of an unused param
+NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")
 
 
 @dataclass(frozen=True)
@@ -24,7 +22,7 @@ class Definition:
     name: str
     layout: struct.Struct
     names: tuple[str, ...]
-    lengths: tuple[int, ...]  # number of values of each field in the layout
+    lengths: tuple[int, ...]  # values per field
     crc_extra: int
 
     @cached_property
@@ -32,11 +30,7 @@ class Definition:
         return bytes((self.crc_extra,))
 
     def pack(self, fields: Fields) -> bytes:
-        """Return the payload without trailing zeros; a missing field is zero.
-
-        Raises:
-            BadInput: a value does not fit.
-        """
+        """Return the payload without trailing zeros; raise BadInput."""
         values: list[Any] = []
         for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
             value = fields.get(name, blank)
@@ -47,7 +41,7 @@ class Definition:
             raise BadInput(f"expected values that fit its fields: {error}", place=self.name) from error
 
     def unpack(self, payload: bytes) -> SimpleNamespace:
-        """Return the fields of a payload. MAVLink 2 cuts trailing zeros, MAVLink 1 the extensions."""
+        """Decode a payload cut by MAVLink 2 (trailing zeros) or 1 (extensions)."""
         size = self.layout.size
         values = self.layout.unpack(payload[:size].ljust(size, b"\0"))
         if len(values) == len(self.names):
@@ -68,7 +62,6 @@ def _blanks(number: int) -> tuple[Any, ...]:
     return tuple(fields.values())
 
 
-#: Messages of PX4 that ArduPilot's dialect lacks.
 _PX4_DEFINITIONS = (
     Definition(
         300,
@@ -90,7 +83,7 @@ _PX4_DEFINITIONS = (
         160,
     ),
 )
-#: Extension fields that MAVLink added after the stable dialects: 32-bit numbers.
+#: Extension fields newer than the stable dialects: 32-bit numbers.
 _ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
 
 
@@ -121,10 +114,10 @@ def add_dialect(dialect: str | ModuleType) -> None:
     """Add the messages of another dialect.
 
     Args:
-        dialect: a name of pymavlink's dialects, or a module that pymavlink generated.
+        dialect: a name of pymavlink's dialects, or a module that it generated.
 
     Raises:
-        BadInput: there is no such dialect, or one of its numbers has another message already.
+        BadInput: there is no such dialect, or one of its numbers has another message.
 
     Example:
         >>> from ipoa_mission import add_dialect
@@ -144,11 +137,7 @@ def add_dialect(dialect: str | ModuleType) -> None:
 
 
 def dialect_of(number: int) -> Any:
-    """Return pymavlink's module that contains this message.
-
-    Raises:
-        BadInput: no dialect in use contains it.
-    """
+    """Return pymavlink's module with this message; raise BadInput."""
     for module in _IN_USE:
         if number in module.mavlink_map:
             return module
@@ -173,7 +162,7 @@ def message_name(number: int) -> str | None:
 
 
 def params_in_words(command: int) -> dict[int, str]:
-    """Return MAVLink's descriptions of a command's used params, 1 to 7; empty for an unknown command.
+    """Return MAVLink's descriptions of the used params, 1 to 7.
 
     >>> params_in_words(177)
     {1: 'Sequence number', 2: 'Repeat count'}

@@ -1,12 +1,13 @@
-"""Start a mission from the ground at a known item, in the order that each firmware needs.
+"""Start a mission from the ground at a known item, in each firmware's order.
 
-Before the arming the vehicle must report that it is disarmed, begins at the right item, passes its pre-arm checks, and
-holds the uploaded lists. A refusal after the arming disarms it again, unless it may be in the air.
+A refusal after the arming disarms the vehicle, unless it may be in the air.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
@@ -15,12 +16,9 @@ from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 
-#: Streams that a flight is watched by, and their intervals [s]; ArduPilot sends none of them unasked.
-STREAMS_S = {
+STREAMS_S = {  # [s]; ArduPilot sends none unasked
     "HEARTBEAT": 0.1,
     "GLOBAL_POSITION_INT": 0.05,
     "MISSION_CURRENT": 0.1,
@@ -30,25 +28,25 @@ STREAMS_S = {
 NEEDED_STREAMS = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 ARMING = "arm"
 DISARM_ATTEMPTS = 3
-STREAM_REQUESTS = 3  # for a missing stream: the answer heard may belong to an earlier request
+STREAM_REQUESTS = 3  # an answer may belong to an earlier request
 
 
 @dataclass(frozen=True)
 class DepartureLimits:
-    stream_s: float = 4.0  # until a requested stream is heard
-    ready_s: float = 180.0  # until the vehicle could be armed
-    check_s: float = 3.0  # for each look at its readiness
-    retry_s: float = 1.0  # pause before the next look, and between two attempts to arm
-    arming_attempts: int = 5  # a vehicle that reports readiness may need a moment more
-    climb_s: float = 120.0  # until it has climbed
-    climbed_below: float = 0.5  # tolerance below the requested height [m]
+    stream_s: float = 4.0
+    ready_s: float = 180.0
+    check_s: float = 3.0  # per readiness check
+    retry_s: float = 1.0
+    arming_attempts: int = 5  # a ready vehicle may need a moment more
+    climb_s: float = 120.0
+    climbed_below: float = 0.5  # the requested height [m]
 
 
 LIMITS = DepartureLimits()
 
 
 class NotYet(CommandRefused):
-    """The vehicle is not armed, for reasons that pass with time by its own `words`."""
+    """Not armed, for reasons that pass with time."""
 
     def __init__(self, result: int, words: str) -> None:
         super().__init__(ARMING, result, words)
@@ -57,14 +55,11 @@ class NotYet(CommandRefused):
 
 @dataclass(frozen=True)
 class Departure:
-    """Describe a flight that is about to begin.
+    """A flight that is about to begin.
 
     Attributes:
-        first: the item to begin with, as numbered on the wire.
-        moving: the first item from there on that moves the vehicle. ArduPilot reports it as current once the items
-            before it are done.
-        climb: height to which an ArduPilot climbs before a first item that is no take-off [m]; PX4 climbs by itself.
-        onboard_lists: the lists that the vehicle was seen to hold.
+        moving: the first item that moves the vehicle: ArduPilot soon reports it.
+        climb: height of an ArduPilot before a first item that is no take-off [m].
     """
 
     state: VehicleState
@@ -80,11 +75,6 @@ class Departure:
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
-    """Request every stream that a flight is watched by, and check that the needed ones arrive.
-
-    Raises:
-        NotReady: a needed stream does not arrive.
-    """
     unheard, refused = list(STREAMS_S), set[str]()
     state.heard -= set(NEEDED_STREAMS.values())
     for _ in range(STREAM_REQUESTS):
@@ -111,14 +101,10 @@ def expect_on_ground(state: VehicleState) -> None:
 
 
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
-    """Prepare a vehicle on the ground for arming and its mission.
-
-    Set its current item and see it in MISSION_CURRENT. Change to the arming mode. Wait for a position and for passed
-    pre-arm checks.
+    """Prepare for arming: current item, mode, position, pre-arm checks.
 
     Raises:
-        NotReady, TimeUp: armed already, not ready in time, or hindered by what does not pass with time; with the
-            vehicle's own reasons.
+        NotReady, TimeUp: armed already, or not ready in time.
         NotFlown: it is not a multicopter.
         NoAnswer, CommandRefused: it does not accept its current item.
     """
@@ -167,7 +153,7 @@ def _not_ready_reason(state: VehicleState) -> str:
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
-    """Run `depart`; after a refusal that passes with time, prepare again while `left_s` is positive [s]."""
+    """Run `depart`; after a temporary refusal prepare again while `left_s` is positive [s]."""
     while True:
         try:
             return (yield from depart(departure))
@@ -182,10 +168,9 @@ def depart(departure: Departure) -> Dialogue[None]:
     """Arm a prepared vehicle that provably holds our lists, and start its mission.
 
     Raises:
-        NotYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
-        Replaced, NotReady: it holds another list, or does not report it; it was not armed, or not started.
-        CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
-            reported to be on the ground.
+        NotYet: not armed, for reasons that pass with time.
+        Replaced, NotReady: it holds another list, was not armed, or not started.
+        CommandRefused, NoAnswer, Cancelled, TimeUp: the hint is its state; on the ground it was disarmed.
     """
     state, reasons = departure.state, departure.autopilot.protocol_profile.arming_words
     may_be_armed, attempt = False, 0
@@ -221,7 +206,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
-        state.current = None  # only a report from after the arming counts
+        state.current = None  # count only reports after the arming
         yield from until(lambda: state.current is not None, LIMITS.retry_s)
         expect_unchanged(departure.onboard_lists)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
@@ -231,7 +216,6 @@ def _begin(departure: Departure) -> Dialogue[None]:
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
-    """Set the first item, and see it in MISSION_CURRENT."""
     state, first = departure.state, departure.first
     begins = range(first, departure.moving + 1)
     state.current = None
@@ -258,10 +242,7 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
-    """Disarm a vehicle that reports to be on the ground; wait for a new report before each order.
-
-    Do nothing to a vehicle that flies, takes off, or does not report its landed state.
-    """
+    """Disarm a vehicle that newly reports to be on the ground; leave any other alone."""
     try:
         for attempt in range(DISARM_ATTEMPTS):
             if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):

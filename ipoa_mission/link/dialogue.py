@@ -1,6 +1,6 @@
 """Dialogues are generators; `Exchange` runs one against a clock.
 
-A dialogue yields a step and is sent a heard message, so its code reads like the sequence diagram:
+A dialogue yields a step and is sent a heard message:
 
     heard = yield Ask(Count(3))      # sent repeatedly until the dialogue acts on an answer
     heard = yield Tell(item)         # sent once: repeating is up to the other side
@@ -8,8 +8,7 @@ A dialogue yields a step and is sent a heard message, so its code reads like the
     yield Remark(Ack(...))           # sent once; returns at once, and the earlier wait continues
     heard = yield None               # the message was irrelevant: continue the earlier wait
 
-The dialogue ends its `Exchange` by a return or an error. If the other side stays silent, `NoAnswer` is raised in the
-dialogue where it waits, so that it can try another way.
+If the other side stays silent, `NoAnswer` is raised in the dialogue.
 """
 
 import math
@@ -22,12 +21,11 @@ from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
-#: Messages that only answer others; all others are also sent unasked.
 ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
 
 class Unfinished(MissionError):
-    """A dialogue did not complete; `holds` is the list that the vehicle holds now, if anything is known of it."""
+    """`holds`: the vehicle's list now, if known."""
 
     def __init__(
         self,
@@ -45,15 +43,15 @@ class Unfinished(MissionError):
 
 
 class NoAnswer(Unfinished):
-    """The other side was silent until the last timeout."""
+    """The other side stayed silent."""
 
 
 class Silence(MissionError):
-    """A vehicle that sends unasked is silent: another one may be heard next."""
+    """A vehicle that sends unasked is silent."""
 
 
 class Cancelled(Unfinished):
-    """The user cancelled; the message reports what the vehicle holds now."""
+    """The message reports what the vehicle holds."""
 
 
 class TimeUp(Unfinished):
@@ -62,10 +60,7 @@ class TimeUp(Unfinished):
 
 @dataclass(frozen=True)
 class Ask:
-    """Send repeatedly until an answer comes; `item`: use the shorter timer of list items.
-
-    `run`: the items that may be read without the dialogue.
-    """
+    """`item`: by the shorter timer; `run`: items that may be read without the dialogue."""
 
     message: Message
     item: bool = False
@@ -74,7 +69,7 @@ class Ask:
 
 @dataclass(frozen=True)
 class Tell:
-    """Send once and wait for the other side's reaction; `run`: the items that may be sent without the dialogue."""
+    """`run`: items that may be sent without the dialogue."""
 
     message: Message
     run: ItemsSent | None = None
@@ -95,7 +90,6 @@ Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
 def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    """Listen for `seconds` at most until the condition holds; return whether it does."""
     if condition():
         return True
     heard = yield Pause(seconds)
@@ -114,12 +108,10 @@ def wait(seconds: float) -> Dialogue[None]:
 
 @dataclass(frozen=True)
 class Patience:
-    """Set the timers of repeats and of giving up; the defaults are MAVLink's.
+    """Timers of repeats and of giving up; the defaults are MAVLink's.
 
-    Repeat a question after `answer_s` (an item of a list: `item_s`), or with `adapt` after the measured round trip plus
-    four deviations. Give up a silent link after `retries`, one with traffic after `alive_retries` and no sooner:
-    packets may be lost, or the autopilot busy. Give up an item after `item_retries`: the other side may have closed the
-    list, which is then opened again. `total_s` limits one verb of the client.
+    With `adapt` a question is repeated after the measured round trip plus four deviations. A silent link is given up
+    after `retries`, one with traffic after `alive_retries`. After `item_retries` the list is opened again.
     """
 
     answer_s: float = 1.5
@@ -128,9 +120,7 @@ class Patience:
     alive_retries: int = 20
     item_retries: int = 8
     adapt: bool = True
-    echo_s: float = (
-        0.1  # a question repeated within this time, or longer if the link is slow, is a duplicate of the network
-    )
+    echo_s: float = 0.1  # sooner: duplicates of the network
     total_s: float = 3600.0
 
     @property
@@ -142,15 +132,12 @@ SPECIFIED = Patience()
 
 
 class Tempo:
-    """Measure a link's round trip: mean and deviation of RFC 6298 with Karn's rule.
-
-    It waits shorter than TCP: one question too many costs a frame, one too late costs a second.
-    """
+    """A link's round trip by RFC 6298 with Karn's rule, with shorter waits than TCP's."""
 
     FASTEST_S = 0.05
     SLOWEST_S = 6.0
     LONGEST_BACKOFF = 1.5
-    #: Repeated questions in a row that indicate a slow link, not a lossy one.
+    #: In a row: a slow link, not a lossy one.
     SLOW_LINK_REPEATS = 5
 
     def __init__(self, patience: Patience) -> None:
@@ -171,7 +158,7 @@ class Tempo:
         return min(usual * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
-        """Note the delay of an answer to a question that was sent once [s]."""
+        """The question was sent once."""
         self._backoff = 1.0
         self._doubts = 0
         if self._mean is None:
@@ -185,31 +172,28 @@ class Tempo:
     def echo_s(self) -> float:
         """Return the time within which a repeated question crossed its answer [s].
 
-        PX4 asks every 0.25 s, so over a slower link it repeats each question. On a link that has lost something, each
-        of them is worth an answer.
+        PX4 repeats each question over a slow link. After a loss each repeat is answered.
         """
         if self._loses or not self._patience.adapt:
             return self._patience.echo_s
         return max(self._patience.echo_s, self._shortest)
 
     def lost(self) -> None:
-        """Note that an answer of ours was lost: its question was repeated too late for an echo."""
+        """The repeat is too late for an echo."""
         self._loses = True
 
     def doubt(self) -> None:
-        """Note an answer to a repeated question: it does not give a round trip."""
+        """A repeated question gives no round trip."""
         self._doubts += 1
 
     def repeated(self) -> None:
-        """Note an unanswered question: back off a little on a lossy link, more on a slow one."""
+        """Back off a little on a lossy link, more on a slow one."""
         self._backoff = min(
             self._backoff * 1.5, self.LONGEST_BACKOFF if self._doubts < self.SLOW_LINK_REPEATS else 16.0
         )
 
 
 class Exchange(Generic[T]):
-    """Run one dialogue: feed it heard messages and the time, and send its messages."""
-
     def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
         self.finished = False
         self.was_answered = False
@@ -242,11 +226,10 @@ class Exchange(Generic[T]):
         return self._since + self._awaited.seconds
 
     def asked_for_s(self, now: float) -> float:
-        """Return how long the last question has waited for its answer [s]."""
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
 
     def run(self) -> ItemRun | None:
-        """Return the items that may be transferred without the dialogue; the caller reports them to `ran`."""
+        """Return the items to transfer without the dialogue; report them to `ran`."""
         if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
             return None
         run = self._awaited.run
@@ -258,7 +241,6 @@ class Exchange(Generic[T]):
         return run
 
     def ran(self, run: ItemRun, now: float) -> None:
-        """Take over a run that reached `run.at`: its last message and time replace ours."""
         if run.at == self._ran_from:
             return
         self._heard = now
@@ -345,14 +327,14 @@ class Exchange(Generic[T]):
         self._since = now
         self._repeats = 0
         if isinstance(step, Ask):
-            self._acted_on = (None, now)  # an answer to a new question is no echo, even with equal content
+            self._acted_on = (None, now)  # no echo, even with equal content
         if not isinstance(step, Pause):
             self._send(step.message, now)
 
     def _send(self, message: Message, now: float) -> None:
         self._sent = now
         self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
-        if self._repeats >= self._patience.alive_retries:  # faster repeats did not help
+        if self._repeats >= self._patience.alive_retries:
             self._wait_s = max(self._wait_s, self._patience.answer_s)
         self._outbox.append(message)
 

@@ -1,9 +1,10 @@
-"""Find the autopilots on a link by their heartbeats."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
 
+from ipoa_mission.autopilot.commands import VehicleCommand
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
@@ -11,13 +12,9 @@ from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.version import Version
 
-#: Duration of asking autopilots for their versions, and the interval of repeats [s].
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
-#: The commands that request AUTOPILOT_VERSION: today's, and its predecessor.
+#: Today's request and its predecessor.
 VERSION_REQUESTS = (
     CommandLong(
         VehicleCommand.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -35,7 +32,6 @@ class FoundVehicle:
 
 
 def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
-    """Return the autopilots heard within this many `seconds`, by system id."""
     autopilots: dict[int, FoundVehicle] = {}
     until = line.now() + seconds
     while line.now() < until:
@@ -44,7 +40,6 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
 
 
 def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
-    """Return the firmware versions reported within `seconds`, by system id."""
     silent, versions = set(systems), dict[int, Version]()
     until, orders = line.now() + seconds, cycle(VERSION_REQUESTS)
     while silent and line.now() < until:
@@ -62,11 +57,7 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
 
 
 def await_booted(line: Carrier, system: int, state: VehicleState, until: float) -> None:
-    """Wait until an ArduPilot has booted: before that it answers every COUNT with NO_SPACE.
-
-    Raises:
-        NoAnswer: it has not booted by `until`.
-    """
+    """Wait until an ArduPilot has booted, else raise NoAnswer: before, it answers NO_SPACE."""
     while not state.booted:
         if line.now() >= until:
             raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")
@@ -85,7 +76,6 @@ def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
 
 
 def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:
-    """Return the round trip times of answered pings, by system id [s]."""
     return {
         one.system: max(now - one.message.time_usec / 1e6, 0.0)
         for one in heard

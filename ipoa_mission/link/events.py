@@ -1,7 +1,6 @@
-"""Translate those of PX4's EVENT numbers that explain why a mission is not flyable.
+"""PX4's EVENT numbers: component id and lower 24 bits of the name's FNV-1a hash.
 
-A number is the autopilot's component id and the lower 24 bits of the FNV-1a hash of the event's name. Ground stations
-load the words from a metadata file. These are the event names of PX4's mission feasibility check.
+These are the names of PX4's mission feasibility check.
 """
 
 import struct
@@ -17,6 +16,7 @@ def event_number(name: str) -> int:
 
 
 #: Name after `navigator_mis_`: its words, and the memory layout of its arguments.
+#: Ground stations load the words from a metadata file.
 _MISSION_EVENTS = {
     "takeoff_missing": ("a take-off item is required", "<"),
     "land_missing": ("a landing item is required", "<"),
@@ -48,7 +48,7 @@ def mission_event(name: str, *values: float) -> tuple[int, bytes]:
 
 
 def words_of(number: int, arguments: bytes) -> str | None:
-    """Return the words of an event about an unflyable mission, or None. MAVLink cuts zeros off `arguments`."""
+    """MAVLink cuts zeros off `arguments`."""
     if number not in _WORDS:
         return None
     words, layout = _WORDS[number]

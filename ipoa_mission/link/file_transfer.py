@@ -1,4 +1,4 @@
-"""Implement MAVFTP dialogues: read or write a whole file, and get the checksum of one of ArduPilot's lists."""
+"""MAVFTP dialogues: whole files, and the checksum of ArduPilot's lists."""
 
 import zlib
 from collections.abc import Iterator, Mapping
@@ -15,7 +15,6 @@ LIST_FILES: Mapping[int, str] = {
     MissionType.FENCE: "@MISSION/fence.dat",
     MissionType.RALLY: "@MISSION/rally.dat",
 }
-#: Timeouts of the repeated questions for a checksum [s].
 CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
 
 
@@ -24,11 +23,7 @@ class FileRefused(MissionError):
 
 
 def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
-    """Write a whole file on the vehicle; the write takes effect with the message that this returns.
-
-    Raises:
-        FileRefused, NoAnswer.
-    """
+    """The returned message closes the file; raise FileRefused or NoAnswer."""
     yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
     opened = yield from ask_of_file(FileMessage(2, Opcode.CREATE_FILE, data=path.encode()), f"create {path}")
     sequence = 4
@@ -42,11 +37,6 @@ def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[
 
 
 def read_file(path: str) -> Dialogue[bytes]:
-    """Read a whole file of the vehicle.
-
-    Raises:
-        FileRefused, NoAnswer.
-    """
     yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
     opened = yield from ask_of_file(FileMessage(2, Opcode.OPEN_FILE_RO, data=path.encode()), f"open {path}")
     data = b""
@@ -63,12 +53,9 @@ def read_file(path: str) -> Dialogue[bytes]:
 
 
 def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """Return the vehicle's checksum of a list (home included); None if it computes none.
+    """Return the checksum of a list with home, None if unsupported; raise NoAnswer.
 
-    Each question has its own sequence number of `numbers`: a vehicle answers a repeated number with its old answer.
-
-    Raises:
-        NoAnswer.
+    Each question takes a new sequence number: a repeated one gets its old answer.
     """
     asked: set[int] = set()
     for seconds in CHECKSUM_S:
@@ -82,7 +69,7 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
 
 
 def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> FileTransfer:
-    """Return the question for a list's checksum with the next of `numbers`; add its answer's number to `asked`."""
+    """Add the answer's number to `asked`."""
     question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=LIST_FILES[kind].encode())
     asked.add((question.sequence + 1) & 0xFFFF)
     return question.pack()
@@ -104,16 +91,12 @@ def _checksum(answer: FileMessage) -> int | None:
 
 
 def file_checksum(data: bytes) -> int:
-    """Return a file's checksum as ArduPilot computes it: CRC-32 with initial value 0 and no final XOR."""
+    """ArduPilot's CRC-32 with initial value 0 and no final XOR."""
     return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
 def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
-    """Repeat a question until its answer comes: the next sequence number, to this opcode.
-
-    Raises:
-        FileRefused, NoAnswer.
-    """
+    """Raise FileRefused or NoAnswer."""
     step: Step = Ask(question.pack(), item=True)
     while True:
         try:

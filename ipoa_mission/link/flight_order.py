@@ -1,34 +1,29 @@
-"""Order a flying vehicle to pause, resume, return to launch, or change its mode."""
+"""Pause, resume or return a flying vehicle, or change its mode."""
 
 import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 
 log = logging.getLogger(__name__)
-#: Number of repeats of an order to a watched vehicle, and the interval [s].
 ORDER_REPEATS, REPEAT_S = 6, 1.0
-#: Timeout until a vehicle reports a mode [s].
 SHOWN_S = 5.0
-#: Answers after which the mode may still change.
+#: The mode may still change.
 PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
-    """Stop a flying vehicle and hold its position until the next order.
+    """Hold position; raise NotReady.
 
     ArduCopter pauses within AUTO on its way to a waypoint, and brakes elsewhere. PX4 changes to hold.
-
-    Raises:
-        NotReady: it does not fly, or does not stop.
     """
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
@@ -40,33 +35,21 @@ def pause(state: VehicleState) -> Dialogue[None]:
 
 
 def resume(state: VehicleState) -> Dialogue[None]:
-    """Resume the mission of a flying vehicle at its current item.
-
-    Raises:
-        NotReady: it does not fly, or has no mission to fly.
-    """
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.mission)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        yield from command(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless it is paused
+        yield from command(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless paused
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
-    """Return a flying vehicle to launch and land it, according to its parameters.
-
-    Raises:
-        NotReady: it does not fly, or does not return.
-    """
+    """Return and land, by the vehicle's parameters; raise NotReady."""
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.returning)
 
 
 @dataclass(frozen=True)
 class _Step:
-    """Repeat a message until a heartbeat shows `mode`; without a mode, until the command is accepted.
-
-    `pauses`: afterwards the vehicle is paused within its mission. `otherwise`: the step after a refusal.
-    """
+    """Without a `mode`, repeat until the command is accepted; `otherwise`: after a refusal."""
 
     name: str
     message: CommandLong
@@ -76,10 +59,9 @@ class _Step:
 
 
 class FlightOrder:
-    """Order a watched vehicle to do something else, until it obeys or refuses.
+    """Repeat an order until the vehicle obeys or refuses.
 
-    `words`: why it does not obey; empty while unknown. `is_paused`: it is held within its mission. Nothing is ordered
-    while the link is lost: the state of the vehicle at the reconnect is unknown.
+    `words`: why it does not obey. Nothing is ordered while the link is lost: the state at the reconnect is unknown.
     """
 
     def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
@@ -89,13 +71,12 @@ class FlightOrder:
         self._repeats, self._due_s = 0, -math.inf
 
     def give(self, mode: int) -> None:
-        """Order this mode with the next heard message; this replaces an earlier order."""
         self._take(self._change(mode))
 
     def hold(self) -> None:
         state, brake = self._state, self._change(self._state.autopilot.modes.hold)
         if self.is_paused or any(step.pauses for step in self._steps):
-            return  # already ordered: a second pause would be refused
+            return  # a second pause would be refused
         if state.autopilot.protocol_profile.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
             self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
@@ -110,7 +91,6 @@ class FlightOrder:
         return bool(self._steps)
 
     def cut(self, is_cut: bool) -> None:
-        """Note that the link is lost, or back; cancel an order that the vehicle has not shown yet."""
         self._is_cut = is_cut
         if self._steps:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
@@ -173,7 +153,7 @@ class FlightOrder:
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
-    """Request a mode and see it in the heartbeat; return why it does not change, or an empty string."""
+    """Return why not, or an empty string."""
     if state.custom_mode == mode:
         return ""
     result, words = yield from send_command(mode_order(mode, state.autopilot))
@@ -189,7 +169,7 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
 
 
 def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue[int]:
-    """Wait for an accepted mode: PX4 accepts first, and may refuse in a second answer."""
+    """PX4 accepts first, and may refuse later."""
     heard: Message | None = None if state.custom_mode == mode else (yield Pause(SHOWN_S))
     while heard is not None and state.custom_mode != mode:
         texts.note(heard)
@@ -207,7 +187,7 @@ def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
 
 
 def _expect_flying(state: VehicleState) -> Dialogue[None]:
-    """Wait for heartbeats only: an order to stop must not depend on a stream that may not come."""
+    """Wait for heartbeats only: other streams may not come."""
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     if not state.armed or state.in_air is False:
         raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")

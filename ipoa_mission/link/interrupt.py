@@ -1,4 +1,4 @@
-"""Note Ctrl-C during a dialogue and handle it where the dialogue waits, so that no order is cut in two."""
+"""Handle Ctrl-C where a dialogue waits, so that no order is cut in two."""
 
 import signal
 import threading
@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 
 class Interrupt:
-    """Handle Ctrl-C: note the first one, raise KeyboardInterrupt at the second."""
+    """Note the first Ctrl-C; raise KeyboardInterrupt at the second."""
 
     def __init__(self) -> None:
         self._is_noted = self._is_taken = False
@@ -22,16 +22,15 @@ class Interrupt:
         return self._is_noted and not self._is_taken
 
     def take(self) -> bool:
-        """Return whether Ctrl-C was pressed since the last call; the caller has to handle it."""
         is_pending, self._is_taken = self.is_pending, self._is_noted
         return is_pending
 
 
 @contextmanager
 def noted_interrupts() -> Iterator[Interrupt]:
-    """Note Ctrl-C in this context; a nested context shares the note. Raise an unhandled one at the end.
+    """Note Ctrl-C in this context; raise an unhandled one at the end.
 
-    Outside the main thread, or where a program has its own handler, that handler stays and nothing is noted.
+    Do nothing outside the main thread, or where a program has its own handler.
     """
     present = signal.getsignal(signal.SIGINT)
     if isinstance(present, Interrupt):

@@ -1,4 +1,4 @@
-"""Exchange the frames of a run of items: the next heard frame and its reply are known in advance."""
+"""Exchange frames of a run of items, whose next frame is known."""
 
 from fastcrc.crc16 import mcrf4xx
 
@@ -20,7 +20,7 @@ class ItemFrames:
         self._flags = SIGNED if codec.signer else 0
         self._tail = 2 + (SIGNATURE_BYTES if codec.signer else 0)
         heard = (_ITEM,) if isinstance(run, ItemsRead) else (_REQUEST, _OLD_REQUEST)
-        #: The CRC_EXTRA of each message that may be next, by the header bytes of its sender and number.
+        #: By the header bytes of sender and number.
         self._extras = {bytes(target) + one.number.to_bytes(3, "little"): bytes((one.crc_extra,)) for one in heard}
         if isinstance(run, ItemsSent):
             packed = run.payloads.copy()
@@ -36,10 +36,7 @@ class ItemFrames:
             self._payloads = [seq.to_bytes(2, "little") + end for seq in range(run.count)]
 
     def take(self, frame: bytes) -> bool:
-        """Take a frame if it is the run's next step, and return whether it is; then `reply` is due.
-
-        Leave any other frame, even a correct one, to the caller.
-        """
+        """Return whether a frame is the run's next step."""
         extra = self._extras.get(frame[5:HEADER_BYTES])
         if extra is None or frame[0] != MAGIC_2 or frame[2] != self._flags:
             return False
@@ -66,5 +63,4 @@ class ItemFrames:
         return True
 
     def reply(self, unix_s: float) -> bytes:
-        """Return the answer to the step that was taken: the requested item, or the request for the next item."""
         return self._codec.frame(self._reply_definition, self._payloads[self.run.at], unix_s)

@@ -1,7 +1,4 @@
-"""Pack whole lists as MISSION_ITEM_INT payloads before a transfer, and compare them in bulk after it.
-
-ArduPilot's mission file contains the same 38 bytes an item.
-"""
+"""Lists as MISSION_ITEM_INT payloads, as in ArduPilot's mission file."""
 
 import math
 import struct
@@ -11,16 +8,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, LOCAL_SCALE, coordinate, degrees
-from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 MAX_ITEMS = 65535
 SINGLE_MAX = float(np.finfo(np.float32).max)
-#: MISSION_ITEM_INT in wire order, with its extension.
 PAYLOAD = np.dtype(
     [
         ("params", "<f4", 4),
@@ -37,25 +33,20 @@ PAYLOAD = np.dtype(
     ]
 )
 PAYLOAD_BYTES = PAYLOAD.itemsize
-_PAYLOAD = struct.Struct("<4f2if2H6B")  # the same layout for Python's numbers
+_PAYLOAD = struct.Struct("<4f2if2H6B")
 SEQ, TARGET, MISSION_TYPE = (PAYLOAD.fields[name][1] for name in ("seq", "target", "mission_type"))  # type: ignore[index]
-#: The factor of a coordinate in each frame, and the frame without its `_INT`.
+#: Scale of a coordinate by frame, and the frame without its `_INT`.
 _SCALES = np.full(256, float(LOCAL_SCALE))
 _SCALES[[*GLOBAL_FRAMES]] = 1e7
 _SCALES[Frame.MISSION] = 1.0
 _PLAIN = np.arange(256, dtype=np.uint8)
 _PLAIN[[*PLAIN_FRAME]] = [*PLAIN_FRAME.values()]
 
-#: Items by seq, as a PAYLOAD array of shape (items,).
 Payloads = NDArray[np.void]
 
 
 def pack_items(items: Sequence[Item], kind: int) -> Payloads:
-    """Return the payloads of a list, shape (items,), for target (0, 0).
-
-    Raises:
-        BadInput: there are more items than MAVLink can count, or a field does not fit.
-    """
+    """Return payloads, shape (items,), for target (0, 0); raise BadInput if they do not fit."""
     packed = np.zeros(len(items), PAYLOAD)
     if not items:
         return packed
@@ -110,10 +101,9 @@ def unpack_items(data: bytes) -> tuple[Item, ...]:
 def first_difference(
     sent: Sequence[Item], packed: Payloads, stored: Sequence[Item | bytes], autopilot: Autopilot
 ) -> Difference | None:
-    """Return the first difference between a list sent and its read-back, beyond the firmware's known changes.
+    """Return the first difference beyond the firmware's known changes.
 
-    `packed` are the payloads of `sent`. `stored` has an item, or a payload of `PAYLOAD_BYTES`, for each seq. Equal
-    payloads are no difference; other items are compared field by field.
+    `packed` are the payloads of `sent`; `stored` are items or payloads.
     """
     if len(sent) != len(stored):
         return Difference(None, "number of items", str(len(sent)), str(len(stored)))
@@ -121,7 +111,7 @@ def first_difference(
     got = np.frombuffer(b"".join(one for one in stored if isinstance(one, bytes)), PAYLOAD)
     is_same = np.zeros(len(sent), bool)
     is_same[payloads] = _same(packed[payloads], got)
-    # ArduPilot's home is recognized by its index, so the first item stays the first.
+    # ArduPilot's home is recognized by index 0
     compared = [n for n in range(len(sent)) if n == 0 or not is_same[n]]
     others = tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in (stored[n] for n in compared))
     difference = compare([sent[n] for n in compared], others, autopilot)
@@ -131,7 +121,7 @@ def first_difference(
 
 
 def _same(one: Payloads, other: Payloads) -> NDArray[np.bool_]:
-    """Compare payloads: numbers bit by bit, NaN equal to NaN, frames without their `_INT`; shape (items,)."""
+    """Bit by bit, NaN equal to NaN, frames without `_INT`; shape (items,)."""
     same = np.ones(len(one), bool)
     for name in ("params", "z"):
         a, b = one[name], other[name]

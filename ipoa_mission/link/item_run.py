@@ -1,7 +1,4 @@
-"""Describe a run of items: a list that is transferred in order, so that each next message is known.
-
-A `Carrier` may answer the expected messages by itself; the dialogue handles all others.
-"""
+"""A list transferred in order; a `Carrier` may answer its expected messages."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,11 +11,7 @@ from ipoa_mission.mission.items import Item
 
 @dataclass
 class _Run:
-    """Follow a list of `count` items; `at` is the item requested last, by either side.
-
-    `sent_s` is the time of the last sent message, `wait_s` the timeout for its answer, `round_trip_s` the delay of the
-    last answer [s].
-    """
+    """`at` is the item requested last, by either side; `wait_s`: timeout for its answer."""
 
     kind: int
     count: int
@@ -29,7 +22,7 @@ class _Run:
 
     @property
     def is_ending(self) -> bool:
-        """Check whether the next step is the last, which the dialogue takes itself."""
+        """The dialogue takes the last step."""
         return self.at >= self.count - 2
 
 
@@ -38,8 +31,8 @@ class ItemsSent(_Run):
     items: Sequence[Item] = ()
     packed: Payloads | None = None
     asked: Callable[[int], None] = lambda seq: None
-    is_legacy: bool = False  # requested by MISSION_REQUEST
-    doubt: int | None = None  # a refusal, unless a request followed it
+    is_legacy: bool = False  # by MISSION_REQUEST
+    doubt: int | None = None  # a refusal without a later request
 
     def asked_for(self, seq: int) -> None:
         self.at, self.doubt = seq, None
@@ -58,8 +51,6 @@ class ItemsSent(_Run):
 
 @dataclass
 class ItemsRead(_Run):
-    """Request items one by one; `keep` receives each payload."""
-
     keep: Callable[[bytes], None] = lambda payload: None
 
     @property
@@ -67,5 +58,4 @@ class ItemsRead(_Run):
         return Request(self.at, self.kind)
 
 
-#: A run of either kind.
 ItemRun: TypeAlias = ItemsSent | ItemsRead

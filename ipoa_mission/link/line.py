@@ -1,8 +1,3 @@
-"""One end of a link: `Line` combines a channel, a codec, routes to the peers and a tlog.
-
-`converse` is the only loop that connects a dialogue to a link.
-"""
-
 import logging
 import math
 from collections.abc import Callable, Iterable
@@ -26,43 +21,41 @@ from ipoa_mission.link.vehicle_state import NotFlown
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 HEARTBEAT_S = 1.0
-NOTICE_S = 0.1  # delay until Ctrl-C is noticed
+NOTICE_S = 0.1  # until Ctrl-C is noticed
 MAV_TYPE_GCS = 6
 
 
 class Carrier(Protocol):
-    """Carry messages to vehicles and back, and provide the link's clock."""
-
     def now(self) -> float: ...
 
     def send(self, message: Message, target: Target = EVERYONE) -> None: ...
 
     def receive(self, until: float) -> list[Heard]:
-        """Return the messages to us as soon as there are some, or none at `until`."""
+        """Return messages at once, or none at `until`."""
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """Receive, and meanwhile take the steps of a run of items until something else is heard."""
+        """Take the steps of a run until something else is heard."""
 
     def understands(self, target: Target) -> None:
-        """Note that this target has answered our messages."""
+        """Note that this target answers us."""
 
     def no_reply_cause(self, target: Target) -> MissionError | None:
-        """Return why this target, which is heard, never answers; None if unknown."""
+        """Return why a heard target never answers, if known."""
 
     def expect_alone(self, system: int) -> None: ...
 
     @property
     def reopens(self) -> bool:
-        """Check whether `reopen` can open a broken link again."""
+        """Check whether `reopen` can repair the link."""
 
     def reopen(self) -> None:
-        """Open the link again; all peers are unknown afterwards. Raises LinkDown while it cannot be opened."""
+        """Raise LinkDown, or open the link; all peers are then unknown."""
 
     def close(self) -> None: ...
 
 
 class Contested(MissionError):
-    """Two vehicles use one system id: both may obey an order to one of them."""
+    """Two vehicles use one system id: both may obey an order to one."""
 
     def __init__(self, system: int) -> None:
         self.system = system
@@ -73,7 +66,7 @@ class Contested(MissionError):
 
 
 class Line:
-    """A ground station's end of a link; `close` it, or use it with `with`. `again` opens a new channel."""
+    """Hold a ground station's end of a link; `again` opens a new channel."""
 
     def __init__(
         self,
@@ -107,7 +100,7 @@ class Line:
         self._send(frame, self._routes.to(target))
 
     def say(self, definition: Definition, payload: bytes) -> None:
-        """Send a message given by its payload, whose fields contain the target, if any."""
+        """Send a payload whose fields contain the target, if any."""
         self._send(self.codec.frame(definition, payload, self.channel.unix_s()), self._routes.to(EVERYONE))
 
     def _send(self, frame: bytes, peers: Iterable[Peer]) -> None:
@@ -117,7 +110,7 @@ class Line:
             self.channel.send(frame, peer)
 
     def receive(self, until: float) -> list[Heard]:
-        """Return the messages to us (or to everyone) until `until` at the latest; send our heartbeat when due."""
+        """Return messages to us or to everyone; send our heartbeat when due."""
         self._keep_present()
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
@@ -125,7 +118,6 @@ class Line:
         return heard
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """Take the steps of `run`; end at any other message, or at a timeout."""
         channel, holder = self.channel, self._routes.holder(target)
         if holder is None or self._routes.framer(holder).is_torn:
             return self.receive(min(until, run.sent_s + run.wait_s))
@@ -212,7 +204,6 @@ class Line:
         return self._again is not None
 
     def reopen(self) -> None:
-        """Open the channel again; the log continues."""
         assert self._again is not None, "asked of `reopens` first"
         self.channel.close()
         self.channel = self._again()
@@ -226,7 +217,7 @@ class Line:
             self.codec.signer.close()
 
     def _is_known(self, one: Heard, peer: Peer, now: float) -> bool:
-        """Check whether a frame comes from the known peer of its name; note another sender as a rival."""
+        """Check for the known peer of a name; note its rivals."""
         name = Target(one.system, one.component)
         before = self._routes.holder(name)
         if self._routes.claim(name, peer, now):
@@ -262,13 +253,10 @@ def converse(
     until: float = math.inf,
     quiet_s: float = math.inf,
 ) -> T:
-    """Hold a dialogue with one vehicle and return its result; ignore all others on the line.
+    """Hold a dialogue with one vehicle.
 
-    Ctrl-C raises `Cancelled` in the dialogue, which may end well; a second one ends it at once. At `until` `TimeUp` is
-    raised in it. After `quiet_s` without a message of the vehicle `Silence` is raised, before anything else is heard.
-
-    Raises:
-        SpeaksMavlink1, SignsOtherwise: the target is heard, and has never answered.
+    Raise `Cancelled` in it at Ctrl-C (a second one ends it), `TimeUp` at `until`, `Silence` after `quiet_s`. Raise
+    SpeaksMavlink1 or SignsOtherwise if the target never answers.
     """
     now = line.now
     heard_s = now()
@@ -307,7 +295,7 @@ def converse(
         except NoAnswer as silence:
             raise line.no_reply_cause(target) or silence from None
         except (NotFlown, Silence):
-            exchange.outgoing()  # drop even messages that were due before this was heard
+            exchange.outgoing()  # drop messages that were due before
             raise
         finally:
             for message in exchange.outgoing():

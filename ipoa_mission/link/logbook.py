@@ -1,36 +1,34 @@
-"""Record the events of a flight from the vehicle's messages, on the vehicle's clock."""
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import LAST_NAV, Command
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
-from ipoa_mission.mission.commands import LAST_NAV, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import Deviation
 
 COMPLETE = 5  # MISSION_STATE
-#: Tolerance for a flight to have ended at the place of its LAND, horizontally [m].
+#: From the place of its LAND, horizontally [m].
 LANDING_RADIUS = 20.0
-#: An acknowledged arming without a heartbeat that confirms it within this time did not happen [s].
+#: For a heartbeat that confirms an acknowledged arming [s].
 ARMING_CONFIRMATION_S = 3.0
-#: Texts that give the moment of disarming more precisely than the next heartbeat.
+#: More precise than the next heartbeat.
 DISARMING = ("Disarming motors", "Disarmed")
-DISARMING_TEXT_S = 2.0  # from such a text to the disarmed heartbeat
+DISARMING_TEXT_S = 2.0  # until the disarmed heartbeat
 IN_AIR_HEIGHT = 0.5  # above home [m]
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Position sample: seconds since arming, degrees, altitude AMSL [m], height above home [m], speed [m/s]."""
+    """Seconds since arming, degrees, altitude AMSL [m], height above home [m], speed [m/s]."""
 
     time_s: float
     latitude_deg: float
@@ -45,16 +43,16 @@ class FlightRecord:
     """A flight as it was flown; times since arming.
 
     Attributes:
-        item_reached_s: index into `Mission.items` -> when that item was done: reported as reached, or passed [s]. A
-            LAND or RTL that ends the mission is done when the motors stop.
+        item_reached_s: index into `Mission.items` -> when it was reached, or passed [s]. A final LAND or RTL is done
+            when the motors stop.
         total_s: its duration [s].
         path: position samples.
         messages: the vehicle's texts.
-        completed: it landed and was disarmed within the mission, at its end.
+        completed: it landed and was disarmed at the end of its mission.
         why_not: the reason for an incomplete flight.
         armed: as last reported.
         in_air: as last reported.
-        deviations: from the forecast; a completed flight may have some.
+        deviations: from the forecast, also of a completed flight.
         remarks: on the log that it was read from.
     """
 
@@ -71,7 +69,7 @@ class FlightRecord:
 
     @property
     def failure(self) -> str:
-        """Return why the flight is incomplete, else how it deviated from its forecast; empty if neither."""
+        """Return why the flight is incomplete, else how it deviated, or an empty string."""
         return self.why_not or "; ".join(map(str, self.deviations))
 
 
@@ -95,10 +93,7 @@ class _Recording:
 
 
 class Logbook:
-    """Hear every message and record the flights of these items (`Mission.items`).
-
-    A flight begins whenever the vehicle is armed.
-    """
+    """Hear every message; a flight begins whenever the vehicle is armed."""
 
     def __init__(self, items: Sequence[Item], autopilot: Autopilot) -> None:
         self._items = tuple(items)
@@ -131,17 +126,16 @@ class Logbook:
 
     @property
     def armed_s(self) -> float:
-        """Return when the vehicle was armed, on its clock [s]."""
+        """[s] on the vehicle's clock."""
         return self._flight.zero if self._flight else 0.0
 
     @property
     def clock_s(self) -> float:
-        """Return the vehicle's clock: seconds since its boot."""
+        """[s] since the vehicle's boot."""
         return self._clock
 
     @property
     def modes(self) -> frozenset[int]:
-        """Return the modes in which the vehicle flies its mission; they include those of a return at its end."""
         returns = bool(self._items) and self._items[self._final].command == Command.NAV_RETURN_TO_LAUNCH
         modes = self._autopilot.modes
         return frozenset({modes.mission}) | (modes.returns if returns else frozenset())
@@ -180,7 +174,7 @@ class Logbook:
                     flight.state = state
 
     def note_return(self) -> None:
-        """Note that the vehicle was unheard for a while: if it is disarmed now, its mode may say how it landed."""
+        """Note the end of a link loss: if disarmed now, its mode may say how it landed."""
         self._was_away = True
 
     def record(self) -> FlightRecord:
@@ -261,18 +255,16 @@ class Logbook:
 
 
 class Observer(Protocol):
-    """React to a watched vehicle's messages; may send something in between."""
-
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Handle a message; `now_s` is on the vehicle's clock."""
+        """`now_s` is on the vehicle's clock."""
 
 
 def watch(
     logbook: Logbook, progress: Progress = silent, *observers: Observer, is_over: Callable[[], bool] = lambda: False
 ) -> Dialogue[FlightRecord]:
-    """Listen until the flight ends, or `is_over`; a mission that does not land ends when its last item is flown.
+    """The flight ends by landing, at the last item of a mission without one, or by `is_over`.
 
-    The logbook hears each message first. `progress` counts items done, and `observers` hear every message.
+    The logbook hears each message before the `observers`.
     """
     done = -1
     while True:

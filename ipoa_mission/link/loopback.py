@@ -1,20 +1,15 @@
-"""A channel within one process, on a virtual clock: 70 s of a lossy link take a millisecond.
-
-Time passes only in `receive`.
-"""
+"""A channel within one process on a virtual clock, which only `receive` moves."""
 
 import math
 from typing import Protocol
 
 from ipoa_mission.link.channel import Peer
 
-#: Unix time of virtual second 0 (2026-01-01 00:00 UTC): logs of virtual flights are reproducible.
+#: 2026-01-01 00:00 UTC: logs are reproducible.
 EPOCH_S = 1_767_225_600.0
 
 
 class FarEnd(Protocol):
-    """The other end of a loopback, without I/O: bytes in, bytes out, and a deadline for its next action."""
-
     def receive(self, data: bytes, peer: Peer, now: float) -> None: ...
 
     def tick(self, now: float) -> None: ...

@@ -1,5 +1,3 @@
-"""MAVFTP as bytes: the 251-byte payload of FILE_TRANSFER_PROTOCOL, for both ends."""
-
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
@@ -37,15 +35,15 @@ class FileError(IntEnum):
 
 @dataclass(frozen=True)
 class FileMessage:
-    """One MAVFTP message; an answer's `sequence` is its question's plus one."""
+    """An answer's `sequence` is its question's plus one."""
 
     sequence: int
     opcode: int
     session: int = 0
-    request: int = 0  # of an answer: the answered opcode
+    request: int = 0  # the answered opcode
     offset: int = 0
     data: bytes = b""
-    size: int | None = None  # of a READ_FILE request: number of bytes to read
+    size: int | None = None  # bytes to read, of READ_FILE
     ends_burst: bool = False
 
     def pack(self) -> FileTransfer:
@@ -57,7 +55,7 @@ class FileMessage:
 
 
 def unpack(message: FileTransfer) -> FileMessage:
-    """Decode a message; `size` may exceed the length of the data."""
+    """`size` may exceed the data."""
     sequence, session, opcode, size, request, ends_burst, _, offset = HEADER.unpack_from(message.payload)
     data = message.payload[HEADER.size : HEADER.size + size]
     return FileMessage(sequence, opcode, session, request, offset, data, size, bool(ends_burst))

@@ -1,8 +1,4 @@
-"""Use a vehicle through MAVSDK: `pip install 'ipoa-mission[mavsdk]'`.
-
-MAVSDK transfers the lists and reports success at the Ack; here an upload also has to be read back and compared.
-Everything else, above all flying, are our own dialogues over MAVSDK's link.
-"""
+"""Use a vehicle through MAVSDK, which transfers the lists; all else are our dialogues."""
 
 import json
 import math
@@ -14,6 +10,9 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import default_autopilot, registered
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import wire
 from ipoa_mission.link.address import Address, Transport, parse_address
@@ -41,14 +40,10 @@ from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import default_autopilot, registered
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
-VERDICT_S = 1.5  # time that PX4 may take to find a mission unflyable
-#: MAVSDK's names of the answers that MAVLink has too.
+VERDICT_S = 1.5  # PX4's check of the mission
 _RESULTS = {
     "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
     "UNSUPPORTED": Result.UNSUPPORTED,
@@ -62,7 +57,7 @@ _RESULTS = {
 def connect(
     url: str, system: int | None = None, log: str | Path | None = None, reading: bool = False
 ) -> "MavsdkVehicle":
-    """Find the vehicle on a link through MAVSDK; `reading`: accept any vehicle and change nothing on it.
+    """`reading`: accept any vehicle and change nothing.
 
     Raises:
         BadInput: MAVSDK writes no `.tlog`, or `url` is not a connection string.
@@ -95,12 +90,7 @@ def connect(
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
-    """Return the vehicle of a program's own MAVSDK System, which stays open when the vehicle is closed.
-
-    Raises:
-        BadInput: MAVSDK writes no `.tlog`.
-        NoAnswer: it is silent.
-    """
+    """A program's own System stays open. Raise BadInput for a `.tlog`, or NoAnswer."""
     if log is not None:
         words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
         raise BadInput(words, code="backend-cannot", place="log")
@@ -115,7 +105,7 @@ def _mavsdk_url(address: Address) -> str:
 
 
 class MavsdkLine:
-    """A `Carrier` over MAVSDK's link, by its plugin for single messages in JSON."""
+    """By MAVSDK's plugin for messages in JSON."""
 
     def __init__(self, instance: Any, system: Any) -> None:
         direct = import_module("mavsdk.plugins.mavlink_direct")
@@ -130,7 +120,6 @@ class MavsdkLine:
         return time.monotonic()
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """Only receive: MAVSDK transfers lists by itself."""
         return self.receive(min(until, run.sent_s + run.wait_s))
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
@@ -154,14 +143,13 @@ class MavsdkLine:
         """Do nothing: `no_reply_cause` is always None."""
 
     def no_reply_cause(self, target: Target) -> None:
-        """Do nothing: MAVSDK adapts to the vehicle's protocol version."""
+        """Do nothing: MAVSDK adapts to the protocol version."""
 
     def expect_alone(self, system: int) -> None:
-        """Do nothing: MAVSDK does not report a message's sender."""
+        """Do nothing: MAVSDK does not report senders."""
 
     @property
     def reopens(self) -> bool:
-        """Return False: MAVSDK reopens its links by itself."""
         return False
 
     def reopen(self) -> None: ...
@@ -191,8 +179,6 @@ def _from_json(value: Any) -> Any:
 
 
 class MavsdkVehicle(Vehicle):
-    """A vehicle whose lists MAVSDK transfers; the other verbs are our own dialogues over MAVSDK's link."""
-
     def __init__(self, instance: Any, system: Any, reading: bool = False) -> None:
         plugins = "mavsdk.plugins"
         mission_raw = import_module(f"{plugins}.mission_raw")
@@ -216,7 +202,7 @@ class MavsdkVehicle(Vehicle):
         with noted_interrupts() as interrupt:
             rows = [self._mavsdk_item(seq, item, kind) for seq, item in enumerate(items)]
             self._listen()
-            self.state.warnings.clear()  # later warnings may explain a refusal
+            self.state.warnings.clear()
             try:
                 self._transfer(kind, lambda: self._upload(rows, kind, interrupt))
             except MissionRefused as refusal:
@@ -237,7 +223,7 @@ class MavsdkVehicle(Vehicle):
         self._onboard_lists[kind] = OnboardList(Upload(items, self.autopilot, kind))
 
     def _expect_flyable(self) -> None:
-        """Raise Unflyable if PX4 reports so in MISSION_CURRENT, some time after it has taken the mission."""
+        """PX4 reports it in MISSION_CURRENT after a while."""
         self._listen()
         state = self.state
         state.current = None
@@ -247,7 +233,7 @@ class MavsdkVehicle(Vehicle):
             raise Unflyable("; ".join(state.warnings))
 
     def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
-        """Upload by MAVSDK. Ctrl-C ends it only where the vehicle then keeps its old list: the mission of PX4."""
+        """Ctrl-C ends it only where the vehicle keeps its old list (PX4's mission)."""
         raw = self._raw
         begin = (raw.upload_mission_async, raw.upload_geofence_async, raw.upload_rally_points_async)[kind]
         results: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -277,7 +263,7 @@ class MavsdkVehicle(Vehicle):
         return items
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """Return None: MAVSDK hides the messages of file transfers, so a list is read without its checksum."""
+        """MAVSDK hides the messages of file transfers."""
         return None
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:

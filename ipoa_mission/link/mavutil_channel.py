@@ -1,7 +1,4 @@
-"""Use an open connection of pymavlink's mavutil as a channel, and its message classes as messages.
-
-Frames, checksums, signatures and logs remain our own.
-"""
+"""Use an open connection of pymavlink's mavutil as a channel."""
 
 import select
 from collections.abc import Callable, Collection
@@ -15,14 +12,11 @@ from ipoa_mission.link.messages import Message
 if TYPE_CHECKING:
     from ipoa_mission.link.line import Line
 
-PEER = "mavutil"  # mavutil answers its last sender, and does not report it
+PEER = "mavutil"  # mavutil does not report its last sender
 
 
 class MavutilChannel(RealTime):
-    """Use a connection opened by `mavutil.mavlink_connection`, which its owner closes.
-
-    Nobody else may read from it meanwhile.
-    """
+    """Nobody else may read the connection meanwhile."""
 
     def __init__(self, connection: Any) -> None:
         super().__init__()
@@ -50,15 +44,11 @@ class MavutilChannel(RealTime):
             raise LinkDown(f"the link broke: {error}") from error
 
     def close(self) -> None:
-        """Do nothing: the connection is borrowed."""
+        """Do nothing: its owner closes it."""
 
 
 def payload_of(message: Any) -> tuple[Definition, bytes]:
-    """Return the definition and the payload of one of pymavlink's messages.
-
-    Raises:
-        BadInput: it is not such a message, or its dialect is not in use.
-    """
+    """Raise BadInput for an unknown message."""
     number = getattr(message, "get_msgId", lambda: None)()
     definition = None if number is None else DEFINITIONS.get(int(number))
     if definition is None or definition.name != message.get_type():
@@ -74,11 +64,7 @@ def as_pymavlink(frame: bytes) -> Any:
 
 
 def own_line(line: object) -> "Line":
-    """Return the line if it is our own.
-
-    Raises:
-        BadInput: it is MAVSDK's, which has its own message classes.
-    """
+    """Raise BadInput for MAVSDK's."""
     from ipoa_mission.link.line import Line
 
     if not isinstance(line, Line):
@@ -89,7 +75,7 @@ def own_line(line: object) -> "Line":
 def messages_from(
     line: "Line", system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
 ) -> list[Any]:
-    """Return a vehicle's messages within `seconds` as pymavlink's, if in `names` or if that is empty; `note` all."""
+    """Return those in `names` (empty: all); `note` all."""
     frames, until = list[bytes](), line.now() + seconds
     line.overhearing = frames.append
     try:

@@ -1,5 +1,3 @@
-"""Map a message to MAVLink's fields: names and units of each value."""
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from operator import attrgetter
@@ -14,7 +12,7 @@ Conversion: TypeAlias = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class MessageLayout(Generic[M]):
-    """Map one message to the wire: its MAVLink name, and the conversions to and from MAVLink's fields."""
+    """A message's name, and the conversions to and from its fields."""
 
     name: str
     kind: type[M]
@@ -24,7 +22,7 @@ class MessageLayout(Generic[M]):
 
 @dataclass(frozen=True)
 class Value:
-    """Map one value to a MAVLink field (or several, as a tuple), with both conversions."""
+    """One field, or several as a tuple."""
 
     names: tuple[str, ...]
     write: Conversion = lambda value: value
@@ -32,10 +30,7 @@ class Value:
 
 
 def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str | Value) -> MessageLayout[M]:
-    """Return the layout of a message whose values are MAVLink's own, except for those `placed` elsewhere.
-
-    `placed` gives another name, or a `Value`. `also` are constant fields.
-    """
+    """MAVLink's own values, except for those `placed` (name or `Value`); `also` are constants."""
     values: list[tuple[str, Value]] = []
     for field in fields(kind):
         place = placed.get(field.name, field.name)

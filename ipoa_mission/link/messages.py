@@ -1,7 +1,6 @@
-"""Messages of the link as data: one frozen class each, in SI units and degrees.
+"""One frozen class a message, in SI units and degrees; unscaled fields keep MAVLink's name.
 
-A field that MAVLink does not scale keeps MAVLink's own name. Received numbers stay plain integers, because an unknown
-mission type is no error of the reader; the enumerations name the known ones.
+Received numbers stay integers: an unknown one is no error.
 """
 
 from dataclasses import dataclass
@@ -13,8 +12,6 @@ CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; lower is worse
 
 
 class MissionType(IntEnum):
-    """MAV_MISSION_TYPE: the three lists of a vehicle."""
-
     MISSION = 0
     FENCE = 1
     RALLY = 2
@@ -55,23 +52,20 @@ class CommandResult(IntEnum):
 
 
 class MavAutopilot(IntEnum):
-    """MAV_AUTOPILOT: the values used here."""
-
     GENERIC = 0
     ARDUPILOT = 3
-    INVALID = 8  # not an autopilot: a ground station, a gimbal
+    INVALID = 8  # a ground station, a gimbal
     PX4 = 12
 
 
-#: MISSION_STATE: there is no flyable mission.
+#: MISSION_STATE.
 NO_MISSION = 1
-#: MAV_STATE_STANDBY: an autopilot below it is still booting.
+#: MAV_STATE_STANDBY; lower: still booting.
 STANDBY = 3
 #: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.
 ARMED_FLAG = 128
-#: MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
 CUSTOM_MODE_FLAG = 1
-#: MAV_COMP_ID_AUTOPILOT1, and our own ids as a ground station (MAV_COMP_ID_MISSIONPLANNER).
+#: MAV_COMP_ID_AUTOPILOT1, and ours (MAV_COMP_ID_MISSIONPLANNER).
 AUTOPILOT_COMPONENT = 1
 STATION_SYSTEM, STATION_COMPONENT = 245, 190
 
@@ -81,21 +75,14 @@ class Message:
     pass
 
 
-# --- the mission service -------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Count(Message):
-    """MISSION_COUNT: the number of items that follow."""
-
     count: int
     kind: int = MissionType.MISSION
 
 
 @dataclass(frozen=True)
 class Request(Message):
-    """MISSION_REQUEST_INT, or the old MISSION_REQUEST (`legacy`) with the same meaning."""
-
     seq: int
     kind: int = MissionType.MISSION
     legacy: bool = False
@@ -103,7 +90,7 @@ class Request(Message):
 
 @dataclass(frozen=True)
 class ItemAt(Message):
-    """MISSION_ITEM_INT: the item at `seq`. `current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
+    """MISSION_ITEM_INT; `current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
 
     seq: int
     item: Item
@@ -113,7 +100,7 @@ class ItemAt(Message):
 
 @dataclass(frozen=True)
 class Ack(Message):
-    """MISSION_ACK: the `Result` of a transfer; PX4 adds the id under which it keeps the list (0: none given)."""
+    """MISSION_ACK with the `Result`; PX4 adds its id of the list (0: none)."""
 
     result: int
     kind: int = MissionType.MISSION
@@ -122,30 +109,26 @@ class Ack(Message):
 
 @dataclass(frozen=True)
 class RequestList(Message):
-    """MISSION_REQUEST_LIST: asks for the number of items."""
-
     kind: int = MissionType.MISSION
 
 
 @dataclass(frozen=True)
 class ClearAll(Message):
-    """MISSION_CLEAR_ALL."""
-
     kind: int = MissionType.MISSION
 
 
 @dataclass(frozen=True)
 class SetCurrent(Message):
-    """MISSION_SET_CURRENT: continue at item `seq` (superseded by command 224, which PX4 lacks)."""
+    """MISSION_SET_CURRENT (superseded by command 224, which PX4 lacks)."""
 
     seq: int
 
 
 @dataclass(frozen=True)
 class Current(Message):
-    """MISSION_CURRENT: the current item; states: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
+    """MISSION_CURRENT; states: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
 
-    `total` is 0 if unknown, 65535 for no mission; `mission_id` is as in the `Ack` that took the mission.
+    `total`: 0 unknown, 65535 no mission; `mission_id`: as in its `Ack`.
     """
 
     seq: int
@@ -157,27 +140,18 @@ class Current(Message):
 
 @dataclass(frozen=True)
 class Reached(Message):
-    """MISSION_ITEM_REACHED."""
-
     seq: int
 
 
 @dataclass(frozen=True)
 class WritePartialList(Message):
-    """MISSION_WRITE_PARTIAL_LIST: announces new items `start_index` to `end_index`."""
-
     start_index: int
     end_index: int
     kind: int = MissionType.MISSION
 
 
-# --- presence, words, time -----------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Heartbeat(Message):
-    """HEARTBEAT: type, autopilot, mode and status."""
-
     type: int
     autopilot: int
     base_mode: int = 0
@@ -191,7 +165,7 @@ class Heartbeat(Message):
 
 @dataclass(frozen=True)
 class Text(Message):
-    """STATUSTEXT: words for a human; severity 0 (emergency) to 7 (debug). A long text comes in chunks with one `id`."""
+    """STATUSTEXT; severity 0 (emergency) to 7 (debug); chunks of a long text share an `id`."""
 
     severity: int
     text: str
@@ -201,7 +175,7 @@ class Text(Message):
 
 @dataclass(frozen=True)
 class Event(Message):
-    """EVENT: PX4's numbered messages (`number` is its id); the ground station has the words."""
+    """EVENT of PX4; the ground station has its words."""
 
     number: int
     log_levels: int
@@ -210,7 +184,7 @@ class Event(Message):
 
 @dataclass(frozen=True)
 class Ping(Message):
-    """PING: a request is addressed to (0, 0), its answer to the requester."""
+    """PING; a request is addressed to (0, 0)."""
 
     time_usec: int
     seq: int
@@ -224,13 +198,8 @@ class TimeSync(Message):
     ts1: int
 
 
-# --- commands and parameters ---------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class CommandLong(Message):
-    """COMMAND_LONG."""
-
     command: int
     params: tuple[float, float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     confirmation: int = 0
@@ -238,7 +207,7 @@ class CommandLong(Message):
 
 @dataclass(frozen=True)
 class CommandInt(Message):
-    """COMMAND_INT: x and y are integers on the command's own scale."""
+    """COMMAND_INT; x and y on the command's own scale."""
 
     command: int
     frame: int
@@ -250,8 +219,6 @@ class CommandInt(Message):
 
 @dataclass(frozen=True)
 class CommandAck(Message):
-    """COMMAND_ACK: the `CommandResult` of a command."""
-
     command: int
     result: int
     progress: int = 0
@@ -260,8 +227,6 @@ class CommandAck(Message):
 
 @dataclass(frozen=True)
 class SetMode(Message):
-    """SET_MODE: the old command for a mode."""
-
     base_mode: int
     custom_mode: int
 
@@ -273,7 +238,7 @@ class ParamRequestList(Message):
 
 @dataclass(frozen=True)
 class ParamRequestRead(Message):
-    """PARAM_REQUEST_READ: by name, or by index unless that is -1."""
+    """PARAM_REQUEST_READ by name, or by index unless -1."""
 
     param_id: str
     param_index: int = -1
@@ -281,8 +246,6 @@ class ParamRequestRead(Message):
 
 @dataclass(frozen=True)
 class ParamSet(Message):
-    """PARAM_SET."""
-
     param_id: str
     param_value: float
     param_type: int = 9
@@ -290,7 +253,7 @@ class ParamSet(Message):
 
 @dataclass(frozen=True)
 class ParamValue(Message):
-    """PARAM_VALUE: parameter `param_index` of `param_count`; type 9 is a float."""
+    """PARAM_VALUE; type 9 is a float."""
 
     param_id: str
     param_value: float
@@ -301,7 +264,7 @@ class ParamValue(Message):
 
 @dataclass(frozen=True)
 class MessageInterval(Message):
-    """MESSAGE_INTERVAL: interval of a message [us]; 0 unknown, -1 never."""
+    """MESSAGE_INTERVAL [us]; 0 unknown, -1 never."""
 
     message_id: int
     interval_us: int
@@ -309,7 +272,7 @@ class MessageInterval(Message):
 
 @dataclass(frozen=True)
 class RequestDataStream(Message):
-    """REQUEST_DATA_STREAM: starts or stops a group of messages (MAV_DATA_STREAM, 0 for all) at a rate [Hz]."""
+    """REQUEST_DATA_STREAM: MAV_DATA_STREAM (0: all) at a rate [Hz]."""
 
     req_stream_id: int
     req_message_rate: int
@@ -318,10 +281,10 @@ class RequestDataStream(Message):
 
 @dataclass(frozen=True)
 class FileTransfer(Message):
-    """FILE_TRANSFER_PROTOCOL: 251 bytes of MAVFTP."""
+    """251 bytes of MAVFTP."""
 
     payload: bytes
 
 
-#: Messages of the two ends of one transfer, of a list or of a file; they concern nobody else.
+#: Messages that only the two ends of a transfer need.
 TRANSFER = (Count, Request, ItemAt, Ack, RequestList, ClearAll, WritePartialList, FileTransfer)

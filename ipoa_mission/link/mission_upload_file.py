@@ -1,8 +1,6 @@
-"""ArduPilot's fast path: the whole mission as one file, `@MISSION/mission.dat`, written and read by MAVFTP.
+"""ArduPilot's `@MISSION/mission.dat` by MAVFTP: six items a frame.
 
-A frame then carries six items instead of one, and the vehicle takes the file whole or not at all. The file has a
-header of five 16-bit numbers (magic, list, options, first item, count) and a MISSION_ITEM_INT payload of 38 bytes
-for each item.
+Header: five 16-bit numbers (magic, list, options, first item, count); then MISSION_ITEM_INT payloads.
 """
 
 import struct
@@ -29,26 +27,18 @@ from ipoa_mission.progress import Progress, count, silent
 
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
-TARGET = (1, 1)  # of each item in the file
+TARGET = (1, 1)
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
-    """Return the file of a list in its wire form (home first).
-
-    Raises:
-        BadInput: an item does not fit MAVLink.
-    """
+    """Wire form: home first. Raise BadInput."""
     packed = pack_items(items, kind)
     packed["target"] = TARGET
     return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + packed.tobytes()
 
 
 def unpack_mission(data: bytes) -> tuple[Item, ...]:
-    """Return the list in a file.
-
-    Raises:
-        MissionError: it is not such a file, or it is truncated.
-    """
+    """Raise MissionError."""
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
         raise MissionError(words, code="wrong-format", place="mission file")
@@ -60,10 +50,10 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Upload a mission as one file, verify it by reading the file back, and return its checksum there.
+    """Read the file back, and return its checksum.
 
     Raises:
-        FileRefused: the vehicle has no such file, or refuses its content; it keeps its old mission.
+        FileRefused: the vehicle has no such file, or keeps its old mission.
         NoAnswer, ReadBackDiffers, KeepsChanging, Cancelled.
     """
     total = len(job.items)
@@ -91,7 +81,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
 
 def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
-    """Return the error of a cancelled upload, whose file may have been taken already."""
+    """The file may have been taken."""
     try:
         yield from _settle(job, closing)
     except FileRefused:

@@ -1,8 +1,3 @@
-"""Report at once when a vehicle in the air leaves its mission, and when it resumes it.
-
-Its fence, a failsafe, its pilot or another station may interrupt the mission.
-"""
-
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,9 +7,9 @@ from ipoa_mission.link.messages import WARNING, Message, Text
 from ipoa_mission.link.vehicle_state import VehicleState
 
 log = logging.getLogger(__name__)
-#: A mode this long has replaced the mission's; meanwhile the vehicle may give its reason [s].
+#: A mode this long has replaced the mission's [s].
 SETTLED_S = 1.0
-#: Warnings up to this long before may be the reason, too [s].
+#: Warnings this old may be the reason [s].
 REASON_AGE_S = 3.0
 RETURN_HINT = "a pilot or a ground station can take it over"
 HOLD_HINT = (
@@ -24,10 +19,7 @@ HOLD_HINT = (
 
 @dataclass
 class ModeWatch:
-    """Hear a watched vehicle, and log when it leaves or resumes its mission.
-
-    `words`: how it has left its mission; empty while it flies it. `was_away`: its reason may have been missed.
-    """
+    """`words`: how the vehicle has left its mission. `was_away`: its reason may have been missed."""
 
     state: VehicleState
     words: str = ""
@@ -48,7 +40,7 @@ class ModeWatch:
             self._modes = frozenset()
 
     def note(self, message: Message, now_s: float) -> None:
-        """Take a message that `state` has noted already."""
+        """`state` has noted the message already."""
         if isinstance(message, Text) and message.severity <= WARNING:
             self._warnings.append((now_s, message.text.strip()))
         mode = self.state.custom_mode

@@ -1,13 +1,11 @@
-"""Explain why a vehicle on the link does not answer: its signing differs, or it uses MAVLink 1."""
-
 from collections.abc import Mapping
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.signing import Doubt
 
-#: Silence after which the cause is reported, of a vehicle that is heard and has never answered [s].
+#: Silence until the cause is reported [s].
 CAUSE_S = 5.0
-#: Time to listen for another vehicle after frames that are not accepted [s].
+#: To listen for another vehicle [s].
 DOUBTED_S = 3.0
 _WORDS: Mapping[Doubt | None, tuple[str, str]] = {
     None: ("it signs its messages, and does not answer our unsigned ones", "give the key that it has: --key FILE"),
@@ -24,7 +22,7 @@ _WORDS: Mapping[Doubt | None, tuple[str, str]] = {
 
 
 class SpeaksMavlink1(MissionError):
-    """The vehicle is heard in MAVLink 1 only, and ignores our MAVLink 2."""
+    """The vehicle is heard in MAVLink 1 only, and ignores MAVLink 2."""
 
     def __init__(self, system: int) -> None:
         super().__init__(
@@ -34,7 +32,7 @@ class SpeaksMavlink1(MissionError):
 
 
 class SignsOtherwise(MissionError):
-    """The vehicle's signing and ours differ; none of our messages had an effect."""
+    """The vehicle's signing and ours differ: it ignores us."""
 
     def __init__(self, system: int, doubt: Doubt | None) -> None:
         words, hint = _WORDS[doubt]

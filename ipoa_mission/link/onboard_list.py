@@ -1,4 +1,4 @@
-"""Prove before arming that a vehicle holds a list, and watch for changes afterwards."""
+"""Prove before arming that a vehicle holds a list, and watch it afterwards."""
 
 import logging
 import math
@@ -15,17 +15,14 @@ from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
-NO_TOTAL = 65535  # MISSION_CURRENT.total where there is no mission
-CURRENT_TIMEOUT_S = 1.5  # for MISSION_CURRENT
-CHECK_INTERVAL_S = 10.0  # in flight, on the vehicle's clock
+NO_TOTAL = 65535  # MISSION_CURRENT.total of no mission
+CURRENT_TIMEOUT_S = 1.5
+CHECK_INTERVAL_S = 10.0  # [s] of the vehicle's clock
 
 
 @dataclass
 class OnboardList:
-    """A list that a vehicle was seen to hold, and its id or checksum there (0: unknown).
-
-    `changed`: what the vehicle has since reported of another list. `is_reported`: the user was informed.
-    """
+    """`changed`: later reports of another list."""
 
     job: Upload
     list_id: int = 0
@@ -37,10 +34,7 @@ class OnboardList:
         return self.list_id != 0 and not self.job.has_checksum
 
     def note(self, message: Message, is_flying: bool = False) -> None:
-        """Compare the list with the vehicle's report: another id, or another number of items, means a replacement.
-
-        Log a change in flight once, at once.
-        """
+        """Another id or number of items is a replacement; warn once in flight."""
         if self.job.kind == MissionType.MISSION and isinstance(message, Current):
             self.changed = self.changed or self._other(message)
         if self.changed and is_flying and not self.is_reported:
@@ -62,19 +56,14 @@ class OnboardList:
 
 
 class ReplacedSince(MissionError):
-    """The vehicle's list is no longer the one that was proved before the arming."""
+    """The list proved before the arming was replaced."""
 
     def __init__(self, holding: OnboardList) -> None:
         super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
 
 
 def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
-    """Prove that the vehicle holds each list now: by its id or checksum, else item by item.
-
-    Raises:
-        Replaced: it holds another list.
-        NotReady: it does not report it.
-    """
+    """Prove each list by its id or checksum, else item by item; raise Replaced or NotReady."""
     for holding in onboard_lists:
         if not (holding.list_id and (yield from _is_named(holding, state))):
             holding.list_id = (yield from _read_again(holding.job)) or holding.list_id
@@ -94,7 +83,7 @@ def _is_named(holding: OnboardList, state: VehicleState) -> Dialogue[bool]:
 
 
 def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
-    """Read a list without an id once more after a flight: a replacement may have the same length."""
+    """A replacement may have the length of a list without an id."""
     if holding.is_watched or holding.changed:
         return
     try:
@@ -104,10 +93,7 @@ def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
 
 
 class ListWatcher:
-    """Check in flight, at intervals, a list of which the vehicle gives a checksum instead of an id.
-
-    The checksum includes home, which arming moves. So another checksum only means that the list must be read again.
-    """
+    """Check at intervals; arming moves home, so another checksum only means to read again."""
 
     def __init__(self, holding: OnboardList) -> None:
         self._holding = holding
@@ -132,7 +118,7 @@ class ListWatcher:
             self._holding.list_id = (yield from _read_again(self._holding.job)) or self._holding.list_id
         except Replaced as replaced:
             self._holding.changed = str(replaced.difference)
-        except NotReady:  # another station may be uploading: the next check decides
+        except NotReady:  # another station may be uploading
             return
 
 

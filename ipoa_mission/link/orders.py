@@ -1,10 +1,10 @@
-"""Send orders besides missions: commands, current item, arming, start, parameters."""
-
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
@@ -22,8 +22,6 @@ from ipoa_mission.link.messages import (
     SetCurrent,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
-from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 M = TypeVar("M", bound=Message)
@@ -32,21 +30,16 @@ M = TypeVar("M", bound=Message)
 FILE_TRANSFER = 32
 #: MAV_PARAM_TYPE of integers, which PX4 sends bit by bit.
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
-#: Rounds of asking for a parameter, and their duration [s]; an unknown parameter is met with silence.
+#: An unknown parameter is met with silence.
 PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
-#: Answers to known parameters after which an unanswered one does not exist.
 PROOFS_OF_ABSENCE = 4
-#: Further rounds if nothing was heard, for a slow link or a busy vehicle, and their duration [s].
 SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
-#: Timeouts of the repeated settings of a parameter; after the last one another value counts as kept [s].
+#: Then another value counts as kept.
 SET_TIMEOUTS_S = (1.0, 2.0, 4.0)
-#: Number of requests of a message by REQUEST_MESSAGE, and the pause after a refusal [s].
 MESSAGE_REQUESTS, REFUSAL_PAUSE_S = 5, 0.3
 
 
 class CommandRefused(MissionError):
-    """The vehicle refused an order; the message contains its words."""
-
     def __init__(self, what: str, result: int, words: str = "") -> None:
         self.what, self.result = what, result
         name = CommandResult(result).name if result in set(CommandResult) else str(result)
@@ -62,7 +55,6 @@ def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    """Send a COMMAND_LONG; return its result and the vehicle's words."""
     return send_command(order(number, *params))
 
 
@@ -86,13 +78,9 @@ def send_command(one: CommandLong) -> Dialogue[tuple[int, str]]:
 
 
 def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
-    """Continue at item `seq`: by command 224, or by the older message if that is unsupported (PX4).
+    """By command 224, or by the older message (PX4).
 
-    `restart`: reset the jump counters and the completed state.
-
-    Raises:
-        CommandRefused: there is no such item.
-        NoAnswer: the vehicle does not show the item as current.
+    `restart` resets jump counters and completion. Raise CommandRefused, or NoAnswer if the item is not shown.
     """
     result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == CommandResult.ACCEPTED:
@@ -116,10 +104,7 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
 
 
 def _requested(name: str, kind: type[M], pause_s: float, requests: int = MESSAGE_REQUESTS) -> Dialogue[M | None]:
-    """Request a message once; return None if it is refused, or does not come.
-
-    The request is repeated, because an answer may belong to an earlier request.
-    """
+    """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
     request = CommandLong(VehicleCommand.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
     has_answered = False
@@ -161,13 +146,9 @@ def about() -> Dialogue[AutopilotVersion | None]:
 
 
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
-    """Return the vehicle's values; each entry of `wanted` lists the names of one parameter, of which one suffices.
+    """Return values by any name of each entry; raise NoAnswer.
 
-    Unanswered parameters are left out: an unknown name is met with silence. Each round also asks for a parameter that
-    exists for sure. After enough answers to those the missing ones do not exist.
-
-    Raises:
-        NoAnswer: the vehicle answers to none.
+    Each round also asks for parameters that exist: their answers prove unanswered ones absent.
     """
     values: dict[str, ParamValue] = {}
     proofs = 0
@@ -180,7 +161,7 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
             break
         known = autopilot.book.surely_there[
             n % len(autopilot.book.surely_there)
-        ]  # never the same twice in a row, which would count as an echo
+        ]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
             yield Remark(ParamRequestRead(name))
         heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
@@ -198,15 +179,7 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
 
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
-    """Set a parameter in the vehicle's type for it, and verify the value.
-
-    The first value heard may answer an earlier question, so only the last one counts.
-
-    Raises:
-        NoAnswer: there is no such parameter, or its value is not reported any more.
-        BadInput: its type has no such value.
-        MissionError: the vehicle keeps another value.
-    """
+    """Verify by the last value heard; raise NoAnswer (unknown), BadInput (type) or MissionError (not kept)."""
     found = yield from parameters([(name,)], autopilot)
     if name not in found:
         raise NoAnswer(f"the vehicle has no parameter {name}", code="unknown-parameter")
@@ -231,18 +204,14 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
 
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
-    """Return a parameter's value: some autopilots send an integer's bits in the place of a float."""
+    """Decode a value: some autopilots send an integer's bits as a float."""
     if heard.param_type not in INT_TYPES or not autopilot.book.packs_integers:
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
-    """Invert `parameter_value` for a parameter of this type.
-
-    Raises:
-        BadInput: the type has no such integer.
-    """
+    """Raise BadInput if the type has no such value."""
     if kind not in INT_TYPES or not autopilot.book.packs_integers:
         return value
     if not abs(value) < 2**31:

@@ -1,8 +1,4 @@
-"""Reconnect to a vehicle in flight after a link loss, and identify it before anything is sent to it.
-
-The vehicle must have the same kind and system id, must not have rebooted, and must hold the uploaded mission. Its
-messages count only from then on.
-"""
+"""Reconnect in flight, and identify the vehicle before anything is sent to it."""
 
 import logging
 import math
@@ -26,28 +22,26 @@ from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
-SILENT_S = 3.0  # silence that counts as a link loss
-GIVE_UP_S = 300.0  # link loss after which the vehicle is given up
-RETRY_S = 1.0  # between two attempts to open the link, and between two progress reports
-SHOWN_S = 2.0  # timeout for position and current item
-CLOCK_RESET_S = 1.0  # a clock this much behind its former value was reset
+SILENT_S = 3.0  # counts as a link loss
+GIVE_UP_S = 300.0
+RETRY_S = 1.0
+SHOWN_S = 2.0  # for position and current item
+CLOCK_RESET_S = 1.0  # a clock this much behind was reset
 
 
 class NotTheSameVehicle(MissionError):
-    """The vehicle heard after a link loss is not the lost one, or has changed: nothing is sent to it."""
+    """The vehicle heard after a link loss is another, or has changed: nothing is sent to it."""
 
     def __init__(self, system: int, lost_s: float, why: str) -> None:
         super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: nothing is sent to it")
 
 
 class IdentityChanged(MissionError):
-    """It is another vehicle, or it has changed; the message gives the evidence."""
+    """It is another vehicle, or has changed; with the evidence."""
 
 
 @dataclass(frozen=True)
 class KnownVehicle:
-    """Identify the lost vehicle: its state, clock, version, and the mission on it."""
-
     system: int
     state: VehicleState
     clock_s: float
@@ -56,11 +50,7 @@ class KnownVehicle:
 
 
 class LinkLoss:
-    """Handle the loss of the link to a watched vehicle.
-
-    `seconds`: its duration so far [s], None while the vehicle is heard. `words`: its description, empty meanwhile.
-    `meanwhile`: what the vehicle does without its ground station.
-    """
+    """`seconds`: its duration [s], or None. `meanwhile`: what the vehicle does alone."""
 
     def __init__(self, line: Carrier) -> None:
         self.seconds: float | None = None
@@ -79,21 +69,16 @@ class LinkLoss:
         tell: Callable[[str], None],
         until_s: float = math.inf,
     ) -> list[Message]:
-        """Wait until the vehicle is heard again and identified; return its messages until then.
+        """Wait until the vehicle is identified; return its messages until then.
 
         Args:
-            lost: the error that reported the loss.
-            known: the vehicle.
-            patience: the timers.
             tell: called every second.
             until_s: the user's time limit, on the line's clock.
 
         Raises:
-            LinkDown: the link broke, and we cannot open it again.
-            NotTheSameVehicle, OtherKind: another vehicle is heard in its place, or it holds another mission.
-            NoAnswer: it was not identified within `GIVE_UP_S`.
-            TimeUp: it was not identified before `until_s`.
-            Cancelled: by Ctrl-C.
+            LinkDown: the broken link cannot be opened again.
+            NotTheSameVehicle, OtherKind: another vehicle is heard, or another mission.
+            NoAnswer, TimeUp: it was not identified within `GIVE_UP_S`, or by `until_s`.
         """
         now, self._until_s = self._line.now(), until_s
         self._is_open = not isinstance(lost, LinkDown)
@@ -177,7 +162,7 @@ class LinkLoss:
 
 
 def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
-    """Identify the heard vehicle as the known one; send questions only.
+    """Ask questions only.
 
     Raises:
         OtherKind, Replaced, IdentityChanged: it is another vehicle, or holds another mission.

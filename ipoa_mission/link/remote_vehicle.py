@@ -1,10 +1,9 @@
-"""Hold dialogues with one vehicle: its state, its timers."""
-
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Self, TypeVar
 
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, Tempo
@@ -13,7 +12,6 @@ from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.vehicles.version import Version
 
 T = TypeVar("T")
 
@@ -44,23 +42,19 @@ class RemoteVehicle:
         return None if self._about is None else Version.said(self._about.flight_sw_version)
 
     def send(self, message: Any) -> None:
-        """Send one of pymavlink's messages (`MAVLink_command_long_message`, ...) to the target in its fields.
-
-        Raises:
-            BadInput: it is not such a message, or its dialect was not added.
-        """
+        """Send to the message's own target; raise BadInput for an unknown dialect."""
         from ipoa_mission.link.mavutil_channel import own_line, payload_of
 
         own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
-        """Return the vehicle's messages within `seconds`, as pymavlink's; `names`: only those."""
+        """Return the vehicle's messages as pymavlink's; `names`: only those."""
         from ipoa_mission.link.mavutil_channel import messages_from, own_line
 
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:
-        """Raise TimeUp in the present verb this many seconds from now, also while a flight is watched."""
+        """Raise TimeUp in the present verb after this time, also in a watched flight."""
         self._until = self.line.now() + seconds
 
     def close(self) -> None:
@@ -73,7 +67,7 @@ class RemoteVehicle:
         self.close()
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes something, while the vehicle is a supported multicopter."""
+        """The dialogue changes something on a supported multicopter."""
         self.state.expect_flown()
         return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
 
@@ -87,7 +81,6 @@ class RemoteVehicle:
 
     @contextmanager
     def _in_time(self) -> Iterator[None]:
-        """Limit the time of the dialogues in this context to the user's patience."""
         before = self._until
         self._until = min(before, self.line.now() + self._patience.total_s)
         try:

@@ -1,24 +1,24 @@
-"""Route messages: which peers send as which system, and which of them may.
+"""Route messages: which peers send as which system, and which may.
 
-Several peers may use one name (system and component): two ground stations with equal ids both get the answers. A
-sender that must be the only one claims the name: the vehicle we talk to, or the station of the running transfer.
+Two ground stations with one name (system, component) both get the answers. A vehicle, or a station in a transfer,
+claims its name alone.
 """
 
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Framer, Target
 
-#: Silence after which a peer loses its claim to a name, and its place in a full table [s].
+#: Silence that ends a claim [s].
 CLAIM_S = 5.0
-#: Time between two transfers of one peer, such as an upload and its read-back [s].
+#: Between two transfers of a peer [s].
 REST_S = 1.0
 MAX_PEERS = 32
 
 
 class Routes:
-    """Remember who was heard where and when: `MAX_PEERS` at most, preferably those that were addressed."""
+    """`MAX_PEERS` peers, preferably addressed ones."""
 
     def __init__(self) -> None:
-        self._heard: dict[tuple[Target, Peer], float] = {}  # ordered by the time of the last message
+        self._heard: dict[tuple[Target, Peer], float] = {}  # by the time of the last message
         self._claims: dict[Target, tuple[Peer, float]] = {}
         self._spoken_to: set[Target] = set()
         self._framers: dict[Peer, Framer] = {}
@@ -31,11 +31,9 @@ class Routes:
         return framer
 
     def learn(self, name: Target, peer: Peer, now: float) -> None:
-        """Note a frame of this name from `peer`.
+        """Replace peers of its name silent for `CLAIM_S`.
 
-        A new peer replaces peers of the same name that were silent for `CLAIM_S`: it has moved. A full table drops
-        the longest silent entry if that was silent for `CLAIM_S`, else the longest silent one that was never addressed.
-        If all were addressed, the new one is not stored.
+        A full table drops an entry silent for `CLAIM_S`, else one never addressed, else stores nothing.
         """
         if self._heard.pop((name, peer), None) is None:
             for one in [one for one, when in self._heard.items() if one[0] == name and now - when >= CLAIM_S]:
@@ -45,7 +43,7 @@ class Routes:
         self._heard[name, peer] = now
 
     def claim(self, name: Target, peer: Peer, now: float) -> bool:
-        """Claim this name for `peer`; False while another peer holds it."""
+        """Return False while another peer holds the name."""
         holder, when = self._claims.get(name, (peer, now))
         if holder != peer and now - when < CLAIM_S:
             return False
@@ -53,7 +51,7 @@ class Routes:
         return True
 
     def release(self, name: Target, now: float) -> None:
-        """End a claim: unless more follows within `REST_S`, another peer may claim the name."""
+        """End a claim after `REST_S`."""
         holder, _ = self._claims[name]
         self._claims[name] = (holder, now - CLAIM_S + REST_S)
 
@@ -65,11 +63,11 @@ class Routes:
         return holder
 
     def speak_to(self, name: Target) -> None:
-        """Keep this name in a full table."""
+        """Keep it in a full table."""
         self._spoken_to.add(name)
 
     def to(self, target: Target) -> set[Peer]:
-        """Return the peers of a target; all peers for a broadcast."""
+        """All peers for a broadcast."""
         return {
             peer
             for (system, component), peer in self._heard

@@ -1,8 +1,7 @@
 """Sign MAVLink 2 frames, and reject unsigned and replayed ones.
 
-A signature is the first six bytes of SHA-256 over key, frame, link id and a timestamp in units of 10 us since 2015.
-Timestamps must only grow, also across restarts, and should follow the clock. A vehicle adopts the greatest timestamp
-that it hears, and ignores a station that is a minute behind.
+Timestamps (10 us since 2015) only grow, also across restarts. A vehicle adopts the greatest one heard, and ignores a
+station that is a minute behind.
 """
 
 import hashlib
@@ -20,8 +19,8 @@ from ipoa_mission.link.timestamps import Timestamps, own_timestamps
 log = logging.getLogger(__name__)
 EPOCH_2015_S = 1_420_070_400
 TICKS_PER_S = 100_000
-NEW_STREAM_TICKS = 60 * TICKS_PER_S  # a new stream may be this much behind us
-RESERVE_TICKS = TICKS_PER_S  # the file's lead over the last timestamp while in use
+NEW_STREAM_TICKS = 60 * TICKS_PER_S  # may be this far behind us
+RESERVE_TICKS = TICKS_PER_S  # the file's lead while in use
 SIGNED_FLAG = 0x01
 KEY_BYTES = 32
 MAX_SIGNERS = 16
@@ -29,11 +28,7 @@ _HEXADECIMAL = re.compile(rb"\s*([0-9a-fA-F]{64})\s*")
 
 
 def read_key(path: str | Path) -> bytes:
-    """Return the key in a file; see `key_of`. Warn if others may write the file.
-
-    Raises:
-        BadInput: the file cannot be read, or contains no key.
-    """
+    """Warn if others may write the file; raise BadInput."""
     path = Path(path)
     try:
         raw = path.read_bytes()
@@ -46,13 +41,9 @@ def read_key(path: str | Path) -> bytes:
 
 
 def key_of(secret: str | bytes) -> bytes:
-    """Return the key in a file or environment variable.
+    """Raise BadInput, else return 32 bytes.
 
-    It is 64 hexadecimal digits, or 32 bytes that are not text, or a passphrase. A passphrase gives the SHA-256 of it
-    without its line end, as in other ground stations.
-
-    Raises:
-        BadInput: it is none of these.
+    `secret`: 64 hexadecimal digits, 32 bytes that are not text, or a passphrase (SHA-256 without its line end).
     """
     raw = secret.encode("utf-8", "surrogateescape") if isinstance(secret, str) else secret
     if digits := _HEXADECIMAL.fullmatch(raw):
@@ -76,13 +67,11 @@ def _is_text(raw: bytes) -> bool:
 
 class Doubt(StrEnum):
     UNSIGNED = "unsigned"
-    FOREIGN = "foreign"  # signed with another key
-    STALE = "stale"  # signed with our key, but not newer than the last frame
+    FOREIGN = "foreign"  # another key
+    STALE = "stale"  # our key, but not newer than the last frame
 
 
 class Signer:
-    """Sign our frames and check received ones, with one key."""
-
     def __init__(self, key: bytes, link_id: int = 0, timestamps: Timestamps | None = None) -> None:
         self.key = key
         self.link_id = link_id
@@ -118,7 +107,7 @@ class Signer:
             self._timestamps = None
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
-        """Check that a frame is signed with our key and newer than its predecessors in its stream."""
+        """Check for our key, and a newer timestamp in its stream."""
         doubt = self._doubt(frame, system, component)
         if doubt is not None:
             self.doubts[system, component] = doubt
@@ -142,13 +131,9 @@ class Signer:
 
 
 def persistent_signer(key: bytes, path: str | Path) -> Signer:
-    """Return a signer whose timestamps grow from one run to the next; `path` stores the last one.
+    """Timestamps grow from run to run; `path` stores the last one.
 
-    Processes that sign at the same time have their own files and link ids, so that their frames are not replays of each
-    other.
-
-    Raises:
-        BadInput: the file contains no timestamp, or too many processes sign at once.
+    Each process has its own file and link id. Raise BadInput if the file has no timestamp, or too many sign.
     """
     path = Path(path)
     for link_id in range(MAX_SIGNERS):

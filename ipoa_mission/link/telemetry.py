@@ -1,5 +1,3 @@
-"""Telemetry of a flying vehicle as data: frozen classes like those of `messages`, in SI units."""
-
 from dataclasses import dataclass
 
 from ipoa_mission.link.messages import Message
@@ -7,7 +5,7 @@ from ipoa_mission.link.messages import Message
 
 @dataclass(frozen=True)
 class AutopilotVersion(Message):
-    """AUTOPILOT_VERSION: `capabilities` is a bit field of MAV_PROTOCOL_CAPABILITY."""
+    """`capabilities`: bits of MAV_PROTOCOL_CAPABILITY."""
 
     capabilities: int
     flight_sw_version: int = 0
@@ -16,7 +14,7 @@ class AutopilotVersion(Message):
 
 @dataclass(frozen=True)
 class ProtocolVersion(Message):
-    """PROTOCOL_VERSION: MAVLink's version times 100: 200 is MAVLink 2."""
+    """MAVLink's version times 100."""
 
     version: int
     min_version: int
@@ -25,7 +23,7 @@ class ProtocolVersion(Message):
 
 @dataclass(frozen=True)
 class HomePosition(Message):
-    """HOME_POSITION: altitude AMSL [m]."""
+    """Altitude AMSL [m]."""
 
     latitude_deg: float
     longitude_deg: float
@@ -34,8 +32,6 @@ class HomePosition(Message):
 
 @dataclass(frozen=True)
 class GlobalOrigin(Message):
-    """GPS_GLOBAL_ORIGIN: origin of the local frame."""
-
     latitude_deg: float
     longitude_deg: float
     altitude: float
@@ -43,7 +39,7 @@ class GlobalOrigin(Message):
 
 @dataclass(frozen=True)
 class Position(Message):
-    """GLOBAL_POSITION_INT: altitude AMSL, height above home [m]; velocity north, east, down [m/s]; yaw [rad]."""
+    """Altitude AMSL, height above home [m]; velocity north, east, down [m/s]; yaw [rad]."""
 
     time_s: float
     latitude_deg: float
@@ -56,7 +52,7 @@ class Position(Message):
 
 @dataclass(frozen=True)
 class LocalPosition(Message):
-    """LOCAL_POSITION_NED: north, east, down from the origin [m], and velocity [m/s]."""
+    """North, east, down from the origin [m], and velocity [m/s]."""
 
     time_s: float
     position: tuple[float, float, float]
@@ -65,7 +61,7 @@ class LocalPosition(Message):
 
 @dataclass(frozen=True)
 class Gps(Message):
-    """GPS_RAW_INT: a fix of type 3 is three-dimensional."""
+    """A fix of type 3 is three-dimensional."""
 
     time_s: float
     latitude_deg: float
@@ -78,7 +74,7 @@ class Gps(Message):
 
 @dataclass(frozen=True)
 class Attitude(Message):
-    """ATTITUDE [rad]."""
+    """[rad]"""
 
     time_s: float
     roll: float
@@ -88,7 +84,7 @@ class Attitude(Message):
 
 @dataclass(frozen=True)
 class Hud(Message):
-    """VFR_HUD: speeds [m/s], altitude AMSL [m], heading [deg]."""
+    """Speeds [m/s], altitude AMSL [m], heading [deg]."""
 
     airspeed: float
     groundspeed: float
@@ -100,7 +96,7 @@ class Hud(Message):
 
 @dataclass(frozen=True)
 class SystemStatus(Message):
-    """SYS_STATUS: sensor bits present, enabled and healthy; battery voltage [V], remaining [%], current [A]."""
+    """Sensor bits; battery voltage [V], remaining [%], current [A]."""
 
     present: int
     enabled: int
@@ -112,7 +108,7 @@ class SystemStatus(Message):
 
 @dataclass(frozen=True)
 class BatteryStatus(Message):
-    """BATTERY_STATUS: voltage [V], current [A] and remaining [%] of one battery; negative: not measured."""
+    """Voltage [V], current [A], remaining [%]; negative: not measured."""
 
     id: int
     voltage: float
@@ -122,7 +118,7 @@ class BatteryStatus(Message):
 
 @dataclass(frozen=True)
 class WindEstimate(Message):
-    """WIND: ArduPilot's estimate; direction from which it blows [deg], speed [m/s]."""
+    """ArduPilot's estimate: from direction [deg], speed [m/s]."""
 
     direction_deg: float
     speed: float
@@ -130,14 +126,14 @@ class WindEstimate(Message):
 
 @dataclass(frozen=True)
 class WindVelocity(Message):
-    """WIND_COV: PX4's estimate; velocity of the air north, east, down [m/s]."""
+    """PX4's estimate: north, east, down [m/s]."""
 
     velocity: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
 class ExtendedState(Message):
-    """EXTENDED_SYS_STATE: `landed_state` 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
+    """`landed_state`: 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
 
     landed_state: int
     vtol_state: int = 0
@@ -145,7 +141,7 @@ class ExtendedState(Message):
 
 @dataclass(frozen=True)
 class SystemTime(Message):
-    """SYSTEM_TIME: seconds since 1970 and since boot."""
+    """Seconds since 1970 and since boot."""
 
     unix_s: float
     boot_s: float
@@ -153,7 +149,7 @@ class SystemTime(Message):
 
 @dataclass(frozen=True)
 class RadioStatus(Message):
-    """RADIO_STATUS: sent by the radio itself, and therefore never signed."""
+    """Sent by the radio itself, so never signed."""
 
     rssi: int
     remrssi: int

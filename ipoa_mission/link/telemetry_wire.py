@@ -1,5 +1,3 @@
-"""Map telemetry to MAVLink's fields: scaled to integers, saturated where a value does not fit."""
-
 import math
 from typing import Any
 
@@ -8,7 +6,7 @@ from ipoa_mission.link.message_layout import MessageLayout, Value, plain
 
 
 def saturated(value: float, bits: int = 32) -> int:
-    """Round to a signed integer of this size, saturated; NaN gives 0, because telemetry must not fail."""
+    """NaN gives 0: telemetry must not fail."""
     most = 2 ** (bits - 1) - 1
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
 
@@ -32,13 +30,13 @@ _PLACE = {"latitude_deg": _scaled("latitude", 1e7), "longitude_deg": _scaled("lo
 _SHORT_PLACE = {"latitude_deg": _scaled("lat", 1e7), "longitude_deg": _scaled("lon", 1e7)}
 _ALTITUDE = {"altitude": _scaled("altitude", 1000)}
 _NO_CELL = 0xFFFF
-#: The cell voltages of a pack, or its total voltage in the first cells.
+#: Cells, or the total in the first cells.
 _CELLS = Value(
     ("voltages", "voltages_ext"),
     lambda voltage: ([round(voltage * 1000), *[_NO_CELL] * 9], [0] * 4),
     lambda raw: sum(cell for cell in (*raw[0], *raw[1]) if cell != _NO_CELL) / 1000,
 )
-#: Charge, energy and temperature not measured; a charged lithium polymer battery of the whole vehicle.
+#: Not measured; a charged lithium polymer battery of the whole vehicle.
 _BATTERY = {"current_consumed": -1, "energy_consumed": -1, "temperature": 0x7FFF} | {
     "battery_function": 1,
     "type": 1,

@@ -1,7 +1,6 @@
-"""Store the last signed timestamp between runs, in a file that one process owns.
+"""The last signed timestamp in a file of one process.
 
-In use, the file is one second ahead of the last signature, so that a crash repeats no timestamp. A regular end stores
-the last timestamp itself. So the file never runs ahead of the clock.
+In use, it is one second ahead: a crash repeats no timestamp.
 """
 
 import logging
@@ -20,20 +19,18 @@ else:
 log = logging.getLogger(__name__)
 DIGITS = 20
 TIMESTAMP_LIMIT = 2**48  # six bytes on the wire
-LOCK_OFFSET = 1_000_000  # Windows forbids reading locked bytes: lock one far behind the timestamp
+LOCK_OFFSET = 1_000_000  # Windows forbids reading locked bytes
 
 
 class Timestamps:
-    """Own a timestamp file by its descriptor; `close` releases it."""
-
     def __init__(self, path: Path, file: int, last: int) -> None:
         self.last = last
         self._path = path
         self._file = file
-        self.close = weakref.finalize(self, os.close, file)  # runs once, also if the owner forgot to close
+        self.close = weakref.finalize(self, os.close, file)  # also if the owner forgot to close
 
     def keep(self, last: int) -> None:
-        """Write a timestamp; a full disk only logs a warning, because it must not end a flight."""
+        """A full disk only warns: it must not end a flight."""
         try:
             os.lseek(self._file, 0, os.SEEK_SET)
             os.write(self._file, b"%0*d\n" % (DIGITS, last))
@@ -42,11 +39,7 @@ class Timestamps:
 
 
 def own_timestamps(path: Path) -> Timestamps | None:
-    """Open a timestamp file, or create it; return None while another process owns it.
-
-    Raises:
-        BadInput: it cannot be opened, or contains no timestamp.
-    """
+    """None while another process owns the file. Raise BadInput."""
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
     except OSError as error:
@@ -54,7 +47,7 @@ def own_timestamps(path: Path) -> Timestamps | None:
     try:
         _lock(file)
         words = os.read(file, DIGITS + 2).strip()
-    except (BlockingIOError, PermissionError):  # locked: on Linux, on Windows
+    except (BlockingIOError, PermissionError):  # on Linux, on Windows
         os.close(file)
         return None
     except OSError as error:

@@ -1,7 +1,4 @@
-"""Read and write `.tlog` files: every frame of a link, in the format of ground stations.
-
-A record is the time of a frame in microseconds since 1970, eight bytes big-endian, and the raw frame.
-"""
+"""A record is the time [us since 1970] as eight bytes big-endian, and the raw frame."""
 
 import errno
 import logging
@@ -18,14 +15,11 @@ from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_fram
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
-REORDERED_GAP = 128  # apparent losses from which on a frame counts as reordered
+REORDERED_GAP = 128  # from here on a frame counts as reordered
 
 
 class TlogWriter:
-    """Write a log unbuffered.
-
-    A full disk ends the log with one warning, not the flight.
-    """
+    """A full disk ends the log with a warning, not the flight."""
 
     def __init__(self, path: str | Path) -> None:
         self._path = path
@@ -62,10 +56,10 @@ class Record:
 
 @dataclass
 class LostFrames:
-    """Count the losses of a log: bytes outside frames, and frames missing by each sender's sequence numbers."""
+    """Bytes outside frames, and frames missing by sequence numbers."""
 
     torn_bytes: int = 0
-    frames: Counter[int] = field(default_factory=Counter)  # by system
+    frames: Counter[int] = field(default_factory=Counter)
     there: Counter[int] = field(default_factory=Counter)
 
     def remarks(self, system: int) -> Iterator[str]:
@@ -77,15 +71,7 @@ class LostFrames:
 
 
 def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[Record]:
-    """Yield the frames of a log in order; skip torn records and frames with wrong checksums.
-
-    Args:
-        path: of the log.
-        missing: counts what was skipped.
-
-    Raises:
-        BadInput: the file cannot be read.
-    """
+    """Skip torn records and wrong checksums, counted in `missing`; raise BadInput."""
     data, at = read_bytes(Path(path)), 0
     missing = LostFrames() if missing is None else missing
     last: dict[tuple[int, int], int] = {}

@@ -1,5 +1,3 @@
-"""Follow overheard mission transfers: which items the vehicle holds, whoever sent them."""
-
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
@@ -20,7 +18,7 @@ from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]
-BURST_READ = 15  # a MAVFTP opcode that our own client does not use
+BURST_READ = 15  # MAVFTP opcode that our client does not use
 
 
 @dataclass
@@ -35,12 +33,12 @@ class _List:
 
 
 class Transfers:
-    """Hear both ends; `note` returns the items that the vehicle holds from then on."""
+    """`note` returns the items that the vehicle then holds."""
 
     def __init__(self) -> None:
         self._held: Items = ()
         self._list: _List | None = None
-        self._file: dict[int, bytes] | None = None  # of mission.dat: data by offset
+        self._file: dict[int, bytes] | None = None  # mission.dat: data by offset
         self._written = False
 
     def note(self, message: Message, by_vehicle: bool) -> Items | None:

@@ -1,11 +1,9 @@
-"""Upload a list until the vehicle provably holds it: offer, read back, compare, await the vehicle's check.
-
-An error reports what the vehicle holds.
-"""
+"""Upload a list until the vehicle provably holds it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
@@ -23,27 +21,24 @@ from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Messag
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.vehicles.autopilot import Autopilot
 
-#: Attempts of a transfer that fails after some items; one without any gets only two.
+#: Without any item: two.
 ATTEMPTS = 12
-#: Timeout for PX4's check of a stored mission, and time to listen for a revision of a positive result [s].
+#: For PX4's check of a stored mission [s].
 VERDICT_S = 1.5
 REVISION_S = 0.4
-#: Refusals for a temporary reason, not because of the items.
+#: Not because of the items.
 TEMPORARY_REFUSALS = frozenset({*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED})
 
 
 class ReadBackDiffers(MissionError):
-    """The vehicle holds another list than it was sent."""
-
     def __init__(self, kind: int, difference: Difference) -> None:
         self.kind, self.difference = kind, difference
         super().__init__(f"the {list_name(kind)} on the vehicle is not what was sent: {difference}")
 
 
 class Replaced(MissionError):
-    """The vehicle held the sent list, and now holds another one."""
+    """The vehicle now holds another list."""
 
     def __init__(self, kind: int, difference: Difference) -> None:
         self.kind, self.difference = kind, difference
@@ -54,7 +49,7 @@ class Replaced(MissionError):
 
 
 class Unflyable(MissionError):
-    """The vehicle stored the mission and then found it unflyable; `why` in its words, if it gave a reason."""
+    """The vehicle finds the stored mission unflyable; `why` in its words."""
 
     def __init__(self, why: str) -> None:
         self.why = why
@@ -62,7 +57,7 @@ class Unflyable(MissionError):
 
 
 class Unplaced(Unflyable):
-    """The vehicle has no position, and without one PX4 finds every mission unflyable."""
+    """Without a position PX4 finds every mission unflyable."""
 
     def __init__(self) -> None:
         super().__init__("it has no position yet, without which it accepts none")
@@ -71,12 +66,9 @@ class Unplaced(Unflyable):
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle in wire form.
+    """Hold a list in wire form; raise BadInput if MAVLink cannot carry it.
 
-    `numbers`: sequence numbers for questions for the vehicle's checksum, if it may compute one.
-
-    Raises:
-        BadInput: MAVLink cannot carry it.
+    `numbers`: for the checksum's questions.
     """
 
     items: Sequence[Item]
@@ -95,16 +87,16 @@ class Upload:
 
     @property
     def truncates(self) -> bool:
-        """Check whether the vehicle drops its old list when a transfer begins (ArduPilot, except for its fence)."""
+        """ArduPilot drops its old list when a transfer begins, except its fence."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
     def is_judged(self) -> bool:
-        """Check whether the vehicle may report after the Ack that it cannot fly this."""
+        """Check whether the vehicle may report it unflyable after the Ack."""
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
-        """Return the first difference from the sent list; ArduPilot may answer its home alone for an empty list."""
+        """ArduPilot may answer its home alone for an empty list."""
         home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None
@@ -113,30 +105,28 @@ class Upload:
 
 @dataclass
 class MissionReports(VehicleTexts):
-    """Collect the vehicle's texts, and its reports of the mission that it holds."""
-
     least_severity: int = WARNING
-    stored_as: int = 0  # its id of our list: the first one after our COUNT; 0: not reported
-    is_disputed: bool = False  # it has reported a second stored id: one of the two missions is another station's
-    is_read: bool = False  # the read-back has begun: a mission stored from here on is not ours
-    ids: frozenset[int] = frozenset()  # ids of the reported missions since then
-    latest: int = 0  # the last one of them
+    stored_as: int = 0  # first id after our COUNT; 0: not reported
+    is_disputed: bool = False  # a second id: one is another station's
+    is_read: bool = False  # a mission stored from here on is not ours
+    ids: frozenset[int] = frozenset()
+    latest: int = 0
     total: int | None = None
-    is_named: bool = False  # it has reported our id since the list was read whole
+    is_named: bool = False  # since the list was read whole
 
     def offered(self) -> None:
-        """Reset at the start of our transfer: earlier reports concern other missions."""
+        """Earlier reports concern other missions."""
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
     def read(self) -> None:
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
 
     def was_read(self) -> None:
-        """End the read-back: earlier reports prove nothing about the list from here on."""
+        """Earlier reports prove nothing from here on."""
         self.is_named = False
 
     def read_again(self) -> None:
-        """Begin another read-back; the last reported id still counts."""
+        """The last id still counts."""
         self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
         self.is_named = False
 
@@ -155,11 +145,11 @@ class MissionReports(VehicleTexts):
         super().note(message)
 
     def proves(self, job: Upload) -> bool:
-        """Check that it has named our list since the read-back, and reported no other since the read-back began."""
+        """Check that it named our list since the read-back, and no other since its begin."""
         return self.is_named and self.ids == {self.stored_as} and not self._is_another(job)
 
     def agrees(self, job: Upload) -> bool:
-        """Check that all its reports since the read-back agree on one list of our length."""
+        """Check that its reports since the read-back agree on one list of our length."""
         return len(self.ids) <= 1 and not self._is_another(job)
 
     def _is_another(self, job: Upload) -> bool:
@@ -169,19 +159,17 @@ class MissionReports(VehicleTexts):
 @dataclass
 class UploadState:
     attempt: int = 0
-    furthest: int = -1  # the last requested item in this attempt
-    before: int = -1  # the same of the attempt before
-    may_be_whole: bool = False  # the vehicle may hold the whole list already
-    checksum: int = 0  # of the list as read back; 0: the vehicle computes none
+    furthest: int = -1  # requested in this attempt
+    before: int = -1  # of the attempt before
+    may_be_whole: bool = False  # the vehicle may hold the whole list
+    checksum: int = 0  # as read back; 0: none
     reports: MissionReports = field(default_factory=MissionReports)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Upload a list and verify it item by item.
+    """Upload and verify a list; return its id (PX4) or checksum (ArduPilot), 0 if unknown.
 
-    Return the vehicle's id (PX4) or checksum (ArduPilot) of the list; 0 if unknown.
-
-    When cancelled in mid-transfer, PX4 keeps its old list; otherwise the new list is completed first.
+    When cancelled, PX4 keeps its old list; otherwise the new list is completed first.
 
     Raises:
         MissionRefused, NoAnswer, TimeUp: the hint reports what the vehicle holds now.
@@ -238,7 +226,7 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
 
 
 def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
-    """Leave a whole list on the vehicle, the old or the new one, and raise Cancelled, which says which."""
+    """Leave a whole list on the vehicle; Cancelled says which."""
     name = list_name(job.kind)
     if job.truncates:
         course.attempt = 0
@@ -315,7 +303,7 @@ def _remaining_list(job: Upload) -> str:
 
 
 def _refuse_requests(kind: int) -> Dialogue[None]:
-    """Answer every further request with "cancelled", until the vehicle is quiet."""
+    """Answer requests with "cancelled" until the vehicle is quiet."""
     yield Remark(Ack(Result.OPERATION_CANCELLED, kind))
     step: Step = Pause(1.0)
     while True:
@@ -330,9 +318,9 @@ def _refuse_requests(kind: int) -> Dialogue[None]:
 
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
-    """Wait for PX4's check of the mission; return the last reported state (0: none).
+    """Return PX4's last state (0: none); its reasons may come late.
 
-    Its reasons may come at any time after the Ack. If it gave our list an id, wait longer until it names it.
+    If it gave our list an id, wait until it names it.
     """
     state, is_over = 0, reports.stored_as == 0
     heard = yield Pause(VERDICT_S)

@@ -1,8 +1,3 @@
-"""Operate a vehicle on a link: upload, download, clear, set_current, prepare, start, watch, pause.
-
-Each verb is one dialogue, held by `converse`; nothing here handles bytes or timers.
-"""
-
 import itertools
 import logging
 import math
@@ -11,6 +6,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 
+from ipoa_mission.autopilot.commands import LAST_NAV
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -45,7 +41,6 @@ from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLos
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
-from ipoa_mission.mission.commands import LAST_NAV
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, to_wire
@@ -58,7 +53,7 @@ LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
 class Vehicle(RemoteVehicle):
-    """One vehicle on a line; `connect` finds it. `close` it, or use it with `with`.
+    """One vehicle on a line, found by `connect`.
 
     Example:
         >>> from ipoa_mission import connect
@@ -88,19 +83,19 @@ class Vehicle(RemoteVehicle):
         """Compares a watched vehicle with its forecast, and orders the reaction to a deviation."""
         self.absence = LinkLoss(line)
         """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
-        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from those of the last session
+        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
-        """Upload a mission, with its fence and rally points if it has some, and verify each list.
+        """Upload a mission, with its fence and rally points, and verify each list.
 
         Args:
             mission: for this vehicle's autopilot.
             progress: called with the share done.
-            checked: whether to check it first, as this vehicle's firmware would fly it.
+            checked: whether to check it first for this firmware.
 
         Raises:
             NotFlown: the vehicle is not a multicopter.
-            BadInput: the mission is for another autopilot, or not for a multicopter.
+            BadInput: the mission is for another autopilot or vehicle.
             Unsafe: the check found errors; nothing was sent.
             MissionRefused, NoAnswer, ReadBackDiffers, Replaced, Unflyable, TimeUp, Cancelled: it is not on the vehicle,
                 or cannot be flown.
@@ -133,7 +128,7 @@ class Vehicle(RemoteVehicle):
         self._set_mission(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Upload one list, `items` of MAV_MISSION_TYPE `kind` in wire form, and verify it."""
+        """Upload and verify `items` of MAV_MISSION_TYPE `kind` in wire form."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
@@ -147,7 +142,7 @@ class Vehicle(RemoteVehicle):
             )
 
     def download(self, progress: Progress = silent) -> Mission:
-        """Return the vehicle's mission, with its fence and rally points.
+        """Return the mission, with fence and rally points.
 
         Raises:
             MissionRefused, NoAnswer, TimeUp: it is not complete.
@@ -170,20 +165,20 @@ class Vehicle(RemoteVehicle):
             return self._hold(consistent_download.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
-        """Clear a list on the vehicle. 255: all three one by one, because ArduPilot does not support "all"."""
+        """Clear a list; 255: each one, because ArduPilot does not support "all"."""
         with self._in_time():
             for one in LISTS if kind == MissionType.ALL else (kind,):
                 self._onboard_lists.pop(one, None)
                 self._tell(conversations.clear(one))
 
     def set_current(self, index: int) -> None:
-        """Make item `index` of `Mission.items` the current one; `state` shows whether the vehicle does."""
+        """Make item `index` of `Mission.items` the current one; see `state`."""
         with self._in_time():
             self._tell(orders.set_current(index + self.autopilot.counts_home))
             self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
-        """Stop the flying vehicle and hold its position until `resume` or `return_to_launch`.
+        """Hold the flying vehicle's position.
 
         Raises:
             NotReady, NoAnswer, TimeUp: it does not stop, or does not fly.
@@ -191,29 +186,29 @@ class Vehicle(RemoteVehicle):
         self._tell_flying(pause)
 
     def resume(self) -> None:
-        """Resume the mission of the flying vehicle; raises as `pause` does."""
+        """Raises as `pause` does."""
         self._tell_flying(resume)
 
     def return_to_launch(self) -> None:
-        """Return the flying vehicle to launch and land it; raises as `pause` does."""
+        """Raises as `pause` does."""
         self._tell_flying(return_to_launch)
 
     def expect_on_ground(self) -> None:
-        """Raise NotReady if the vehicle is armed already."""
+        """Raise NotReady if armed."""
         expect_on_ground(self.state)
 
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
     ) -> None:
-        """Prepare a vehicle on the ground for arming, and for a start at item `first` of `Mission.items`.
+        """Prepare a vehicle on the ground for arming.
 
         Args:
-            first: the index of the item to begin with.
+            first: index of the item of `Mission.items` to begin with.
             progress: called with what is waited for.
             permit: raises an error if no flight may begin at this position (default: `check_start`, no scenario).
 
         Raises:
-            NotReady: armed already, not ready in time, or at another place; with the vehicle's own reasons.
+            NotReady: armed already, not ready in time, or at another place; with the vehicle's reasons.
             NotFlown: it is not a multicopter.
             Contested: another vehicle uses its system id.
             CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it cannot be armed.
@@ -233,20 +228,20 @@ class Vehicle(RemoteVehicle):
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
     def start(self, progress: Progress = silent) -> None:
-        """Arm a prepared vehicle and start its mission; time zero of the flight is the arming.
+        """Arm a prepared vehicle and start its mission; time zero is the arming.
 
-        Directly before the arming, prove that the vehicle holds the lists that were uploaded or downloaded. After a
-        refusal for a reason that passes with time, prepare, prove and arm it again; `progress` reports that.
+        Directly before, prove that it holds the lists that were uploaded or downloaded. After a temporary refusal begin
+        again; `progress` reports that.
 
         Raises:
-            NotReady, TimeUp: it could not be armed in time; with its own reasons.
+            NotReady, TimeUp: it could not be armed in time; with its reasons.
             Replaced, ReplacedSince: it holds other lists.
-            CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
-                disarmed again if it reported to be on the ground.
+            CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on the ground it was
+                disarmed again.
         """
         until_s, given = min(self._until, self.line.now() + self.ready_s), self._until
         departure = replace(self._departure, progress=progress)
-        self._until = math.inf  # a begun departure is completed first
+        self._until = math.inf  # complete a begun departure first
         try:
             with self.state.in_errors():
                 self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
@@ -254,16 +249,15 @@ class Vehicle(RemoteVehicle):
             self._until = given
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
-        """Wait until the flight is over, or the vehicle holds because it deviated from its forecast (`conformance`).
+        """Wait until the flight is over, or a deviation (`conformance`) holds the vehicle.
 
-        `progress` counts items done, and reports the duration of a link loss. Log at once as a warning: a vehicle that
-        leaves its mission in the air, a replaced mission, and a link loss. After a link loss, open the link again, and
-        continue when the same vehicle is heard with the same mission. Send nothing to others, and repeat no order.
+        `progress` counts items done, and reports a link loss. Warn at once of a left or replaced mission. After a link
+        loss, continue when the same vehicle is heard with the same mission; repeat no order.
 
         Raises:
-            NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
+            NoAnswer, LinkDown: the vehicle is not heard any more; the hint is its last state.
             NotTheSameVehicle, NotFlown: another vehicle is heard in its place, or it holds another mission.
-            TimeUp: the time limit of `give_up_after` is over; the vehicle may be in the air.
+            TimeUp: at the limit of `give_up_after`; the vehicle may be in the air.
         """
         holding, is_back, record = self._onboard_lists.get(MissionType.MISSION), False, None
         compared = self.conformance.of(self._logbook)
@@ -279,10 +273,10 @@ class Vehicle(RemoteVehicle):
                 except (Silence, LinkDown) as lost:
                     self._reconnect(lost, progress)
                     is_back = True
-        with suppress(MissionError):  # the flight is over and recorded; a superfluous stream does no harm
+        with suppress(MissionError):
             self._hold(unsubscribe())
         if holding is not None:
-            with suppress(MissionError):  # it does not report its list
+            with suppress(MissionError):  # its list is not reported
                 self._hold(read_again(holding, self.state))
         return self.record()
 
@@ -303,9 +297,7 @@ class Vehicle(RemoteVehicle):
         kept = self.absence.end(lost, known, self._patience, tell, self._until)
         self.order.cut(False)
         logbook.note_return()
-        for message in sorted(
-            kept, key=lambda one: isinstance(one, Heartbeat)
-        ):  # position before the end of the flight
+        for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):
             self._overhear(message)
         self._mode_watch.was_away = True
         if logbook.disarmed_s is not None:
@@ -315,48 +307,46 @@ class Vehicle(RemoteVehicle):
             )
 
     def _subscribe_again(self) -> None:
-        """Request the streams again if the vehicle, or a relay of its link, has forgotten them."""
+        """The vehicle or a relay may have forgotten them."""
         self.state.heard -= set(NEEDED_STREAMS.values())
         if not self._hold(until(lambda: self.state.heard >= set(NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
                 self._tell(subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """Return the flight so far; incomplete if a deviation ended it, or the mission was replaced."""
+        """Incomplete after a deviation or a replaced mission."""
         record, why_not = self._logbook.record(), self.changed or self.conformance.why_not
         record = replace(record, deviations=tuple(self.conformance.deviations))
         return replace(record, completed=False, why_not=why_not) if why_not else record
 
     @property
     def ready_s(self) -> float:
-        """Return the timeout until it can be armed [s]: the user's limit for everything, if there is one."""
         total_s = self._patience.total_s
         return LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
 
     @property
     def changed(self) -> str:
-        """Return the vehicle's reports of another mission since the proof; empty if there are none."""
+        """Return reports of another mission since the proof."""
         holding = self._onboard_lists.get(MissionType.MISSION)
         return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
 
     @property
     def interrupted(self) -> str:
-        """Return how the watched vehicle has left its mission in the air; empty while it flies it."""
+        """Return how the vehicle has left its mission in the air."""
         return self._mode_watch.words
 
     @property
     def mode(self) -> str:
-        """Return the last reported mode, by the autopilot's name."""
         return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
     def home(self) -> Geodetic | None:
-        """Return the vehicle's home; None while it has none."""
+        """None while the vehicle has none."""
         return self._hold(orders.home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
-        """Return the vehicle's values of these parameters; unknown ones are left out.
+        """Return the vehicle's values; leave unknown ones out.
 
-        A parameter with several names is requested by all of them at once.
+        Several names of a parameter are requested at once.
         """
         names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
         return {name: one.param_value for name, one in self._hold(orders.parameters(names, self.autopilot)).items()}
@@ -381,7 +371,7 @@ class Vehicle(RemoteVehicle):
         self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """Return sequence numbers if the vehicle keeps its lists as files with a checksum, else None."""
+        """Return sequence numbers if the vehicle has checksums."""
         has = (
             self.autopilot.protocol_profile.takes_mission_file
             and self._read_version().capabilities & orders.FILE_TRANSFER

@@ -1,16 +1,14 @@
-"""Check a vehicle's parameters for a mission: values that differ, link loss failsafe, disabled fence."""
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.messages import STATION_SYSTEM
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 
-#: Relative tolerance of parameter values: single precision.
+#: single precision
 TOLERANCE = 1e-6
 
 
@@ -22,7 +20,7 @@ class HasParameters(Protocol):
 
 @dataclass(frozen=True)
 class OtherValue:
-    """A parameter whose value differs between mission and vehicle, by the vehicle's name."""
+    """Values of mission and vehicle, by the vehicle's name."""
 
     name: str
     wanted: float
@@ -33,9 +31,9 @@ class OtherValue:
 
 
 def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
-    """Return the parameters whose values differ on the vehicle, and those that it lacks.
+    """Return differing values, and parameters that the vehicle lacks.
 
-    ArduCopter 4.7 has renamed and rescaled some; a parameter is looked up by each of its names.
+    ArduCopter 4.7 has renamed and rescaled some.
     """
     spelled = vehicle.autopilot.book.spellings
     values = vehicle.parameters([name for name, _ in spelled(one)] for one in wanted) if wanted else {}
@@ -52,18 +50,15 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
-    """Return the vehicle's values by their older names and in the older units; unknown ones are left out."""
+    """Return values by older names and units."""
     book = vehicle.autopilot.book
     return book.by_old_names(vehicle.parameters([name for name, _ in book.spellings(one)] for one in names))
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
-    """Return what the vehicle does after losing this ground station, by its parameters; empty if unknown.
+    """Return what the vehicle does after losing this station, if known.
 
-    `version` of its firmware; without it the newest measured one is assumed.
-
-    Raises:
-        NoAnswer: it does not report its parameters.
+    Without a `version` the newest measured one is assumed. Raise NoAnswer.
     """
     loss = vehicle.autopilot.station_loss
     if loss is None:
@@ -73,7 +68,7 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
-    """Return a warning if the vehicle holds the mission's fence, but has its fence disabled."""
+    """Warn of a mission's fence that the vehicle has disabled."""
     if not mission.fence:
         return None
     switch = vehicle.autopilot.book.fence_switch

@@ -1,29 +1,27 @@
-"""Collect the last state that a vehicle has reported."""
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import with_article
 
 ON_GROUND = 1  # MAV_LANDED_STATE
-#: MAV_SYS_STATUS_PREARM_CHECK: the pre-arm checks pass in the present mode.
+#: MAV_SYS_STATUS_PREARM_CHECK, in the present mode.
 PREARM_CHECK = 0x10000000
-IN_AIR_HEIGHT = 0.5  # above home; decides whether it flies if nothing better is known
+IN_AIR_HEIGHT = 0.5  # [m] above home, if nothing better is known
 MAX_WARNINGS = 50
 
 
 class NotReady(MissionError):
-    """The vehicle's state does not permit an order; the message gives the reason."""
+    """The vehicle's state does not permit an order; with the reason."""
 
 
 class NotFlown(MissionError):
-    """The vehicle is not a supported multicopter: nothing is changed on it."""
+    """Not a supported multicopter: nothing is changed on it."""
 
     def __init__(self, kind: Kind, name: str = "the vehicle") -> None:
         self.kind = kind
@@ -34,7 +32,7 @@ class NotFlown(MissionError):
 
 
 class OtherKind(NotFlown):
-    """The kind of vehicle behind these ids has changed: nothing more is sent to it."""
+    """The vehicle behind these ids has changed: nothing is sent to it."""
 
     def __init__(self, before: Kind, kind: Kind) -> None:
         self.kind = kind
@@ -47,9 +45,9 @@ class OtherKind(NotFlown):
 
 @dataclass
 class VehicleState:
-    """Note all messages of one vehicle; None is unknown.
+    """All that a vehicle reported; None is unknown.
 
-    `other`: another kind of vehicle that uses the same ids; its heartbeats are ignored.
+    `other`: another kind of vehicle with these ids, ignored.
     """
 
     autopilot: Autopilot
@@ -60,8 +58,8 @@ class VehicleState:
     landed_state: int | None = None
     position: Position | None = None
     current: Current | None = None
-    may_arm: bool | None = None  # None: not reported
-    battery_left: float | None = None  # share of its first battery
+    may_arm: bool | None = None
+    battery_left: float | None = None  # share, first battery
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
     other: Kind | None = None
@@ -107,7 +105,7 @@ class VehicleState:
 
     @contextmanager
     def in_errors(self) -> Iterator[None]:
-        """Add this state as the hint to errors in this context."""
+        """Add this state as the hint to errors."""
         try:
             yield
         except MissionError as error:

@@ -1,4 +1,4 @@
-"""Map each message to MAVLink's fields: names, units, scaling. No bytes and no pymavlink here.
+"""Map messages to MAVLink's fields: names, units, scaling.
 
 Only this module makes degE7, with `round`: truncation would move 6 % of the coordinates by one unit.
 """
@@ -6,24 +6,20 @@ Only this module makes degE7, with `round`: truncation would move 6 % of the coo
 import math
 from typing import Any
 
+from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
 from ipoa_mission.link.message_layout import Fields, MessageLayout, Value, plain
-from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 
-INT32_MAX = 2**31 - 1  # "no value" in an integer coordinate
+INT32_MAX = 2**31 - 1  # "no value"
 GLOBAL_FRAMES = frozenset({*PLAIN_FRAME, *PLAIN_FRAME.values()})
-LOCAL_SCALE = 10_000  # metres in local frames
+LOCAL_SCALE = 10_000  # local frames
 
 
 def write(message: m.Message) -> tuple[str, Fields]:
-    """Return MAVLink's name and fields of a message, without its target, which the sender adds.
-
-    Raises:
-        BadInput: a coordinate does not fit MAVLink's 32 bits.
-    """
+    """Leave the target out; raise BadInput if a coordinate does not fit."""
     layout = _BY_KIND[type(message)]
     if isinstance(message, m.Request) and message.legacy:
         layout = _BY_NAME["MISSION_REQUEST"]
@@ -36,7 +32,7 @@ def read(name: str, raw: Any) -> m.Message:
 
 
 def coordinate(degrees: float, frame: int) -> int:
-    """Return param5 or param6 of MISSION_ITEM_INT: degE7 in global frames, unscaled in frame 2, else metres x 1e4."""
+    """Return degE7 in global frames, unscaled in frame 2, else metres x 1e4."""
     if math.isnan(degrees):
         return INT32_MAX if frame in GLOBAL_FRAMES else 0
     scaled = degrees * _scale(frame)
@@ -86,7 +82,7 @@ def _read_item(raw: Any) -> m.ItemAt:
 
 
 def _read_old_item(raw: Any) -> m.ItemAt:
-    """Read a MISSION_ITEM, whose degrees are single precision (up to 0.85 m off); it is never sent."""
+    """Degrees in single precision: up to 0.85 m off; never sent."""
     return m.ItemAt(raw.seq, _item(raw, raw.x, raw.y), raw.mission_type, raw.current)
 
 
@@ -152,5 +148,4 @@ _LAYOUTS: tuple[MessageLayout[Any], ...] = (
 
 _BY_NAME = {layout.name: layout for layout in (*_LAYOUTS, *telemetry_wire.LAYOUTS)}
 _BY_KIND = {layout.kind: layout for layout in _BY_NAME.values()}
-#: The MAVLink messages that the package understands; it ignores all others.
 NAMES = frozenset(_BY_NAME)

@@ -1,1 +1,1 @@
-"""Read flights from logs, and learn a vehicle from them."""
+"""Flights from logs, and vehicles learned from them."""

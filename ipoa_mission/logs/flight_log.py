@@ -1,7 +1,6 @@
-"""Read flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`).
+"""Flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`).
 
-All three feed one `Logbook`, as a live link does, so that a flight has the same meaning from each source. Data that an
-autopilot logs at a higher rate than it sends keeps its own time.
+All feed a `Logbook`, as a live link does; faster data keeps its own time.
 """
 
 from collections.abc import Iterator, Mapping
@@ -11,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
@@ -20,27 +21,24 @@ from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
-#: A vehicle that rises by this was in the air [m].
+#: A rise that counts as flight [m].
 AIRBORNE_HEIGHT = 1.0
-#: Arming sets home; its message comes within this time [s].
+#: From arming to the message of home [s].
 HOME_SET_S = 2.0
-#: Longest time between positions: in a `.tlog` [s]; on board, in median steps (recorded: 1.7 at most).
+#: Between positions: in a `.tlog` [s]; on board, in median steps (recorded: 1.7 at most).
 GAP_S, GAP_STEPS = 3.0, 3.0
-#: Greatest distance between two positions [m], plus this for each second [m/s].
+#: Between positions [m], plus for each second [m/s].
 MAX_JUMP, MAX_SPEED = 20.0, 100.0
 EARTH_RADIUS = 6.371e6
 
 
 @dataclass(frozen=True)
 class LoggedFlight:
-    """One flight in a log, from arming to disarming; `in_mission`: partly in the mission mode.
+    """A flight from arming to disarming; `in_mission`: partly in mission mode.
 
-    `mission` is the mission of the vehicle in the log, None where it has none. `parameters` are the vehicle's in the
-    log. `armed_s` is the autopilot's clock at time zero, to which the times of `measured` refer.
+    `mission` and `parameters` are those in the log. `armed_s` is the autopilot's clock at time zero, for `measured`.
     """
 
     autopilot: Autopilot
@@ -54,7 +52,6 @@ class LoggedFlight:
 
     @property
     def firmware_version(self) -> Version | None:
-        """Return the firmware's version; None where the log has no readable one."""
         with suppress(BadInput):
             return Version.parsed(self.version)
         return None
@@ -81,7 +78,7 @@ class LoggedFlight:
 
 @dataclass(frozen=True)
 class FlightLog:
-    """All flights of a log, also those without a mission, with remarks for the user."""
+    """All flights of a log, with remarks."""
 
     autopilot: Autopilot
     version: str
@@ -123,13 +120,13 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
 
 
 def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
-    """Read the flights, at least one, of the vehicle with this system id in a `.tlog`, `.bin` or `.ulg`.
+    """Read the flights, at least one, of the vehicle with this system id.
 
-    A flight is armed in the mission mode, or rises.
+    A flight is armed in mission mode, or rises.
 
     Raises:
         BadInput: another suffix, or not a log of that kind.
-        MissionError: nothing in it was flown, or a package to read it is missing.
+        MissionError: nothing was flown, or a package to read it is missing.
     """
     path = Path(path)
     written = log_format(path.suffix)
@@ -209,16 +206,16 @@ class _Known:
 
 @dataclass
 class _Stretch:
-    """Messages from arming to disarming, or to the end of the log; state `at_arming`, and `later` changes."""
+    """Messages from arming to disarming; state `at_arming`, and `later` changes."""
 
-    is_whole: bool  # the log has its arming
+    is_whole: bool
     armed_s: float
     at_arming: _Known
     messages: list[Message]
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
     ends_s: float = 0.0
-    is_open: bool = True  # no disarming in the log
+    is_open: bool = True  # no disarming
 
     def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
@@ -247,9 +244,9 @@ class _Stretch:
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
-        """Return the vehicle's mission; a log that begins at the arming has it just after.
+        """Return the vehicle's mission, perhaps logged just after arming, else the flown items.
 
-        PX4 does not log its list, nor does ArduPilot one that was uploaded as a file. Then the flown items are used.
+        PX4 does not log its list, nor ArduPilot one uploaded as a file.
         """
         home = self.later.home or self.at_arming.home or self._first_place()
         first = autopilot.counts_home

@@ -1,5 +1,3 @@
-"""The content of a log of any kind: positions, events, missions and parameters."""
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -7,24 +5,24 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.version import Version
 
-#: ArduPilot's text when an item begins: "Mission: 4 WP".
+#: ArduPilot's text: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
 
 
 @dataclass(frozen=True)
 class Fixes:
-    """Positions of a log by the autopilot's clock [s], in order of time.
+    """Positions by the autopilot's clock [s], in order.
 
-    Degrees, altitude AMSL and height above home [m], each (n,), and velocity north, east, down (n, 3) [m/s].
+    Degrees, altitude AMSL and height above home [m], each (n,); velocity north, east, down (n, 3) [m/s].
     """
 
     times: Vector
@@ -36,7 +34,7 @@ class Fixes:
 
     @classmethod
     def of(cls, rows: Points) -> "Fixes":
-        """Make fixes of rows (n, 8) with these columns, in any order; of two at the same time the first counts."""
+        """Make fixes of rows (n, 8) in any order; of equal times the first counts."""
         rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
         times, latitude, longitude, altitude, height = rows.T[:5]
         return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
@@ -44,14 +42,14 @@ class Fixes:
 
 @dataclass(frozen=True)
 class Held(Message):
-    """The vehicle holds these items from now on, as on the wire; no message of the link."""
+    """The vehicle holds these items; no message of the link."""
 
     items: tuple[Item, ...]
 
 
 @dataclass(frozen=True)
 class Begun(Message):
-    """The item at `seq` of `total`, as the vehicle holds it, begins; no message of the link."""
+    """The item at `seq` of `total` begins; no message of the link."""
 
     seq: int
     total: int
@@ -60,10 +58,9 @@ class Begun(Message):
 
 @dataclass(frozen=True)
 class Log:
-    """A whole log. `events` are messages with their times by the autopilot's clock [s], in any order.
+    """A whole log; `events` with times by the autopilot's clock [s], in any order.
 
-    A heartbeat among the events marks a change of arming or mode, at its time. `remarks` are for the user, about faults
-    of the log.
+    A heartbeat marks a change of arming or mode.
     """
 
     autopilot: Autopilot
@@ -108,17 +105,12 @@ def item_begun(text: str) -> Current | None:
 
 
 def version_name(flight_sw_version: int) -> str:
-    """Return the version in AUTOPILOT_VERSION in words, like 4.7.0-dev; empty where unknown."""
+    """As in 4.7.0-dev."""
     return str(Version.said(flight_sw_version) or "")
 
 
 @dataclass(frozen=True)
 class LogFormat:
-    """A format of on-board logs: its suffix and reader.
-
-    `no_mission`: why such a log may lack its mission.
-    """
-
     suffix: str
     read: Callable[[Path], Log]
     no_mission: str

@@ -1,5 +1,3 @@
-"""Measurements of a log in addition to the positions: batteries and attitude."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -8,9 +6,9 @@ import numpy as np
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
 
-Battery = tuple[float, float, float]  # time [s], volts, amperes; NaN or negative where not measured
-MAX_VALUE = 10_000.0  # volts or amperes; a greater value is from a damaged log
-CONSTANT_SPREAD = 1e-3  # share of its mean; a measured current varies by more
+Battery = tuple[float, float, float]  # [s, V, A]; NaN or negative: not measured
+MAX_VALUE = 10_000.0  # [V, A]
+CONSTANT_SPREAD = 1e-3  # of the mean; a measured current varies more
 
 
 def _rows(columns: int) -> Points:
@@ -19,29 +17,28 @@ def _rows(columns: int) -> Points:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Batteries: time [s], V, A, each (n, 3); attitude: time [s], roll, pitch, yaw [rad] (m, 4). Times increase."""
+    """Batteries: s, V, A, each (n, 3); attitude: s, roll, pitch, yaw [rad] (m, 4). Times increase."""
 
     batteries: tuple[Points, ...] = ()
     attitude: Points = field(default_factory=lambda: _rows(4))
 
     @classmethod
     def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Points) -> "Measured":
-        """Make measurements of rows in any order of time; leave out batteries without a measured voltage."""
+        """Make measurements of rows in any order; without voltage left out."""
         read = (_sorted(battery, 3) for battery in batteries)
         leaned = _sorted(attitude, 4)
-        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be from 0 to 360 degrees
+        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be up to 360 degrees
         return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
-        """Return measurements between two times, with times since `begin`."""
         batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
         return Measured(batteries, _cut(self.attitude, begin, end))
 
     def power(self) -> Points:
-        """Return the power of all batteries: time [s] and W, (n, 2), at the times of the first one.
+        """Return all batteries' power (n, 2) [s, W], at the first one's times.
 
         Raises:
-            MissionError: no battery's current was measured; with the cause.
+            MissionError: no current was measured.
         """
         given, reasons = [], []
         for battery in self.batteries:

@@ -1,15 +1,19 @@
-"""Read a ground station's log (`.tlog`): the messages from and to one vehicle, with its own times.
+"""Ground station's log (`.tlog`): messages from and to one vehicle.
 
-A heartbeat comes once a second. The time of arming and disarming is that of the first report since the last
-heartbeat in the old state. Reports are the answer to the order, the autopilot's text and PX4's event.
+Heartbeats come once a second. The first report since the last one in the old state times an arming.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import with_article
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
@@ -29,6 +33,7 @@ from ipoa_mission.link.messages import (
     ParamValue,
     Reached,
     Text,
+    TimeSync,
 )
 from ipoa_mission.link.orders import parameter_value
 from ipoa_mission.link.telemetry import (
@@ -36,22 +41,82 @@ from ipoa_mission.link.telemetry import (
     AutopilotVersion,
     BatteryStatus,
     HomePosition,
+    LocalPosition,
     Position,
     SystemStatus,
+    SystemTime,
 )
 from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import with_article
+
+
+@dataclass(frozen=True)
+class ClockReading:
+    restarted_s: float = 10.0  # a greater step back is a restart
+    pace_s: float = 2.0  # span at each end that gives the rate
+    torn_s: float = 60.0  # from its neighbors: damaged
+    longest_s: float = 1e8  # a greater TIMESYNC is no boot time
+
+
+READING = ClockReading()
+
+
+def vehicle_time(message: Message) -> float | None:
+    """Return the time since boot [s], if any."""
+    match message:
+        case Position() | Attitude() | LocalPosition():
+            return message.time_s
+        case SystemTime():
+            return message.boot_s
+        case TimeSync(0, nanoseconds) if 0 < nanoseconds < READING.longest_s * 1e9:
+            return nanoseconds / 1e9
+    return None
+
+
+def unwrapped(stamps: Vector, times: Vector) -> Vector:
+    times = times.copy()
+    for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
+        times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
+    return np.asarray(np.maximum.accumulate(times))
+
+
+def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
+    """Return the vehicle's time at `stamps`, from `clock` at others; all stamps increase.
+
+    Without a clock, return the stamps.
+    """
+    if not len(clock):
+        return stamps
+    first, last = clock_at[0], clock_at[-1]
+    begins = clock[0] + (stamps - first) * _pace(clock_at, clock, slice(None))
+    ends = clock[-1] + (stamps - last) * _pace(clock_at, clock, slice(None, None, -1))
+    between = np.interp(stamps, clock_at, clock)
+    return np.where(stamps < first, begins, np.where(stamps > last, ends, between))
+
+
+def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
+    at, times = clock_at[order], clock[order]
+    near = np.abs(at - at[0]) <= READING.pace_s
+    span = at[near][-1] - at[0]
+    if not span:
+        near = np.ones(len(at), bool)
+        span = at[-1] - at[0]
+    return float((times[near][-1] - times[0]) / span) if span else 1.0
+
+
+def growing(stamps: Sequence[float]) -> Vector:
+    """Return increasing stamps from the first; damaged ones get their neighbors' median."""
+    given = np.asarray(stamps, float)
+    around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
+    since = np.where(np.abs(given - around) > READING.torn_s, around, given)
+    return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))
+
 
 ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
 DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
-#: PX4's events commander_armed_by and commander_disarmed_by: component 1, and 24 bits of the FNV-1a of the name.
+#: Events commander_armed_by, commander_disarmed_by: component 1, FNV-1a of the name.
 ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
 KEPT_MESSAGES = (Position, Reached, Current, HomePosition, ParamValue, Text)
 NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
@@ -63,18 +128,18 @@ class _Gathered:
     said: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
-    ordered: bool | None = None  # the last order to arm or disarm
-    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, reported since the last heartbeat
-    unconfirmed: bool = False  # a later heartbeat still has the old state
+    ordered: bool | None = None
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
+    unconfirmed: bool = False  # heartbeat still in the old state
     version: str = ""
     measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
 
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
-    """Return positions and events of one autopilot in a log: of this system id, or the first multicopter.
+    """Return positions and events of one autopilot: this system id, or the first multicopter.
 
     Raises:
-        BadInput: the file cannot be read, holds no such autopilot, or is not of a multicopter.
+        BadInput: the file cannot be read, or holds no such multicopter.
     """
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
     gathered = _Gathered()
@@ -102,7 +167,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     if chosen is None:
         raise _not_in(path, kinds, system)
     autopilot = kinds[chosen].autopilot
-    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
+    if gathered.state and gathered.changes and not gathered.changes[-1][1]:
         _change(gathered, gathered.state.custom_mode, autopilot)
     log = _dated(gathered, growing(stamps), autopilot)
     return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
@@ -200,7 +265,7 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
     before = gathered.state
     if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
         _change(gathered, before.custom_mode, autopilot)
-    elif gathered.unconfirmed:  # two heartbeats do not confirm it
+    elif gathered.unconfirmed:
         gathered.changes.clear()
     gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):

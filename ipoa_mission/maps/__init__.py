@@ -1,1 +1,1 @@
-"""Read map files: buildings, areas, elevation and winds."""
+"""Buildings, areas, elevation and winds of files."""

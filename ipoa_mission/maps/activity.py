@@ -1,4 +1,4 @@
-"""Read the active times of zones (ED-269, ED-318) in seconds since 1970 (UTC)."""
+"""Active times of zones (ED-269, ED-318), seconds since 1970 (UTC)."""
 
 import json
 import math
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 DAYS = ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
-EPOCH_WEEKDAY = 3  # 1 January 1970 was a Thursday
+EPOCH_WEEKDAY = 3  # a Thursday
 DAY_S = 86_400.0
-# Assumed longest duration of a flight [s].
+# Assumed longest flight [s].
 FLIGHT_S = 3_600.0
 _OFFSET = r"(?P<offset>Z|[+-]\d\d:?\d\d)"
 _CLOCK = re.compile(rf"(?P<h>\d\d):(?P<m>\d\d)(?::(?P<s>\d\d)(?:\.\d+)?)?{_OFFSET}", re.IGNORECASE)
@@ -21,7 +21,7 @@ _DATE = re.compile(r"(?P<date>\d{4}-\d\d-\d\d)T(?P<clock>.*)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Slot:
-    """Seconds from midnight UTC on some weekdays (0 is Monday), maybe into the next day."""
+    """Seconds from midnight UTC on weekdays (0: Monday), maybe into the next day."""
 
     days: frozenset[int]
     begin: float
@@ -49,7 +49,7 @@ class Period:
 
 
 def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
-    """Return periods by the tag `limitedApplicability`; None for always active or unreadable.
+    """Read `limitedApplicability`; None: always active or unreadable.
 
     >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
     (Period(begin=-inf, end=86400.0, slots=()),)
@@ -82,7 +82,7 @@ def _slots(schedule: Any) -> Iterator[Slot]:
         if "startTime" in one and "endTime" in one:
             begin, end = _clock(one["startTime"]), _clock(one["endTime"])
             yield Slot(days, begin, end if end > begin else end + DAY_S)
-        else:  # begins or ends at dawn or dusk
+        else:  # dawn or dusk
             yield Slot(days, -DAY_S / 2, 1.5 * DAY_S)
 
 

@@ -1,5 +1,3 @@
-"""Read polygons of a map as no-fly zones or flight area."""
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +20,6 @@ from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.union import union_of
 
-# Restrictions that forbid a flight without permission.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
 SPELLINGS = {"REQ_AUTHORIZATION": "REQ_AUTHORISATION"}
@@ -33,7 +30,7 @@ NAMED_RESTRICTIONS = {*RESTRICTIONS, "NO_RESTRICTION"}
 
 @dataclass(frozen=True)
 class MapArea:
-    """A valid polygon in east, north [m], with its vertical limits."""
+    """A valid polygon in east, north [m]."""
 
     name: str
     shape: Any
@@ -56,13 +53,9 @@ def find_zones(
     restrictions: Sequence[str] = RESTRICTIONS,
     time: float | None = None,
 ) -> Zones:
-    """Return the zones among the features; a closed line counts as a polygon.
+    """Return the zones; a closed line counts as a polygon.
 
-    Zones that name a restriction need one of `restrictions`. Zones inactive in the hour after `time` [s since 1970] are
-    passed over.
-
-    Raises:
-        BadInput: a polygon has no area, or there is none.
+    A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s].
     """
     about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -111,7 +104,7 @@ def find_zones(
 
 
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
-    """Read key `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
+    """Read `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
     values = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
     return {SPELLINGS.get(each, each) for each in values} & NAMED_RESTRICTIONS
 
@@ -131,7 +124,7 @@ def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: 
 def _above_sea(
     limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
 ) -> tuple[ZoneLimits, list[Unread]]:
-    """Convert ellipsoidal limits to mean sea level, with the worst geoid if it is unknown."""
+    """Convert ellipsoidal limits to mean sea level, safely if the geoid is unknown."""
     found, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
     for side, limit in found.items():
         if limit is None or limit.reference != "WGS84":

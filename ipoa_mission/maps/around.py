@@ -1,5 +1,3 @@
-"""Choose the part of a map file to read."""
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Self, TypeAlias
@@ -10,15 +8,15 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import TooFar
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
-EARTH = 6.36e6  # lower bound of the Earth's radius [m]
-GRID = 0.02  # rounds windows, so that small changes of a flight do not change them [deg]
-MARGIN = 0.001  # for curvature in the plane and rounding in the file [deg]
-POLAR = 89.0  # beyond it a window spans all longitudes [deg]
-Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
+EARTH = 6.36e6  # lower bound of the radius [m]
+GRID = 0.02  # small changes of a flight keep the window [deg]
+MARGIN = 0.001  # for curvature and rounding [deg]
+POLAR = 89.0  # all longitudes beyond [deg]
+Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,) [m]
 
 
 class Degrees(NamedTuple):
-    """A box of longitudes and latitudes [deg]; it may reach beyond longitude 180."""
+    """A box [deg], maybe beyond longitude 180."""
 
     west: float
     south: float
@@ -26,7 +24,7 @@ class Degrees(NamedTuple):
     north: float
 
     def meets(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return which boxes (n, 4) west, south, east, north intersect, with longitudes wrapped."""
+        """Compare boxes (n, 4) west, south, east, north, with longitudes wrapped."""
         west, south, east, north = boxes.T
         level = (south <= self.north) & (north >= self.south)
         turns = (-360.0, 0.0, 360.0)
@@ -54,7 +52,7 @@ def window_of(box: Box, frame: LocalFrame) -> Degrees:
 
 @dataclass
 class Around:
-    """Selects features that intersect `window` (None: all); `elsewhere` counts the others.
+    """Selects features in `window` (None: all); `elsewhere` counts the others.
 
     Some feature must be in `near`, 100 km around home.
     """
@@ -77,10 +75,7 @@ class Around:
         return self.window != self.near
 
     def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
-        """Return which boxes (n, 4) west, south, east, north [deg] are wanted, (n,).
-
-        A box of NaN is wanted. Each box counts as `things` features.
-        """
+        """Return which boxes (n, 4) [deg] are wanted, (n,), as those of NaN are."""
         if self.window is None or self.near is None:
             return np.ones(len(boxes), bool)
         empty = np.isnan(boxes).any(axis=1)
@@ -93,7 +88,6 @@ class Around:
         return np.asarray(wanted)
 
     def expect_near(self, path: Path) -> None:
-        """Refuse a file without features near home."""
         if self.near is None or self._found_near or not np.isfinite(self._box).all():
             return
         west, south, east, north = self._box.tolist()

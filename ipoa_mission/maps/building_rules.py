@@ -1,4 +1,4 @@
-"""Define how map features become obstacles."""
+"""Rules that make map features obstacles."""
 
 import math
 from collections.abc import Mapping
@@ -11,16 +11,15 @@ from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.tag_heights import Odd, width_of
 
-RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind; ratio to its height [m]
+RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind [m]
 
 
 @dataclass(frozen=True)
 class BuildingRules:
     """Rules for features whose tags give no size [m].
 
-    `height_key` is the property with the height. `take`: `all` features not tagged as flat, or `tagged` ones only; None
-    takes `all` in a file with buildings only. Sizes of None depend on the kind, `line_height` on the voltage. Without
-    `wood_height`, woods are possible obstacles. A height of 0 means no obstacle.
+    `take`: `all` features not tagged as flat, or `tagged` ones; None: `all` in a file with buildings only. Sizes of
+    None depend on the kind. Without `wood_height`, woods are possible obstacles. A height of 0 means no obstacle.
     """
 
     default_height: float | None = None
@@ -35,7 +34,6 @@ class BuildingRules:
 
 
 def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """Return a kind and its assumed height [m]."""
     if rules.wood_height is not None and tagged(tags, WOODS) and "building" not in tags:
         return "wood", rules.wood_height
     if "building" not in tags and "building:part" not in tags and (tagged(tags, TALL) or is_bridge(tags)):
@@ -52,10 +50,7 @@ def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 def reach_of(
     tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd
 ) -> tuple[float, str | None]:
-    """Return the radius or half width [m], with a remark if assumed.
-
-    Rotor blades end above the ground.
-    """
+    """Rotor blades end above the ground."""
     size, is_point = size_of(tags), part.geom_type == "Point"
     usual = size.radius if rules.point_radius is None else rules.point_radius
     if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):

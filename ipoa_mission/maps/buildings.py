@@ -1,8 +1,3 @@
-"""Find the obstacles of a map: buildings, masts, trees, walls.
-
-Defaults and repairs are counted in remarks.
-"""
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -55,17 +50,17 @@ from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
-# Unreadable values of these keys may hide a greater height.
+# Unreadable values may hide a greater height.
 HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
 HEIGHT_REMEDY = "write the height in metres, or name the property that holds it under [[maps]]: height_key"
 
 
 @dataclass(frozen=True)
 class Buildings:
-    """The obstacles and passed-over features of a map, with remarks.
+    """Obstacles and passed-over features of a map.
 
-    Outside the requested box only the first few are kept; `beyond` and `left_out` count the others. `box` is west,
-    south, east and north of all obstacles [m], (4,). `features` counts the examined features, `elsewhere` the others.
+    Outside the requested box only the first few are kept; `beyond` and `left_out` count the others.
+    `box`: west, south, east and north of all obstacles [m], (4,). `features` were examined, `elsewhere` not.
     """
 
     standing: tuple[Standing, ...]
@@ -80,13 +75,7 @@ class Buildings:
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
-    """Return the obstacles and passed-over features of a map, in the local frame.
-
-    Args:
-        path: the map file.
-        rules: how features become obstacles.
-        frame: the local frame.
-        within: lower and upper corner (2,) of a box [m]; None for everywhere.
+    """Return the obstacles of a map, `within` a box [m].
 
     Raises:
         BadInput: a feature is invalid, all are far away, or a library is missing.
@@ -107,17 +96,14 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
-    """Return what `search_buildings` does, for features already read."""
+    """Find buildings in features already read."""
     finder = _Finder(rules, frame, path)
     finder.add(features)
     return finder.found()
 
 
 class _Finder:
-    """Collects obstacles batch by batch.
-
-    `all_buildings` None judges by the first batch whether the file has only buildings.
-    """
+    """`all_buildings` None: the first batch decides whether the file has only buildings."""
 
     def __init__(
         self,
@@ -172,7 +158,6 @@ class _Finder:
         self._keep(standing)
 
     def found(self, elsewhere: int = 0) -> Buildings:
-        """Return the result, with the count of features `elsewhere`."""
         self._about.expect_near()
         self._mistakes.raise_all()
         remarks = [
@@ -226,7 +211,6 @@ class _Finder:
         return thing is not None
 
     def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
-        """Keep a passed-over feature if it matters or is among the first, else count it."""
         key = (not why.may_stand, self._path.name, why.words)
         self._seen[key] += 1
         matters = self._within is None or (why.may_stand and not outside)

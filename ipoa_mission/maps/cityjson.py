@@ -1,7 +1,4 @@
-"""Read CityJSON (1.0 to 2.0): footprints and heights from the extents of surfaces.
-
-Height counts from the lowest point of the whole building, which is placed on the ground.
-"""
+"""CityJSON (1.0 to 2.0); height counts from the whole building's lowest point."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -22,16 +19,14 @@ from ipoa_mission.world.union import union_of
 
 VERSIONS = ("1.0", "1.1", "2.0")
 MOST_SHOWN = 60  # characters
-# Nesting depth of corners, by geometry.
+# Nesting depth of corners.
 DEPTHS = {"GeometryInstance": 0, "MultiPoint": 0, "MultiLineString": 1, "MultiSurface": 2, "CompositeSurface": 2}
 DEPTHS |= {"Solid": 3, "MultiSolid": 4, "CompositeSolid": 4}
-# Tags of objects other than buildings.
 TALL_KINDS = {
     "SolitaryVegetationObject": ("natural", "tree"),
     "PlantCover": ("natural", "wood"),
     "CityFurniture": ("man_made", "utility_pole"),
 }
-# Tags of flat objects.
 FLAT_KINDS = {
     **dict.fromkeys(("Road", "Square", "TransportSquare", "Track", "TransportationComplex"), ("highway", "road")),
     **dict.fromkeys(("WaterBody", "Waterway"), ("natural", "water")),
@@ -39,12 +34,12 @@ FLAT_KINDS = {
     "Railway": ("railway", "rail"),
     **dict.fromkeys(("Tunnel", "TunnelPart"), ("location", "underground")),
 }
-LEAST_WALL_AREA = 1e-13  # the footprint of a wall has no area [deg^2]
+LEAST_WALL_AREA = 1e-13  # a wall's footprint has none [deg^2]
 
 
 @dataclass(frozen=True)
 class _City:
-    """Corners (n, 3), transformation, unit [m], and least height of the whole building by object name."""
+    """Corners (n, 3), transformation, unit [m], least height of whole buildings."""
 
     corners: Points
     to_degrees: Transformer
@@ -57,7 +52,6 @@ def is_cityjson(document: Any) -> bool:
 
 
 def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each object as a feature with its footprint and `height`."""
     version = document.get("version")
     if not isinstance(version, str) or not version.startswith(VERSIONS):
         raise BadInput(f"expected {' or '.join(VERSIONS)}, not {str(version)[:20]!r}", place=f"{path}: version")
@@ -128,7 +122,7 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
     for level in range(depth):
         if not all(isinstance(each, list) for each in lists):
             raise BadInput("expected lists in lists", place=place)
-        outer_only = level == depth - 1 and depth > 1  # the first ring of a surface is its edge
+        outer_only = level == depth - 1 and depth > 1  # a surface's edge
         lists = [inner for each in lists for inner in (each[:1] if outer_only else each)]
     for one in lists:
         try:

@@ -1,6 +1,6 @@
-"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio).
+"""Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio).
 
-GDAL ignores the suffix, and some formats refer to other files: the first bytes must match it.
+GDAL ignores the suffix, and some formats open other files: the first bytes must match it.
 """
 
 import warnings
@@ -19,18 +19,13 @@ from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
-# First bytes by suffix.
+# First bytes.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 HEADER, ROW = 100, 8  # of a .shx [bytes]
 WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
 
 
 def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
-    """Return the features of all layers with shapes.
-
-    Raises:
-        BadInput: with file, layer and row; or pyogrio is missing.
-    """
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(BEGINS[suffix]):
@@ -43,7 +38,7 @@ def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
             several = len(layers) > 1
             features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
-    except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (an invalid .prj), PROJ, texts
+    except (RuntimeError, ValueError, UnboundLocalError) as error:  # invalid .prj, PROJ, texts
         note = "; the .shx and .dbf files must be next to a .shp" if suffix == ".shp" else ""
         raise DamagedFile(f"cannot be read: {error}{note}", place=path) from error
     if not features and not around.elsewhere:
@@ -80,7 +75,7 @@ class _Layer:
         return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
 
     def _box(self, around: Around) -> tuple[float, ...] | None:
-        """Return the window in the layer's coordinates; None if all must be read."""
+        """Return the window in the layer's coordinates; None: read all."""
         window, bounds = around.window, self._info["total_bounds"]
         if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
             return None
@@ -93,15 +88,15 @@ class _Layer:
         return box
 
     def _is_indexed_whole(self, shapes: int) -> bool:
-        """Return whether all `shapes` rows are in a spatial index."""
+        """Return whether all rows are in a spatial index; refuse a truncated file."""
         suffix, count = self._path.suffix.lower(), self._info["features"]
-        if suffix == ".shp":  # an index may be older than the .shp
+        if suffix == ".shp":  # an index may be older
             return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
         if suffix == ".gpkg":
             index = f'"rtree_{self._name}_{self._info["geometry_name"]}"'
             try:
                 return int(self._ask(sql=f"SELECT COUNT(*) AS n FROM {index}")[3][0][0]) == shapes
-            except RuntimeError:  # without an index GDAL reads every row
+            except RuntimeError:  # no index
                 return True
         if not self._info["capabilities"]["random_read"]:
             return False
@@ -126,7 +121,7 @@ class _Layer:
 
 
 def _expect_whole(path: Path) -> None:
-    """Check that a Shapefile's files exist, are whole, and have as many rows."""
+    """Check that a Shapefile's files are whole, with as many rows."""
     sizes = {}
     for suffix in (".shx", ".dbf"):
         sidecar = next(

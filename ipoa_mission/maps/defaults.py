@@ -1,7 +1,4 @@
-"""Define default sizes by kind, larger than most.
-
-A note counts the features that got one.
-"""
+"""Default sizes, larger than most."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -13,7 +10,7 @@ from ipoa_mission.maps.tag_heights import WIDEST_ROTOR
 
 
 class Size(NamedTuple):
-    """Height above the ground, and radius or half width [m]."""
+    """Height above ground, and radius or half width [m]."""
 
     kind: str
     height: float
@@ -24,7 +21,6 @@ TREES = ("tree", "tree_row")
 TREE = Size("tree", 30.0, 5.0)
 TURBINE = Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
 OTHER = Size("point or line", 20.0, 2.0)
-# Height and radius [m].
 _POINTS: Mapping[str, tuple[float, float]] = {
     "antenna": (60, 5), "chimney": (150, 8), "column": (40, 5), "communications_tower": (250, 15),
     "cooling_tower": (180, 70), "crane": (100, 60), "flagpole": (40, 3), "gasometer": (100, 40),
@@ -35,7 +31,7 @@ _POINTS: Mapping[str, tuple[float, float]] = {
     "minaret": (90, 5), "statue": (60, 10), "flare": (150, 8),
 }  # fmt: skip
 _POWER_TOWER = Size("power tower", 80.0, 16.0)
-# Buildings of unknown kind are 20 m high.
+# Unknown kind: 20 m.
 _LOW_BUILDINGS = {
     "annexe", "barn", "boathouse", "bungalow", "bunker", "cabin", "carport", "conservatory", "cowshed",
     "detached", "farm", "farm_auxiliary", "garage", "garages", "ger", "greenhouse", "guardhouse", "house",
@@ -50,7 +46,7 @@ _BUILDINGS: Mapping[str, float] = {
     "synagogue": 40, "temple": 60, "tower": 150, "train_station": 40, "university": 40, "warehouse": 30,
     "water_tower": 70, "windmill": 40,
 }  # fmt: skip
-# Height above the higher end, per layer, and half width [m].
+# Above the higher end, per layer, and half width [m].
 BRIDGE_HEIGHT, BRIDGE_REACH = 10.0, 8.0
 LOW_HEIGHT, BUILDING_HEIGHT = 12.0, 20.0
 

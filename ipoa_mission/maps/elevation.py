@@ -1,7 +1,6 @@
-"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL format) as a grid in the local frame.
+"""Elevation models (GeoTIFF, SRTM .hgt, any GDAL format).
 
-Heights belong to posts, the centers of pixels, and are bilinear between. The local grid samples them and is raised so
-that no post lies above it: coarse spacing costs room, never safety.
+Heights belong to posts, the centers of pixels. The local grid is raised so that no post is above it.
 """
 
 from dataclasses import dataclass
@@ -19,19 +18,15 @@ from ipoa_mission.maps.raster import RasterFile, open_raster
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
-KNOTS = 33  # lattice lines of exact conversion each way
-UPPER_LEVEL = 1000.0  # second altitude of conversion, linear between [m]
+KNOTS = 33  # lattice lines of exact conversion
+UPPER_LEVEL = 1000.0  # second altitude of conversion [m]
 MOST_NODES = 8_000_000
 HOME_TOLERANCE = 10.0  # [m]
 
 
 @dataclass(frozen=True)
 class ElevationRules:
-    """Options for reading an elevation model.
-
-    `heights` None: the coordinate system's datum, or mean sea level. `geoid`: its height above the ellipsoid [m] or a
-    PROJ grid. `nodata` marks a missing height.
-    """
+    """`heights` None: the coordinate system's datum, or mean sea level; `geoid`: [m] or a PROJ grid."""
 
     heights: Literal["amsl", "ellipsoidal"] | None = None
     geoid: float | Path | None = None
@@ -44,11 +39,7 @@ class ElevationRules:
 def local_grid(
     path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
 ) -> tuple[Grid, tuple[str, ...]]:
-    """Return the ground between the corners (east, north) [m] above home, and remarks.
-
-    Raises:
-        BadInput: the file is invalid or does not cover the area, or rasterio is missing.
-    """
+    """Return the ground between corners (east, north) [m] above home, and remarks."""
     with open_raster(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
         raster.expect_cover(area)
@@ -68,11 +59,7 @@ def local_grid(
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
-    """Return the height at a place [m above mean sea level].
-
-    Raises:
-        BadInput: the file is invalid or does not cover it.
-    """
+    """Return the height at a place [m AMSL]."""
     frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
     with open_raster(path, None) as raster:
         pixels = _pixels(raster, frame, here, here, 0.0)
@@ -103,7 +90,7 @@ def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, 
 
 
 def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return east, north, up of every post, (3, rows, columns)."""
+    """Return east, north, up of posts, (3, rows, columns)."""
     rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
     knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")
@@ -126,10 +113,7 @@ def _read_off(
     pixels: list[NDArray[np.float64]],
     nodes: tuple[Vector, Vector],
 ) -> NDArray[np.float64]:
-    """Return the ground above home at the nodes, (rows, columns).
-
-    The place under a node depends slightly on its height, hence two passes.
-    """
+    """Return the ground above home at the nodes, (rows, columns); places depend on height, hence two passes."""
     smooth = scipy.interpolate.RectBivariateSpline
     low, high = ([smooth(*knots, values)(*nodes).T for values in level] for level in pixels)
     up = np.zeros_like(low[0])
@@ -143,7 +127,7 @@ def _read_off(
 def _raise_over_posts(
     ground: NDArray[np.float64], posts: NDArray[np.float64], lower: tuple[float, float], spacing: float
 ) -> float:
-    """Raise `ground` in place above all posts; return the greatest raise [m]."""
+    """Raise `ground` in place; return the greatest raise [m]."""
     east, north, up = posts.reshape(3, -1)
     rows, columns = ground.shape
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing

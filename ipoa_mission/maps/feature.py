@@ -1,5 +1,3 @@
-"""Define a feature of a map file."""
-
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,7 +8,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 
-Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
+Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
 NAMES = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
 MOST_ERRORS = 10
@@ -18,10 +16,7 @@ DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
 class Missing(NamedTuple):
-    """An unread part of a feature, with its shape [deg] and a remedy.
-
-    With an empty `shape` it may be anywhere, unless it is certainly `elsewhere`.
-    """
+    """An unread part [deg]; with an empty `shape` it may be anywhere, unless `elsewhere`."""
 
     words: str
     shape: Any
@@ -30,10 +25,7 @@ class Missing(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """A geometry in longitude, latitude [deg, WGS 84], maybe invalid or empty, with tags.
-
-    `place` names file and feature in messages; `blank` are keys without a value.
-    """
+    """A geometry [deg, WGS 84], maybe invalid or empty; `blank` are keys without a value."""
 
     place: str
     shape: Any
@@ -56,7 +48,7 @@ def printed(name: str) -> str:
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """Return the corners, checked."""
+    """Return the corners, if they are longitudes and latitudes."""
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
@@ -84,7 +76,6 @@ class Mistakes:
         self._count = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
-        """Return `act(*arguments)`, or None after BadInput."""
         try:
             return act(*arguments)
         except BadInput as mistake:
@@ -94,18 +85,13 @@ class Mistakes:
             return None
 
     def raise_all(self) -> None:
-        """Raise the collected errors.
-
-        Raises:
-            BadInput: a line for each, at most ten.
-        """
+        """Raise at most ten collected errors."""
         if self._first:
             more = (f"and {self._count - MOST_ERRORS} more of this kind",) if self._count > MOST_ERRORS else ()
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
-    """Return all results of `read` except None."""
     mistakes = Mistakes()
     features = [mistakes.attempt(read, *arguments) for arguments in each]
     mistakes.raise_all()
@@ -114,7 +100,6 @@ def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]
 
 @contextmanager
 def many_objects() -> Iterator[None]:
-    """Disable garbage collection while many lasting objects are created."""
     was_on = gc.isenabled()
     gc.disable()
     try:

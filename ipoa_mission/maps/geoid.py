@@ -1,7 +1,4 @@
-"""Return the geoid's height: given, or from a PROJ grid.
-
-One value serves a flight: over kilometres the geoid tilts by centimetres.
-"""
+"""One value serves a flight: the geoid tilts by centimetres over kilometres."""
 
 from pathlib import Path
 
@@ -10,17 +7,13 @@ from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, NotCovered
 
-LOWEST, HIGHEST = -107.0, 86.0  # bounds of EGM96 and EGM2008 [m]
-# The best match to an autopilot's mean sea level first.
+LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 [m]
+# Best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 
 
 def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | None, place: Path) -> tuple[float, str]:
-    """Return the geoid's height above the WGS 84 ellipsoid [m], and its source.
-
-    Raises:
-        BadInput: no grid is here, or it does not cover the place.
-    """
+    """Return the height above WGS 84 [m], and its source."""
     if isinstance(given, int | float):
         return float(given), "as given"
     for grid in GRIDS if given is None else (str(given),):

@@ -1,7 +1,6 @@
-"""Read GeoJSON (RFC 7946), also one value a line.
+"""GeoJSON (RFC 7946), also one value a line.
 
-Tags are in `properties`, `properties.tags`, or as text in `properties.other_tags` (GDAL). QGIS may name another
-coordinate system in `crs`.
+Tags may be in `properties.tags`, or `properties.other_tags` (GDAL). QGIS may name another `crs`.
 """
 
 import json
@@ -44,12 +43,7 @@ Take = Callable[[Sequence[Feature]], object]
 
 
 def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
-    """Pass on the features of a file in batches.
-
-    Args:
-        path: the file.
-        begin: returns the receiver; called again if reading restarts.
-    """
+    """Pass on features in batches; `begin` is called again if reading restarts."""
     try:
         with many_objects():
             _hand_on(path, begin)
@@ -73,7 +67,7 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
 
 
 def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
-    """Read several JSON values (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
+    """Read GeoJSONSeq, RFC 8142, CityJSONSeq."""
     mistakes, features, city = Mistakes(), list[Feature](), dict[str, Any]()
     for number in count(1):
         with _json_errors_named(path):
@@ -108,8 +102,6 @@ def _json_errors_named(path: Path) -> Iterator[None]:
 
 
 class _Collection:
-    """Reads a collection in batches; `document` holds its other members, None if still unknown."""
-
     def __init__(self, path: Path, take: Take, document: Mapping[str, Any] | None = None) -> None:
         self._path, self._take, self._mistakes = path, take, Mistakes()
         self._waiting: list[tuple[str, Any]] = []
@@ -117,15 +109,7 @@ class _Collection:
         self._to_degrees: _Degrees | None = None
 
     def read(self, document: dict[str, Any]) -> bool:
-        """Read the file; put other members than `features` into `document`.
-
-        Returns:
-            Whether the coordinate system was known from the first feature on.
-
-        Raises:
-            BadInput: a feature is invalid.
-            Unstreamed: it is no such collection.
-        """
+        """Return whether the coordinate system was known from the first feature on, or raise Unstreamed."""
         pieces = read_document(self._path, document)
         while True:
             with _json_errors_named(self._path):  # not around `_add`
@@ -291,7 +275,7 @@ SHAPES: Mapping[str, _Reader] = {
 
 
 def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
-    """Read the member `crs` (GeoJSON of 2008, and QGIS)."""
+    """Read `crs` (GeoJSON of 2008, and QGIS)."""
     if document.get("crs") is None:
         return lambda corners: corners
     try:

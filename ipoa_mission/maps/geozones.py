@@ -1,7 +1,4 @@
-"""Read UAS geographical zones: ED-269 (JSON) and ED-318 (GeoJSON).
-
-Restriction, limits and times become tags, a circle becomes a polygon around it.
-"""
+"""UAS geographical zones: ED-269 (JSON) and ED-318 (GeoJSON)."""
 
 import json
 import math
@@ -16,7 +13,7 @@ from pyproj import Geod
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
-CORNERS = 72  # 0.1 % wider than the circle
+CORNERS = 72  # 0.1 % wider
 RADIUS = "radius in other units than M"  # internal tag
 WIDEST = 1_000_000.0  # [m]
 _EARTH = Geod(ellps="WGS84")
@@ -42,7 +39,6 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
-    """Return a polygon around a circle of `radius` [m] about a longitude and latitude [deg]."""
     try:
         corner = np.array([center[:2]], float)
         size = float(radius)
@@ -64,7 +60,7 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def layers_apart(feature: Any) -> list[Any]:
-    """Split an ED-318 feature by members with their own layers."""
+    """Split an ED-318 feature by layers."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):
@@ -84,7 +80,7 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield "name", chosen[0]["text"]
     if isinstance(properties.get("applicability"), list):
         yield from _times(properties["applicability"])
-    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume in the properties
+    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume
         yield from _limit_tags(volume)
 
 
@@ -107,7 +103,7 @@ def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _times(times: Any) -> Iterator[tuple[str, str]]:
-    """Return ED-269 times as the ED-318 tag; nothing if permanent."""
+    """Return ED-269 times as the ED-318 tag."""
     if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
         yield "limitedApplicability", json.dumps(times)
 

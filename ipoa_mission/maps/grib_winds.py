@@ -1,5 +1,3 @@
-"""Read winds from GRIB by eccodes, at each grid's nearest point."""
-
 import re
 from collections import defaultdict
 from collections.abc import Iterator
@@ -18,14 +16,14 @@ from ipoa_mission.world.frame import Geodetic
 EAST, NORTH, SPEED, FROM = "east", "north", "speed", "from"
 NAMED = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # eccodes' shortName: u, 10u, 100v, 10si, wdir
 SHORT_NAMES = {"u": EAST, "v": NORTH, "si": SPEED, "ws": SPEED, "wdir": FROM}
-NUMBERS = {0: FROM, 1: SPEED, 2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
+NUMBERS = {0: FROM, 1: SPEED, 2: EAST, 3: NORTH}  # GRIB 2: discipline 0, category 2
 MOMENTUM = (0, 2)
 DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
-# Grids with axes to east and north.
+# Axes to east and north.
 NORTH_UP = ("regular_ll", "regular_gg", "reduced_ll", "reduced_gg", "mercator", "unstructured_grid")
-PLAIN = {0, 1}  # product definition templates: one forecast, one member
+PLAIN = {0, 1}  # templates: one forecast, one member
 ALONG_AXES = 8  # of resolutionAndComponentFlags
-MEAN = {0, 1}  # derived forecasts: means of members
+MEAN = {0, 1}  # means of members
 
 
 Nearest: TypeAlias = tuple[int, float, float]  # number of a grid point, its latitude and longitude [deg]
@@ -44,13 +42,6 @@ class _Message:
 
 
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    """Return the winds at the nearest grid points.
-
-
-    Raises:
-        BadInput: the file is damaged, elsewhere, or along the axes of an unknown grid.
-        MissionError: eccodes is missing.
-    """
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
     found, nearest = ForecastWinds(path.name), KnownPoints()
     axes = dict[tuple[float, Datum, np.datetime64, int], float]()
@@ -91,7 +82,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
 
 @contextmanager
 def _several_fields(eccodes: Any) -> Iterator[None]:
-    """Allow several fields in a message, as NCEP packs components."""
+    """Allow several fields in a message (NCEP)."""
     eccodes.codes_grib_multi_support_on()
     try:
         yield
@@ -174,7 +165,7 @@ def _grid(eccodes: Any, get: Any, path: Path) -> str | tuple[float, float]:
 
 
 def _no_single_forecast(get: Any) -> str:
-    """Return whether a message is an average, spread or percentile, in words."""
+    """Describe averages, spreads and percentiles."""
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)

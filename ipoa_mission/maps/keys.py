@@ -1,7 +1,7 @@
-"""Map keys of any source to what they measure.
+"""Keys of any source by what they measure.
 
-A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. Keys cut by a Shapefile,
-or with `_` for `:` by GDAL, are completed by OpenStreetMap's names.
+A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. Cut ones are completed
+by OpenStreetMap's names.
 """
 
 import re
@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping
 from enum import StrEnum
 from functools import lru_cache
 
-CUT = 10  # letters of a name in a Shapefile
-CUT_BY_SHP_WRITE = 8  # of shp-write before 0.4.2
+CUT = 10  # letters, by a Shapefile
+CUT_BY_SHP_WRITE = 8  # before 0.4.2
 AMBIGUITY_MARK = "perhaps"
 
 
@@ -55,18 +55,18 @@ _EXACT = {
     "rotor_radius": Means.BLADE,
     "length": Means.LENGTH,
     "crane_length": Means.LENGTH,
-    "maxheight": Means.NOTHING,  # of vehicles below it
+    "maxheight": Means.NOTHING,  # of vehicles
     "height_amsl": Means.NOTHING,  # has its own rule
-    "ele": Means.NOTHING,  # of the ground, above sea level
+    "ele": Means.NOTHING,  # of the ground, AMSL
     "elevation": Means.NOTHING,
 }
-# Words of a key about another key.
+# About another key.
 _ABOUT = _set(
     "source note notes date accuracy ref error type class code method check survey color quality status",
     "confidence material shape direction angle description name id start end name_en comment fixme",
 )
 _HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
-# Words of heights other than the top.
+# Other heights than the top.
 _LOWER = _set(
     "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey",
     "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail",
@@ -93,7 +93,7 @@ _UNITS = _set("unit units uom einheit")
 
 
 def plain(key: str) -> str:
-    """Return a key in lower case, words joined by `_`."""
+    """Return words joined by `_`, in lower case."""
     words = re.sub(r"(?<=[a-zäöü0-9])(?=[A-ZÄÖÜ])", "_", key).lower()
     return re.sub(r"[\W_]+", "_", words).strip("_")
 
@@ -143,17 +143,14 @@ def _width(words: frozenset[str]) -> Means:
 
 
 class Names:
-    """Finds known keys under other spellings."""
-
     def __init__(self, known: Iterable[str]) -> None:
         self._known = {plain(key): key for key in known}
 
     def of(self, key: str) -> str:
-        """Return the known key that differs in case and punctuation only, or else the key."""
+        """Ignore case and punctuation."""
         return self._known.get(plain(key), key)
 
     def starting_as(self, key: str) -> tuple[str, ...]:
-        """Return the known keys that a Shapefile cuts to this; a digit at the end may be a number."""
         text = _squeezed(key)
         begins = (text, re.sub(r"\d{1,2}$", "", text))  # a second one ends in _1
         return tuple(

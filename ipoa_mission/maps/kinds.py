@@ -1,5 +1,3 @@
-"""Classify features by tags: tall, flat, or no obstacle."""
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,9 +11,7 @@ from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means,
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 Extent: TypeAlias = Literal["area", "thin", "none"]
-# Values of `building` and `building:part` for no building.
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
-# Kinds that are tall.
 TALL = {
     "man_made": {
         "antenna", "bell_tower", "campanile", "ceremonial_gate", "chimney", "column", "communications_tower",
@@ -37,13 +33,12 @@ TALL = {
     "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
-# Prefixes of things out of service or unfinished.
+# Out of service or unfinished.
 LIFECYCLE = ("disused:", "abandoned:", "ruins:", "construction:", "was:")
-# Ways that are in the air on a bridge.
 ON_BRIDGES = ("highway", "railway", "waterway")
-# No obstacle without a height, but a possible one.
+# Possible obstacles without a height.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
-# Keys of flat things, for all values but these.
+# Flat, except these values.
 GROUNDS: Mapping[str, set[str]] = {
     "highway": {"elevator"},
     "railway": {"station"},
@@ -59,26 +54,23 @@ GROUNDS: Mapping[str, set[str]] = {
     "landcover": {"trees"},
     "golf": set(),
 }
-# Areas by `amenity` whose buildings are mapped separately.
+# Areas whose buildings are mapped separately.
 FLAT_AMENITIES = {
     "bench", "bicycle_parking", "clinic", "college", "fountain", "grave_yard", "hospital", "kindergarten",
     "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
     "waste_basket",
 }  # fmt: skip
 NO_BRIDGE = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
-# Keys of building files, even if null.
+# Of building files, even if null.
 OVERTURE = {"has_parts", "is_underground"}
 TOP_AMSL = "height:amsl"
-# Tags without a kind.
+# Without a kind.
 NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
 
 
 @dataclass(frozen=True)
 class Reason:
-    """The reason to pass over a feature; `may_stand` marks a possible obstacle.
-
-    `heights` are keys and values under [[maps]] that give it a height.
-    """
+    """`heights` are keys and values under [[maps]] that give it a height."""
 
     words: str
     may_stand: bool
@@ -105,7 +97,7 @@ FLAT = Reason("tagged as something flat", False)
 
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
-# Keys that a Shapefile cuts to ten letters.
+# Cut to ten letters by a Shapefile.
 _LONG_KEYS = (
     "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
     "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
@@ -119,7 +111,7 @@ _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF
 
 
 def as_openstreetmap(feature: Feature) -> Feature:
-    """Return the feature with kind keys in OpenStreetMap's spelling."""
+    """Spell keys of kinds as OpenStreetMap."""
     tags = feature.tags
     renamed = {key: named for key in tags if (named := _named(key)) != key and named not in tags}
     if not renamed and "is_underground" not in tags:
@@ -138,7 +130,7 @@ def _named(key: str) -> str:
 
 
 def uncut(key: str, value: str) -> str:
-    """Return the full key of a Shapefile field, with `perhaps` if ambiguous."""
+    """Complete a Shapefile's field, with `perhaps` if ambiguous."""
     if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or meaning(key) not in UNSURE:
         return key
     if len(key) != CUT:
@@ -151,7 +143,7 @@ def uncut(key: str, value: str) -> str:
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:
-    """Return whether a key is typical of building files, even without a value."""
+    """Find keys typical of building files, even without a value."""
     keys = {*feature.tags, *feature.blank}
     return not keys.isdisjoint(OVERTURE | {height_key}) or any(meaning(key) in _OF_BUILDINGS for key in keys)
 
@@ -167,7 +159,6 @@ def has_kind(feature: Feature) -> bool:
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
-    """Return the reason why a feature is no obstacle, or None."""
     tags, areal = feature.tags, extent == "area"
     if extent == "none":
         return Reason("without a geometry", False)
@@ -198,7 +189,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
 
 
 def key_of_height(feature: Feature) -> str | None:
-    """Return the key under [[maps]] for the height of a feature without one."""
+    """Return the key under [[maps]] for a missing height."""
     tags = feature.tags
     if {TOP_AMSL, "building"} & tags.keys() or keys_of(tags, *_MEASURES) or _is_below(tags):
         return None
@@ -223,7 +214,7 @@ def is_bridge(tags: Mapping[str, str]) -> bool:
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:
-    """Return for each shape: area (or closed line), thin, or empty."""
+    """A closed line is an area."""
     each = np.array(shapes, dtype=object)
     kinds = shapely.get_type_id(each)
     closed = shapely.is_closed(each) & (shapely.get_num_coordinates(each) > 3)

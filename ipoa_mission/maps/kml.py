@@ -1,8 +1,4 @@
-"""Read KML 2.2 and KMZ.
-
-A shape extended to the ground (`extrude`) has its greatest altitude as height. Other heights are not read: a scenario
-gives a zone's height.
-"""
+"""An extruded shape has its greatest altitude as height; others are ignored."""
 
 import contextlib
 import lzma
@@ -24,7 +20,7 @@ from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
 
 MOST_FOLDERS = 64
-ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # their content is in another file
+ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # content in another file
 UNREAD = {
     "NetworkLink": "whose places are in another file",
     "GroundOverlay": "an image on the ground",
@@ -33,9 +29,9 @@ UNREAD = {
 }
 REMEDY = "save what it shows as a KML of its own, and name that under [[maps]]"
 COMMA = re.compile(r"\s*,\s*")
-MOST_COMMAS = 2  # in a position
+MOST_COMMAS = 2
 EXTRUDED = {"Polygon", "LinearRing", "LineString", "Point"}
-LARGEST = 64 << 20  # bytes of a .kml in a .kmz, which may expand a thousandfold
+LARGEST = 64 << 20  # bytes; a .kmz may expand a thousandfold
 MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
 HIGHEST = 100_000.0  # [m]
 BROKEN = (
@@ -43,17 +39,16 @@ BROKEN = (
     ValueError,
 )  # fmt: skip
 MOST_ELEMENTS = 500_000
-PIECE = 1 << 20  # bytes parsed at once
+PIECE = 1 << 20  # [bytes]
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Return every placemark; unknown shapes are empty."""
     return _read(read_text(path).encode(), path)
 
 
 def read_kmz(path: Path) -> tuple[Feature, ...]:
-    """Return the features of the first KML, as Google Earth."""
+    """Read the first KML, as Google Earth."""
     try:
         with zipfile.ZipFile(path) as archive:
             names = [each for each in archive.namelist() if each.lower().endswith(".kml")]
@@ -81,7 +76,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     except ElementTree.ParseError as error:
         line = getattr(error, "position", (1, 0))[0]
         raise WrongFormat("expected well-formed XML", place=f"{path}: line {line}") from error
-    except (LookupError, ValueError) as error:  # of an unknown or multi-byte encoding
+    except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     if _local(root) != "kml":
         raise WrongFormat(f"expected a kml document, not {_local(root)}", place=path)
@@ -90,7 +85,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse in pieces, to limit the memory for countless elements."""
+    """Parse in pieces, to limit the memory."""
     parser: Any = ElementTree.XMLPullParser(("start",))
     root: ElementTree.Element | None = None
     count = 0
@@ -143,7 +138,6 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    """Return the greatest height of extruded shapes as a tag."""
     tops: dict[str, float] = {}
     for drawn in (each for each in placemark.iter() if _local(each) in EXTRUDED):
         texts = {_local(child): (child.text or "").strip() for child in drawn}
@@ -163,7 +157,7 @@ def _altitudes(text: str) -> Iterator[float]:
 
 
 def _words(text: str) -> list[str]:
-    """Split positions; blanks around a comma do not separate them, as in GDAL and fastkml."""
+    """Ignore blanks around a comma, as GDAL and fastkml."""
     return COMMA.sub(",", text).split()
 
 
@@ -207,7 +201,6 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
 
 
 def _track(element: ElementTree.Element, place: str) -> Corners:
-    """Read a `gx:Track`, with blanks between longitude, latitude and altitude."""
     text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
     return _positions(text, 2, f"{place}.coord")
 

@@ -1,6 +1,6 @@
-"""Parse lengths and storey counts as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
+"""Lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
 
-A bare number is in metres. The greatest of ambiguous values counts, since it is safe.
+The greatest of ambiguous values counts, for safety.
 """
 
 import math
@@ -23,13 +23,12 @@ UNITS = {
     1609.344: "mi mile miles",
 }
 FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
-# Commas, dots or blanks separate thousands. A sign is excluded: `12-15` is a range.
+# Commas, dots or blanks separate thousands. No sign: `12-15` is a range.
 NUMBER = (
     r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
     r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
 )
 _QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
-# Words that do not change a number.
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
@@ -45,23 +44,23 @@ _TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+
 _SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
 
 
-# Full-width characters as ASCII.
+# Full-width as ASCII.
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
 
 def meters(text: str, place: str) -> float:
-    """Return a length [m]."""
+    """Return a length [m], or raise BadInput."""
     length, sure = length_of(text)
     if length is None or not sure:
         raise BadInput(f'expected metres or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)
     return length
 
 
-@lru_cache(maxsize=4096)  # a map repeats a few heights
+@lru_cache(maxsize=4096)  # a map repeats few heights
 def length_of(text: str) -> tuple[float | None, bool]:
-    """Return the greatest length in a text [m], and whether all was understood.
+    """Return the greatest length [m], and whether all was understood.
 
-    An unknown unit counts as metres, and as not understood.
+    A bare number or an unknown unit is in metres.
     """
     text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
@@ -73,7 +72,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
         rest.append(between)
         unit = match[2]
         factor = FACTORS.get(unit)
-        if factor is None:  # 22approx, 60agl: a word without a blank before it
+        if factor is None:  # 22approx, 60agl
             factor = 1.0
             rest.append(unit)
         if last == FOOT and not unit and not between.strip():  # 6'2
@@ -92,7 +91,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
 
 @lru_cache(maxsize=4096)
 def storeys_of(text: str) -> tuple[float | None, bool]:
-    """Return the greatest number of storeys above the ground, and whether all was understood.
+    """Return the greatest number above the ground, and whether all was understood.
 
     In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
@@ -113,7 +112,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
 
 def counted_storeys(text: str) -> float | None:
-    """Return the storeys of `6 floors` or `G+4`; None for other heights."""
+    """Return the storeys of `6 floors` or `G+4`, no others."""
     text = re.sub(r"\s*\+\s*", "+", text.translate(_WIDE).strip().lower())
     if len(text) > LONGEST:
         return None

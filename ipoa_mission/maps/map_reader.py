@@ -1,4 +1,4 @@
-"""Choose the reader of a map file by its suffix."""
+"""Readers of map files by suffix."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -20,26 +20,18 @@ _WHOLE_FILE_READERS = {
     ".kmz": read_kmz,
     ".osm": read_osm,
 }
-# Readers of files that may exceed memory.
+# For files that may exceed memory.
 _BATCH_READERS: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     ".parquet": read_parquet,
     ".geoparquet": read_parquet,
 }
 READERS = (*GEOJSON, *_WHOLE_FILE_READERS, *BEGINS, *_BATCH_READERS)
-MOST_FEATURES = 2_000_000  # in memory together
+MOST_FEATURES = 2_000_000  # in memory
 
 
 def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ...]:
-    """Return the features of a map file, in its order.
-
-    Args:
-        path: the file; its suffix is in `READERS`.
-        around: the wanted part of a large file; None for all.
-
-    Raises:
-        BadInput: with file and place of every error; or a library is missing.
-    """
+    """Read all features; report every error with file and place."""
     features: list[Feature] = []
 
     def begin() -> Take:
@@ -51,16 +43,7 @@ def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ..
 
 
 def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | None = None) -> None:
-    """Pass on the features of a map file in batches.
-
-    Args:
-        path: the file.
-        begin: returns the receiver; a second call voids earlier batches.
-        around: the wanted part of a large file; None for all.
-
-    Raises:
-        BadInput: with file and place of every error; or a library is missing.
-    """
+    """Pass on features in batches; a second call of `begin` voids earlier ones."""
     suffix = path.suffix.lower()
     if suffix in GEOJSON:
         read_geojson(path, begin)
@@ -93,7 +76,7 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
     around.expect_near(path)
 
 
-@lru_cache(maxsize=2)  # the studio reads a scenario again at every change
+@lru_cache(maxsize=2)  # the studio reads a scenario at every change
 def _small_part(
     path: Path, as_it_was: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:

@@ -1,5 +1,3 @@
-"""Name features for a pilot: by name, else by kind and number."""
-
 from collections.abc import Mapping
 
 from ipoa_mission.maps.feature import Feature, printed
@@ -9,7 +7,7 @@ WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "po
 
 
 def called(feature: Feature) -> str:
-    """Return the name of a feature.
+    """Name a feature for a pilot: by name, else by kind and number.
 
     >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}))
     'tree (features[3])'

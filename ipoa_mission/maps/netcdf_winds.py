@@ -1,4 +1,4 @@
-"""Read winds from NetCDF by xarray; attributes (CF) take precedence over names."""
+"""Attributes (CF) take precedence over names."""
 
 import re
 import warnings
@@ -20,7 +20,7 @@ from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, Wi
 from ipoa_mission.world.frame import Geodetic
 
 EAST, NORTH, SPEED, FROM, TO = range(5)
-PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # pairs that define a wind
+PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # that define a wind
 STANDARD = {"eastward_wind": EAST, "x_wind": EAST, "northward_wind": NORTH, "y_wind": NORTH}
 STANDARD |= {"wind_speed": SPEED, "wind_from_direction": FROM, "wind_to_direction": TO}
 ALONE = (
@@ -43,13 +43,6 @@ DEGREES = {"lat": "degrees_north", "lon": "degrees_east"}
 
 
 def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    """Return the winds at the nearest grid point.
-
-
-    Raises:
-        BadInput: the file is damaged, elsewhere, or in unknown units.
-        MissionError: xarray is missing.
-    """
     found = ForecastWinds(path.name)
     with _opened(path) as data:
         winds: dict[int, list[Any]] = {which: [] for which in range(5)}
@@ -80,7 +73,7 @@ def _opened(path: Path) -> Iterator[Any]:
     xarray = imported("xarray", f"{path}: a forecast of winds needs xarray", "wind")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # warnings among the libraries
+            warnings.simplefilter("ignore")  # among the libraries
             with xarray.open_dataset(path, decode_timedelta=True) as data:
                 yield data
     except MissionError:
@@ -90,7 +83,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _groups(path: Path) -> list[str]:
-    """Return the groups of a NetCDF-4 file, which xarray skips."""
+    """Return groups, which xarray skips."""
     h5py: Any = import_module("h5py")
     if not h5py.is_hdf5(path):
         return []
@@ -115,16 +108,16 @@ def _said(variable: Any) -> str:
 
 
 def _partner(first: Any, others: Sequence[Any]) -> Any | None:
-    """Return the other component on these axes with the most similar name."""
+    """Return the other component on the same axes, by name."""
     alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
     name = str(first.name)
     return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
 
 
 def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
-    """Yield height, datum and components of every level.
+    """Yield all levels.
 
-    Precedence: axis, height in the name, coordinate of one value, since xarray attaches the last to all variables.
+    Precedence: axis, height in the name, coordinate of one value, which xarray attaches to all variables.
     """
     name = str(east.name)
     given = [vertical for each in east.coords.values() if (vertical := vertical_of(path, each)) is not None]
@@ -183,11 +176,7 @@ def _grid(data: Any, part: Any) -> CRS | tuple[float, float] | None:
 
 
 def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
-    """Return a component at the nearest grid point, and the direction of the grid's y axis if it is along the axes.
-
-    Raises:
-        BadInput: the grid has no latitudes and longitudes, is elsewhere, or its axes are unknown.
-    """
+    """Return a component at the nearest grid point, and the direction of the grid's y axis if it is along the axes."""
     axes = ", ".join(map(str, part.dims))
     degrees = []
     for kind in ("lat", "lon"):
@@ -229,7 +218,7 @@ def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
 
 
 def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
-    """Return whether it is the latitude (`lat`) or longitude (`lon`), not rotated."""
+    """Find an unrotated latitude (`lat`) or longitude (`lon`)."""
     standard, unit = coordinate.attrs.get("standard_name"), str(coordinate.attrs.get("units", DEGREES[kind]))
     whole = {"lat": "latitude", "lon": "longitude"}[kind]
     is_named = standard == whole or (standard is None and name.lower() in (kind, whole))
@@ -237,7 +226,7 @@ def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
 
 
 def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
-    """Return the valid times, (n,), and the values on the same axes."""
+    """Return times (n,), and values on the same axes."""
     times = _time_of(part)
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
@@ -253,7 +242,7 @@ def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
 
 
 def _time_of(part: Any) -> Any | None:
-    """Return the valid time by standard name, or run time plus step."""
+    """Take the standard name, or run time plus step."""
     by_standard = {each.attrs.get("standard_name"): each for each in part.coords.values()}
     named = {str(name).lower(): each for name, each in part.coords.items()}
     lead = by_standard.get("forecast_period")

@@ -1,7 +1,4 @@
-"""Read OpenStreetMap XML (.osm).
-
-A thing with corners outside the extract gets an empty shape, and a note of its other corners.
-"""
+"""A thing with corners outside the extract gets an empty shape, and a note of its other corners."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -18,7 +15,7 @@ from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
 from ipoa_mission.world.union import union_of
 
-# Closed ways with these are lines, unless tagged as areas.
+# Lines even if closed, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
 AREAS = {"multipolygon", "building", "boundary"}
 META_TAGS = {"created_by", "source"}
@@ -40,7 +37,7 @@ class Relation(NamedTuple):
 
 @dataclass
 class Extract:
-    """The content of a file by numbers; `remarks` are a server's errors."""
+    """A file by numbers; `remarks` are a server's errors."""
 
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -50,7 +47,7 @@ class Extract:
     remarks: list[str] = field(default_factory=list)
 
     def corners(self, each: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
-        """Return the node numbers of a way; register their positions."""
+        """Register positions; return node numbers."""
         numbers = []
         for number, longitude, latitude in each:
             name = number or f"{longitude},{latitude}"
@@ -61,24 +58,18 @@ class Extract:
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing; an incomplete shape is empty."""
     try:
         extract = _extract(path)
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
     except ElementTree.ParseError as error:
         raise WrongFormat(f"expected OpenStreetMap's XML: {error}", place=path) from error
-    except (LookupError, ValueError) as error:  # of an unknown or multi-byte encoding
+    except (LookupError, ValueError) as error:  # unknown or multi-byte encoding
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     return features_of(extract, path)
 
 
 def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
-    """Return the tagged things of an extract.
-
-    Raises:
-        BadInput: there are none, one is not on Earth, or no position is known.
-    """
     tagged = [number for number, way in extract.ways.items() if way.tags.keys() - META_TAGS]
     if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
         raise BadInput(
@@ -190,7 +181,7 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
 def thing(
     sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
 ) -> Feature:
-    """Return a feature; with an empty shape, note its `known` corners."""
+    """Return a feature; note the `known` corners of an empty shape."""
     place = f"{path}: {sort} {number}"
     on_earth(shapely.get_coordinates(shape), place)
     missing = None
@@ -215,10 +206,7 @@ def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapp
 
 
 def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
-    """Yield the ways of an area, and whether each is outer.
-
-    Labels and building parts are things of their own.
-    """
+    """Yield an area's ways, and whether each is outer."""
     for sort, number, role in relation.members:
         if sort == "way" and role in ("", "outer", "outline", "inner"):
             yield number, role != "inner"

@@ -1,5 +1,3 @@
-"""Build many polygons at once."""
-
 from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Any
@@ -11,9 +9,9 @@ from ipoa_mission.maps.feature import Corners
 
 
 def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corners]) -> list[Any]:
-    """Return the polygon of each list of rings; None if it needs a separate check.
+    """Build many polygons at once; None needs a separate check.
 
-    That is: no rings, a ring whose first three corners are not all different, or corners not on Earth.
+    That is: no rings, one whose first three corners are not all different, or corners not on Earth.
     """
     made: list[Any] = [None] * len(rings_of)
     taken = [i for i, rings in enumerate(rings_of) if _looks_sound(rings)]
@@ -21,7 +19,7 @@ def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corn
     if not rings:
         return made
     try:
-        of_position = set(map(len, chain.from_iterable(rings)))  # some positions may have a height, others not
+        of_position = set(map(len, chain.from_iterable(rings)))  # some may have a height
         numbers = np.fromiter(chain.from_iterable(chain.from_iterable(rings)), float)
     except (TypeError, ValueError, KeyError, OverflowError):
         return made

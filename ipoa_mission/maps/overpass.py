@@ -1,4 +1,4 @@
-"""Read Overpass JSON (`[out:json]`), like OpenStreetMap XML."""
+"""Overpass JSON (`[out:json]`)."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,7 +18,6 @@ def is_overpass(document: Any) -> bool:
 
 
 def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing; an incomplete shape is empty."""
     extract = Extract(remarks=[str(document["remark"])] if document.get("remark") else [])
     for n, element in enumerate(document["elements"]):
         place = f"{path}: elements[{n}]"

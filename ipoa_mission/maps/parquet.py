@@ -1,8 +1,3 @@
-"""Read GeoParquet (pyarrow), such as Overture's buildings.
-
-Row groups outside the window are skipped if their boxes are stated.
-"""
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
@@ -25,12 +20,12 @@ from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
 MAGIC = b"PAR1"
 BATCH = 4096
-LARGEST_GROUP = 2_000_000_000  # of rows, unpacked [bytes]
-OVERTURES_NAMES = "names"  # its primary entry counts
+LARGEST_GROUP = 2_000_000_000  # unpacked [bytes]
+OVERTURES_NAMES = "names"  # its primary entry
 
 
 class _Shapes(NamedTuple):
-    """The geometry column, its conversion, and its box columns: west, south, east, north [deg]."""
+    """Shapes, their conversion, and box columns: west, south, east, north [deg]."""
 
     column: str
     to_degrees: Callable[[Corners], Corners]
@@ -38,11 +33,7 @@ class _Shapes(NamedTuple):
 
 
 def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Yield the wanted rows.
-
-    Raises:
-        BadInput: with file and row; or pyarrow is missing.
-    """
+    """Yield the wanted rows."""
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)
@@ -118,7 +109,6 @@ def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
 
 
 def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
-    """Return the stated box of a row group, (1, 4)."""
     about = {}
     for n in range(group.num_columns if columns else 0):
         column = group.column(n)
@@ -128,7 +118,7 @@ def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
         return None
     west, south, east, north = (about[name] for name in columns)
     box = np.array([[west.min, south.min, east.max, north.max]], float)
-    goes_round = west.max > east.max or west.min > east.min  # a row crosses longitude 180
+    goes_round = west.max > east.max or west.min > east.min  # across longitude 180
     return None if goes_round or not np.isfinite(box).all() else box
 
 
@@ -165,7 +155,7 @@ def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
 
 
 def _plain(value: Any) -> Any:
-    """Convert to a JSON value; Arrow reads a map as pairs."""
+    """Convert to JSON; Arrow reads a map as pairs."""
     if isinstance(value, Decimal):
         return float(value)
     is_map = isinstance(value, list) and all(isinstance(one, tuple) for one in value)

@@ -1,5 +1,3 @@
-"""Collect map features that a scenario does not use."""
-
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
@@ -15,7 +13,7 @@ from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
 MOST_NAMED = 3
-# Certainly no obstacle or not, file, reason.
+# Certainly no obstacle, file, reason.
 Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
 NONE: Mapping[Key, int] = {}
@@ -25,10 +23,9 @@ FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PassedOver:
-    """A feature that is no obstacle; `shape` is east, north [m], or empty.
+    """`shape`: east, north [m], or empty; `may_stand`: a possible obstacle; `remedy`: how to settle it.
 
-    `may_stand` marks a possible obstacle, `remedy` how to settle it. `heights` are keys under [[maps]] that give it a
-    height. Code `not-read` may mean a higher obstacle.
+    `heights`: keys under [[maps]] that give it a height. Code `not-read` may mean a higher obstacle.
     """
 
     file: str
@@ -43,7 +40,7 @@ class PassedOver:
 
 @dataclass(frozen=True)
 class PassedCount:
-    """The features of a map passed over for one reason; `names` of the first."""
+    """A map's features passed over for one reason; `names` of the first."""
 
     file: str
     reason: str
@@ -64,10 +61,7 @@ def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> Passed
 
 
 def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:
-    """Return the unread part of a feature, as `Unread` if it may be anywhere.
-
-    None if nothing is missing, or if it is certainly elsewhere.
-    """
+    """Return the unread part of a feature, as `Unread` if it may be anywhere."""
     if feature.missing is None and not shapely.is_empty(feature.shape):
         return None
     missing = feature.missing or Missing(WITHOUT, feature.shape, "give it a geometry in the map, or take it out")

@@ -1,7 +1,4 @@
-"""Read OpenStreetMap's binary extracts (.osm.pbf) by osmium.
-
-libosmium stores node positions in a temporary file. A first pass locates all things, a second reads the wanted ones.
-"""
+"""OpenStreetMap's binary extracts by osmium: a first pass locates all, a second reads the wanted."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import compress, islice
@@ -28,15 +25,15 @@ from ipoa_mission.maps.osm import (
     ways_of,
 )
 
-LARGEST_PBF = 200_000_000  # [bytes], read in about a minute
+LARGEST_PBF = 200_000_000  # [bytes], about a minute
 BATCH = 4096
-HEADER = 64  # bytes that identify the format
+HEADER = 64  # [bytes]
 UNKNOWN = (np.nan,) * 4
 SORTS = {"n": "node", "w": "way", "r": "relation"}
 
 
 class _Place(NamedTuple):
-    """The corners of a node or way as WKB, or the box of the known ones."""
+    """Corners as WKB, or the box of the known ones."""
 
     is_node: bool
     number: int
@@ -46,11 +43,6 @@ class _Place(NamedTuple):
 
 
 def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Yield every wanted thing with tags; an incomplete shape is empty.
-
-    Raises:
-        BadInput: the file is wrong, truncated or too large, or osmium is missing.
-    """
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, HEADER):
         raise WrongFormat("expected an .osm.pbf file, but its first bytes are those of another format", place=path)
@@ -79,7 +71,7 @@ class _Extract:
         self._file = osmium.io.File(str(path), "pbf")
         self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL
         self._nodes, self._ways = set[int](), set[int]()
-        self._boxes: dict[str, list[float]] = {}  # of the ways of areas [deg]
+        self._boxes: dict[str, list[float]] = {}  # of ways of areas [deg]
 
     def read(self) -> Iterator[Feature]:
         osmium, osm = self._osmium, self._osmium.osm
@@ -119,17 +111,13 @@ class _Extract:
         return found
 
     def _locate(self, parts: set[str]) -> Any:
-        """Locate all things, select the wanted ones, and return libosmium's node positions.
-
-        Raises:
-            BadInput: a number is negative, as in unsaved edits.
-        """
+        """Select the wanted things, and return libosmium's node positions."""
         osm = self._osmium.osm
         tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
         things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
         waiting: list[_Place] = []
         for each in things.with_filter(tagged):
-            if each.id < 0:  # libosmium keeps no position for it
+            if each.id < 0:  # libosmium keeps no position
                 raise BadInput(
                     f"expected things that OpenStreetMap has numbered, not "
                     f"{'node' if each.is_node() else 'way'} {each.id}",
@@ -162,7 +150,7 @@ class _Extract:
         wkb, box = None, UNKNOWN
         try:
             wkb = bytes.fromhex(self._factory.create_linestring(way, self._all))
-        except (self._osmium.InvalidLocationError, RuntimeError):  # a missing node, or a single one
+        except (self._osmium.InvalidLocationError, RuntimeError):  # missing or single node
             corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
             if corners:
                 box = (*np.min(corners, axis=0).tolist(), *np.max(corners, axis=0).tolist())
@@ -174,7 +162,7 @@ class _Extract:
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
         if numbers:
-            of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it alive
+            of_these = self._osmium.filter.IdFilter(numbers)  # not kept alive by the iterator
             with self._osmium.io.Reader(self._file, sort) as reader:
                 yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
 

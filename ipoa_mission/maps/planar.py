@@ -1,7 +1,4 @@
-"""Convert shapes of a map to valid polygons in east, north [m].
-
-Rings are repaired by `make_valid` with method "structure"; one without area is refused.
-"""
+"""Shapes as valid polygons in east, north [m]."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,12 +12,10 @@ from ipoa_mission.maps.around import near_home
 from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
-LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m over this length at 45 degrees [deg]
+LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m at 45 degrees [deg]
 
 
 class MapExtent:
-    """Tracks the extent of a map, for the error if all of it is far."""
-
     def __init__(self, frame: LocalFrame) -> None:
         self.frame = frame
         self._any_near = self._turned_near = False
@@ -39,11 +34,6 @@ class MapExtent:
         return np.asarray(near)
 
     def expect_near(self) -> None:
-        """Refuse shapes of which none was near.
-
-        Raises:
-            BadInput: with their extent, and whether coordinates seem swapped.
-        """
         if self._any_near or not self._first_far:
             return
         home, (west, south, east, north) = self.frame.home, self._box.tolist()
@@ -59,9 +49,9 @@ class MapExtent:
 
 
 def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Convert degrees to east, north [m]; return which shapes are within 100 km of home.
+    """Convert degrees to east, north [m]; return which are within 100 km of home.
 
-    Others become empty. Long edges are divided, since edges are straight in degrees.
+    Others become empty. Long edges are divided: they are straight in degrees.
     """
     frame = about.frame
     height = frame.home.altitude
@@ -92,10 +82,7 @@ def _divided(shape: Any) -> Any:
 
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
-    """Redraw shapes wider than 180 degrees across longitude 180.
-
-    RFC 7946 asks to cut them there; not all programs do.
-    """
+    """Redraw across longitude 180, where RFC 7946 asks to cut."""
     wide = np.flatnonzero(np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2)[:, :, 0], axis=1) > 180.0)
     for i in wide.tolist():
         degrees[i] = _short_way(degrees[i])
@@ -120,7 +107,6 @@ def _turned(line: Any) -> NDArray[np.float64]:
 
 
 def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Move a hole to the same turn of longitude as its outline."""
     hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
     return hole
 
@@ -130,7 +116,7 @@ def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Clean shapes (n,); return which are one valid polygon."""
+    """Clean shapes; return which are one valid polygon."""
     clean = unrepeated(shapes)
     sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
     sound &= shapely.area(clean) > LEAST_AREA
@@ -138,7 +124,7 @@ def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_
 
 
 def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Remove repeated corners; GEOS fails for a ring at one point, kept as is."""
+    """Remove repeated corners; keep a ring at one point, where GEOS fails."""
     try:
         return np.asarray(shapely.remove_repeated_points(shapes))
     except shapely.errors.GEOSException:
@@ -149,7 +135,7 @@ def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
-    """Return the valid polygons of a shape, repaired, and its defect."""
+    """Return repaired polygons, and the defect."""
     (clean,) = unrepeated(np.array([shape], object))
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
@@ -162,5 +148,5 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
 
 
 def _words(reason: str | None) -> str:
-    """Convert GEOS's `Self-intersection[12.3 45.6]` to `a ring with self-intersection`."""
+    """Convert GEOS's `Self-intersection[12.3 45.6]` to words."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"

@@ -1,5 +1,3 @@
-"""Convert a feature's properties to tags."""
-
 import json
 import re
 from collections.abc import Iterator, Mapping
@@ -11,17 +9,14 @@ import shapely
 from ipoa_mission.maps.feature import Missing
 from ipoa_mission.maps.keys import Means, meaning
 
-# Packed tags of osmtogeojson, osm2pgsql and GDAL's OSM driver.
+# Of osmtogeojson, osm2pgsql and GDAL's OSM driver.
 PACKED = ("tags", "other_tags", "all_tags")
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s*|$)')
-DEEPEST = 3  # nested objects
+DEEPEST = 3
 
 
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield tags, packed ones included.
-
-    In nested values only measures count, separated by `;`.
-    """
+    """Yield packed ones too; of nested values only measures."""
     for key, value in properties.items():
         if isinstance(value, str):
             if key in PACKED:
@@ -47,15 +42,12 @@ def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
                 yield key
         elif key in PACKED and isinstance(value, dict):
             yield from blank_keys(value)
-        elif value is None or value != value:  # pandas writes NaN for null
+        elif value is None or value != value:  # pandas' null
             yield key
 
 
 def truncated(properties: Mapping[str, Any]) -> Missing | None:
-    """Return packed tags in a truncated text, if any.
-
-    A Shapefile truncates texts to 254 bytes.
-    """
+    """Find packed tags that a Shapefile truncates to 254 bytes."""
     for key in PACKED:
         text = properties.get(key)
         if isinstance(text, str) and (rest := _rest(text)):
@@ -65,7 +57,7 @@ def truncated(properties: Mapping[str, Any]) -> Missing | None:
 
 
 def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
-    """Yield the tags in JSON or PostgreSQL's hstore; another text is one tag."""
+    """Unpack JSON or PostgreSQL's hstore."""
     with suppress(ValueError, RecursionError):
         if isinstance(value := json.loads(text), dict):
             yield from tags_of(value)

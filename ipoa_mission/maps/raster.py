@@ -1,5 +1,3 @@
-"""Open an elevation raster by rasterio."""
-
 import math
 import warnings
 from collections.abc import Iterator, Sequence
@@ -19,15 +17,15 @@ from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
-LOWEST, HIGHEST = -500.0, 9_000.0  # of the ground on Earth [m]
-DROP = 100.0  # larger steps between posts may be spoiled heights [m]
-EXTRA_POSTS = 2  # read around the area
+LOWEST, HIGHEST = -500.0, 9_000.0  # of the ground [m]
+DROP = 100.0  # larger steps may be spoiled heights [m]
+EXTRA_POSTS = 2  # around the area
 FILL_REACH = 100  # pixels
 
 
 @dataclass(frozen=True, eq=False)
 class RasterFile:
-    """An open dataset; column 0, row 0 is the center of the first pixel."""
+    """Column 0, row 0 is the center of the first pixel."""
 
     path: Path
     dataset: Any
@@ -41,13 +39,13 @@ class RasterFile:
 
     @property
     def ellipsoidal(self) -> bool:
-        """Return whether the coordinate system has ellipsoidal heights: three axes in one."""
+        """Return whether one system has three axes: ellipsoidal heights."""
         return not self.system.is_compound and len(self.system.axis_info) == 3
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
         x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
         a, b, c, d, e, f = self._affine
-        if self.system.is_geographic:  # choose the longitude nearest the raster's middle
+        if self.system.is_geographic:  # nearest the raster's middle
             middle = a * self.dataset.width / 2 + b * self.dataset.height / 2 + c
             x = (np.asarray(x) - middle + 180.0) % 360.0 - 180.0 + middle
         x, y = np.asarray(x) - c, np.asarray(y) - f
@@ -55,14 +53,14 @@ class RasterFile:
         return (e * x - b * y) / area - 0.5, (a * y - d * x) / area - 0.5
 
     def places(self, column: Vector, row: Vector) -> tuple[Vector, Vector]:
-        """Return latitude and longitude [deg] of posts, each (n,)."""
+        """Return latitude and longitude of posts [deg], each (n,)."""
         a, b, c, d, e, f = self._affine
         x, y = column + 0.5, row + 0.5
         longitude, latitude = self._from_degrees.transform(a * x + b * y + c, d * x + e * y + f, direction="INVERSE")
         return np.asarray(latitude), np.asarray(longitude)
 
     def expect_cover(self, pixels: NDArray[np.float64]) -> None:
-        """Refuse an area (pixels (2 or more, ...)) that is not covered."""
+        """Raise, with the side or the missing posts."""
         outside = {
             "left": -0.5 - pixels[0].min(),
             "right": pixels[0].max() - self.dataset.width + 0.5,
@@ -81,11 +79,7 @@ class RasterFile:
     def read(
         self, pixels: Sequence[NDArray[np.float64]], fill: bool
     ) -> tuple[tuple[int, int], NDArray[np.float64], tuple[str, ...]]:
-        """Return first row and column, heights [m] (rows, columns) around pixels, and remarks.
-
-        Raises:
-            BadInput: heights are missing and `fill` is false, or are absurd.
-        """
+        """Return first row and column, heights [m] (rows, columns), and remarks."""
         left, top = (int(np.floor(min(level[i].min() for level in pixels))) for i in (0, 1))
         right, bottom = (int(np.ceil(max(level[i].max() for level in pixels))) for i in (0, 1))
         rows = max(top - EXTRA_POSTS, 0), min(bottom + EXTRA_POSTS + 1, self.dataset.height)
@@ -111,7 +105,6 @@ class RasterFile:
         return first, heights, (*remarks, *self._oddities(heights, first))
 
     def _oddities(self, heights: NDArray[np.float64], first: tuple[int, int]) -> Iterator[str]:
-        """Yield remarks on unread bands and suspiciously steep ground."""
         if self.dataset.count > 1:
             names = ", ".join(name for name in self.dataset.descriptions if name)
             yield f"heights are those of band 1 of {self.dataset.count}{f' ({names})' if names else ''}"
@@ -176,11 +169,6 @@ class RasterFile:
 
 @contextmanager
 def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
-    """Open a raster.
-
-    Raises:
-        BadInput: GDAL cannot read it, it is a picture, or rasterio is missing.
-    """
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
     rasterio = imported("rasterio", needed, "maps", BadInput)
     try:
@@ -207,7 +195,7 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
 
 
 def _expect_as_many(path: Path, heights: int) -> None:
-    """Refuse an ASCII grid with a wrong count of heights, which GDAL fills or drops."""
+    """Refuse a wrong count of heights, which GDAL fills or drops."""
     lines = path.read_bytes().splitlines(keepends=True) if path.is_file() else []
     keys = (line.split()[:1] for line in lines)
     head = next((n for n, key in enumerate(keys) if key and (not key[0][:1].isalpha() or key[0].lower() == b"nan")), 0)

@@ -14,7 +14,7 @@ LEAST_HEIGHT = 0.1  # [m]
 
 
 class Standing(NamedTuple):
-    """An obstacle; `shape` is east, north [m], `reach` widens a point or line.
+    """`shape` is east, north [m]; `reach` widens a point or line.
 
     It reaches from `foot` above the lowest ground under it to `height` above the highest, or above home if `over_home`.
     """
@@ -25,12 +25,11 @@ class Standing(NamedTuple):
     foot: float
     height: float
     over_home: bool = False
-    hangs: bool = False  # `shape` is a span between two supports
-    called: str = ""  # a better name for messages
+    hangs: bool = False  # a span between supports
+    called: str = ""  # for messages
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
-    """Return the obstacles on the ground."""
     hanging = [prism for s in standing if s.hangs for prism in _span(s, ground)]
     standing = [s for s in standing if not s.hangs]
     if not standing:

@@ -1,5 +1,3 @@
-"""Read JSON of any size: `features` in batches, then the rest."""
-
 import codecs
 import json
 import re
@@ -12,20 +10,17 @@ from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import read_text
 
 BLOCK = 1 << 20  # [bytes]
-NEAR_THE_END = 1 << 15  # characters in which the last border is sought
+NEAR_THE_END = 1 << 15  # characters
 # The end of a feature, in nearly all files.
 _BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
-_blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142 separates values by \x1e
+_blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142: \x1e
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
 def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, list[Any]]]:
-    """Yield batches of `features`, each with the number of its first.
-
-    Other members are put into `document` as they are met.
+    """Yield batches of `features`, each with the number of its first; `document` gets the other members.
 
     Raises:
-        BadInput: the file cannot be read, or is not UTF-8.
         json.JSONDecodeError: it is not JSON.
         Unstreamed: it is no object, or `features` is no list or is repeated.
     """
@@ -40,13 +35,6 @@ def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, l
 
 
 def read_values(path: Path) -> Iterator[Any]:
-    """Yield one value, or several objects in sequence.
-
-
-    Raises:
-        BadInput: the file cannot be read, or is not UTF-8.
-        json.JSONDecodeError: it is not JSON, or has more between objects.
-    """
     text = _Text(iter([read_text(path)]) if path.is_fifo() else _blocks(path))
     yield text.value()
     while after := text.mark():
@@ -60,11 +48,11 @@ class Unstreamed(Exception):
 
 
 class _Text:
-    """A text read block by block, and the position in it."""
+    """A text read block by block."""
 
     def __init__(self, blocks: Iterator[str]) -> None:
         self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
-        self._tried = False  # whether the buffered part was tried as a whole
+        self._tried = False  # was the buffered part parsed whole
 
     def mark(self) -> str:
         while True:
@@ -82,7 +70,7 @@ class _Text:
         while True:
             try:
                 value, end = _scan(self._text, self._at)
-                if end < len(self._text) or not self._more():  # a number may continue in the next block
+                if end < len(self._text) or not self._more():  # a number may continue
                     self._at = end
                     return value
             except StopIteration as error:
@@ -99,9 +87,7 @@ class _Text:
             begin = max(self._at, len(self._text) - NEAR_THE_END)
             end = max((border.end() for border in _BORDER.finditer(self._text, begin)), default=self._at)
             with suppress(ValueError, RecursionError):  # `value` reports where
-                values: list[Any] = json.loads(
-                    f"[{self._text[self._at : end]}]"
-                )  # up to a comma, or the begin of the value if that is a list
+                values: list[Any] = json.loads(f"[{self._text[self._at : end]}]")  # or the begin of a list
                 self._at = end
                 return values or [self.value()]
         return [self.value()]
@@ -112,7 +98,7 @@ class _Text:
         return error
 
     def _more(self) -> bool:
-        """Read at least as much as is buffered, to limit repeated attempts."""
+        """Read as much again, to limit repeated attempts."""
         pieces, size = [self._text[self._at :]], 0
         for block in self._blocks:
             pieces.append(block)
@@ -172,4 +158,4 @@ def _blocks(path: Path) -> Iterator[str]:
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError:
-        yield read_text(path)[:0]  # which names the place
+        yield read_text(path)[:0]  # names the place

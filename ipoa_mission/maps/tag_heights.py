@@ -1,22 +1,19 @@
-"""Read height and width from tags.
-
-The greatest height counts, since it is safe. A value that is partly understood counts and is reported.
-"""
+"""The greatest height counts, for safety; a partly understood value is reported."""
 
 from collections.abc import Callable, Mapping
 
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, plain
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
-WIDEST_ROTOR = 170.0  # assumed without a tag; newer ones are seldom wider [m]
-# Units in the name of a key; smaller ones are ignored, which is safe.
+WIDEST_ROTOR = 170.0  # without a tag [m]
+# Smaller units are ignored, for safety.
 IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
 IN_METRES = {"m", "metre", "metres", "meter", "meters"}
-Odd = Callable[[str, str], None]  # called with a key and value not understood
+Odd = Callable[[str, str], None]  # of a key and value not understood
 
 
 def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, odd: Odd) -> float | None:
-    """Return the height of the top above the ground [m].
+    """Return the top above the ground [m].
 
     A `height_key` other than `height` counts alone. Without `height`, storeys plus those in the roof count too.
     """
@@ -33,10 +30,7 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
-    """Return the height of the lower side above the ground [m].
-
-    It is 0 if below the ground or unreadable.
-    """
+    """Return the lower side above the ground [m]; 0 if unreadable."""
     if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
         return 0.0
     feet = keys_of(tags, Means.FOOT)
@@ -52,10 +46,7 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
 
 
 def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float | None:
-    """Return the diameter of a point or width of a line [m].
-
-    `diameter` is that of the trunk if `is_tree`.
-    """
+    """Return a width or diameter [m]; of a tree, `diameter` is that of the trunk."""
     wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
     widths = [_length(tags, key, odd) for key in keys_of(tags, *wide)]
     half = (Means.RADIUS,) if is_tree else (Means.BLADE, Means.RADIUS)
@@ -108,7 +99,7 @@ def radius_of(tags: Mapping[str, str]) -> float | None:
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
-    """Return a wind turbine's tip height by its hub [m]; None without a hub, or if only `height` is given."""
+    """Return a turbine's tip height by its hub [m]."""
     hubs = [height for key in keys_of(tags, Means.HUB) if (height := _length(tags, key, odd))]
     rotor = width_of(tags, odd) if keys_of(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):
@@ -126,7 +117,7 @@ def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> floa
     if not any(roof is not None for roof in roofs):
         roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in keys_of(tags, Means.ROOF_LEVELS)]
     roof = max((roof for roof in roofs if roof is not None), default=0.0)
-    return max(known) * storey_height + roof or None  # sheds and canopies are tagged with 0 storeys
+    return max(known) * storey_height + roof or None  # sheds and canopies have 0 storeys
 
 
 def _count(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:

@@ -1,4 +1,4 @@
-"""Convert units as files spell them ("m s-1", "kt", "km/h", "ft"), by pint."""
+"""Units such as "m s-1", "kt", "km/h", "ft"."""
 
 import re
 from functools import cache
@@ -6,19 +6,11 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput, imported
 
-# CF and GRIB: "m s-1".
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(?=-?\d)")
 OTHER_NAMES = ("geopotential_meter = meter = gpm", "feet_per_minute = foot / minute = fpm")
 
 
 def unit_factor(unit: str, target: str, place: str) -> float:
-    """Return the factor from `unit` to `target`.
-
-
-    Raises:
-        BadInput: the unit is unknown, or of another kind.
-        MissionError: pint is missing.
-    """
     pint, registry = _registry()
     for spelling in (unit, unit.lower()):
         try:

@@ -1,5 +1,3 @@
-"""Find unit and datum of a vertical coordinate (CF)."""
-
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +9,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.wind_levels import Datum
 
-# CF's standard names of heights.
 STANDARD = {
     "height": Datum.GROUND,
     "altitude": Datum.SEA,
@@ -20,7 +17,7 @@ STANDARD = {
     "geopotential_height": Datum.SEA,
     "height_above_reference_ellipsoid": Datum.ELLIPSOID,
 }
-# Datum by words, without a standard name.
+# Without a standard name.
 WORDS = (
     (Datum.ELLIPSOID, re.compile(r"ellipsoid|wgs ?84|\bhae\b")),
     (Datum.SEA, re.compile(r"above[ _]?(the )?(mean[ _]?)?sea|\b(a?msl|asl)\b|altitude|geoid|geopotential")),
@@ -31,12 +28,12 @@ DATUM_IN_UNIT = re.compile(r"\s*\b(agl|amsl|asl|msl|above .*)$", re.IGNORECASE)
 NO_UNIT = re.compile(r"1|-|level|levels|layer|count|none|", re.IGNORECASE)
 BARE = re.compile(r"\D*(\d+)_?(mabove\w*|m(?![a-z]))?\D*")
 PRESSURE = re.compile(r"\d ?(hpa|mb|mbar|millibars?|pa)\b", re.IGNORECASE)
-HIGHEST_NAMED = 200  # u10, u100, u200 are meters; u250 to u1000 are hPa
+HIGHEST_NAMED = 200  # u250 to u1000 are hPa
 
 
 @dataclass(frozen=True)
 class Vertical:
-    """A vertical coordinate; `values` are heights [m], None for others, such as pressure."""
+    """`values` [m]; None: pressure or others."""
 
     coordinate: Any
     values: Any
@@ -45,11 +42,7 @@ class Vertical:
 
 
 def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
-    """Return the heights of a coordinate; None if it is not vertical.
-
-    Raises:
-        BadInput: its unit is unknown, or it counts downwards.
-    """
+    """Return heights; refuse unknown units, and heights that count downwards."""
     name, attributes = str(coordinate.name), coordinate.attrs
     if {"grid_mapping_name", "crs_wkt"} & attributes.keys():
         return None
@@ -66,7 +59,7 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
     datum = _datum(name, standard, by_words)
     factor = 1.0
     if unit is None and datum is Datum.UNKNOWN:
-        return Vertical(coordinate, None, datum)  # most likely level numbers
+        return Vertical(coordinate, None, datum)  # probably level numbers
     if unit is not None:
         bare = DATUM_IN_UNIT.sub("", str(unit)).strip()
         if NO_UNIT.fullmatch(bare) or _is_pressure(name, bare, standard):
@@ -80,10 +73,7 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
 
 
 def height_in_name(name: str, long_name: str, is_usual: bool) -> tuple[float, Datum] | None:
-    """Return the height in a name [m], such as u10, and its datum.
-
-    In an unusual name the number must have the unit m.
-    """
+    """Read u10 and the like; an unusual name must have the unit m."""
     match = BARE.fullmatch(name.lower())
     if match is None or PRESSURE.search(long_name) or PRESSURE.search(name):
         return None

@@ -1,4 +1,4 @@
-"""Hold a forecast's winds at home."""
+"""A forecast's winds at home."""
 
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -11,8 +11,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 
-FARTHEST_DEG = 0.5  # distance to the nearest grid point
-STRONGEST = 150.0  # upper bound below the jet streams [m/s]
+FARTHEST_DEG = 0.5  # to the nearest grid point
+STRONGEST = 150.0  # below the jet streams [m/s]
 Times = NDArray[np.datetime64]
 
 
@@ -25,10 +25,7 @@ class Datum(StrEnum):
 
 @dataclass(frozen=True)
 class WindSamples:
-    """Values at one height [m], of all members and times.
-
-    `winds` are east and north [m/s], (n, 2), NaN if missing; `times` (UTC), (n,), NaT if unknown.
-    """
+    """`winds`: east and north [m/s], (n, 2), NaN if missing; `times` (UTC), (n,), NaT if unknown."""
 
     height: float
     datum: Datum
@@ -38,8 +35,6 @@ class WindSamples:
 
 @dataclass
 class ForecastWinds:
-    """The winds of `file` at home."""
-
     file: str
     samples: list[WindSamples] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)

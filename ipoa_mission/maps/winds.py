@@ -1,7 +1,4 @@
-"""Read wind from a forecast (NetCDF or GRIB): a profile above home, with spread.
-
-Heights above sea level are reduced by home's altitude.
-"""
+"""Wind from a forecast (NetCDF or GRIB): a profile above home."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,19 +18,13 @@ from ipoa_mission.world.frame import Geodetic
 
 FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
 USUAL = range(0, 160, 10)  # [m]
-HIGHEST = 500.0  # above home [m]; one level above it is read
+HIGHEST = 500.0  # above home [m]; one level above is read
 DATUM_REMEDY = "set standard_name to height (above ground) or altitude (above the geoid)"
-DIGITS = 2  # of heights [m]
+DIGITS = 2  # of heights
 
 
 def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
-    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour.
-
-
-    Raises:
-        BadInput: the file cannot be read, has no such winds, or is of another place or time.
-        MissionError: a library is missing.
-    """
+    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour."""
     found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
     if not found.samples:
         unread = "".join(f"\n{thing.words}" for thing in gathered(found.unread))
@@ -88,7 +79,7 @@ def _profile(
 
 
 def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
-    """Return home's height above a datum [m]."""
+    """Return height above a datum [m]."""
     if datum is Datum.GROUND:
         return 0.0
     if datum is Datum.SEA:

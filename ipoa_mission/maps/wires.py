@@ -1,8 +1,4 @@
-"""Define power lines and aerialways, and their obstacles.
-
-A rope is below the line between its supports. Over a valley it may be far above the ground. Nothing flies under it: its
-obstacle is a wall.
-"""
+"""Power lines and aerialways: their obstacle is a wall, since nothing flies under a rope."""
 
 import math
 import re
@@ -19,13 +15,13 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.world.obstacles import Prism
 from ipoa_mission.world.polygon import rings_of
 
-# Voltage up to [V], height and half width [m].
+# Up to [V], height and half width [m].
 POWER = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
 # Without a voltage [V].
 VOLTAGES = {"line": math.inf, "minor_line": 60e3, "cable": 60e3}
 AERIALWAYS = {"cable_car", "gondola", "mixed_lift", "chair_lift", "goods", "zip_line"}
 DRAG_LIFTS = {"drag_lift", "t-bar", "j-bar", "platter", "rope_tow"}
-DRAG_LIFT = 15.0  # greatest assumed height [m]
+DRAG_LIFT = 15.0  # greatest height [m]
 AERIALWAY_REACH = 5.0  # half width with cabins [m]
 # A power cable is underground by default.
 WIRES = {
@@ -35,8 +31,8 @@ WIRES = {
     "telecom": {"line"},
 }
 OVERGROUND = {"overground", "overhead", "kiosk", "roof"}
-STEP = 8.0  # of ground samples under a wire [m]
-RELIEF = 5.0  # of a span's top, above which it is divided [m]
+STEP = 8.0  # of ground samples [m]
+RELIEF = 5.0  # of a span's top, undivided [m]
 LEAST_PIECE = 20.0  # [m]
 
 
@@ -77,7 +73,7 @@ def volts_of(text: str) -> float | None:
 
 
 def spans(shape: Any) -> Iterator[Any]:
-    """Yield the straight segments of lines, without those of length 0."""
+    """Yield the straight segments of lines, except those of length 0."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from spans(part)
@@ -92,7 +88,7 @@ def spans(shape: Any) -> Iterator[Any]:
 def raise_span(
     name: str, span: Any, reach: float, height: float, ground: Callable[[NDArray[np.float64]], Vector]
 ) -> Iterator[Prism]:
-    """Yield the walls under a span: several if its top rises or falls."""
+    """Yield walls under a span: several if its top rises or falls."""
     begin, end = shapely.get_coordinates(span)
     count = max(math.ceil(span.length / STEP), 2)
     share = np.linspace(0.0, 1.0, count + 1)

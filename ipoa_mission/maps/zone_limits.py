@@ -1,4 +1,4 @@
-"""Read vertical limits of zones: ED-269, ED-318 and national files.
+"""Vertical limits of zones: ED-269, ED-318 and national files.
 
 A limit that is not understood is dropped and reported: the zone grows.
 """
@@ -14,9 +14,9 @@ UNITS = {"M": 1.0, "METRE": 1.0, "METRES": 1.0, "METER": 1.0, "METERS": 1.0}
 UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
 REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
-# EANS and AIP: "120m AGL", "6000 FT AMSL".
+# EANS, AIP: "120m AGL", "6000 FT AMSL".
 IN_WORDS = re.compile(r"(?P<height>[-+]?\d+(?:\.\d+)?) ?(?P<unit>[A-Z]+)[ ,]*(?P<reference>[A-Z]+)")
-# ED-318, ED-269, and its shapefiles.
+# ED-318, ED-269, its shapefiles.
 KEYS = {
     "uom": ("uom", "uomDimensions", "uomDimensi"),
     **{side: (side, f"{side}Limit") for side in ("lower", "upper")},
@@ -27,7 +27,7 @@ KEYS = {
     **{f"{side}Meters": (f"{side}Meters",) for side in ("lower", "upper")},
 }
 READ = {key.lower() for keys in KEYS.values() for key in keys}
-# Other keys that may hold a limit.
+# May hold a limit.
 MAY_LIMIT = re.compile(
     r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?"
 )
@@ -49,7 +49,7 @@ class Odd(NamedTuple):
 
 @dataclass(frozen=True)
 class ZoneLimits:
-    """Both limits, None for no limit or the ground; `odd` are those not understood."""
+    """None: no limit, or the ground; `odd`: not understood."""
 
     lower: VerticalLimit | None = None
     upper: VerticalLimit | None = None
@@ -83,7 +83,7 @@ def _limit(given: Mapping[str, str], side: str, odd: list[Odd]) -> VerticalLimit
         return VerticalLimit(0.0, "AGL")
     if (found := _in_words(text) or _by_keys(text, given["uom"].upper(), reference)) is not None:
         return found
-    if _is_number(meters := given[f"{side}Meters"]) and not reference:  # Estonia's, which are rounded
+    if _is_number(meters := given[f"{side}Meters"]) and not reference:  # Estonia's, rounded
         odd.append(Odd(f"reference of {side}Meters, taken as AGL", meters))
         return VerticalLimit(float(meters), "AGL")
     if text or meters:

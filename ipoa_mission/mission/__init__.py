@@ -1,1 +1,1 @@
-"""Read and write mission files, and convert missions to and from wire items."""
+"""Mission files, and missions as wire items."""

@@ -1,5 +1,3 @@
-"""Read NAME.json back: digests of the files written with it, landing ground, flight time."""
-
 import json
 import math
 from hashlib import sha256
@@ -10,7 +8,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 
 LANDING_GROUND_KEY = "landing_ground_m"
-LARGEST_SIZE = 10_000_000  # bytes; a larger NAME.json is a map of somebody else
+LARGEST_SIZE = 10_000_000  # [bytes]
 
 
 def digest(text: str) -> str:
@@ -18,18 +16,12 @@ def digest(text: str) -> str:
 
 
 def written_with(about: Path) -> dict[str, str]:
-    """Return the digests of the files written with NAME.json, by name; none if it is not ours."""
+    """Return the digests of NAME.json by file name; none if it is not ours."""
     return _digests(_read(about))
 
 
 class MissionRecord(NamedTuple):
-    """Hold NAME.json's data on a mission file.
-
-    Attributes:
-        landing_height: height of the landing ground above home [m].
-        planned: name of the NAME.json and its flight time [s].
-        autopilot: for which the file was written.
-    """
+    """`landing_height`: above home [m]; `planned`: the NAME.json's name and flight time [s]."""
 
     landing_height: float | None = None
     planned: tuple[str, float] | None = None
@@ -37,10 +29,7 @@ class MissionRecord(NamedTuple):
 
 
 def mission_record(path: Path, text: str) -> MissionRecord:
-    """Return the data of the NAME.json next to the mission at `path`, if its digest matches `text`.
-
-    A part of a split flight is described in one NAME.json for all parts, which knows only the last landing.
-    """
+    """Return the data of the NAME.json next to `path`, if its digest matches `text`."""
     own = path.with_suffix(".json")
     for about in (own, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
         record = _read(about)

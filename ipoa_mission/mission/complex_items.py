@@ -1,7 +1,6 @@
-"""Keep QGroundControl's complex items (surveys, scans) with the mission items that they generate.
+"""QGroundControl's complex items (surveys, scans).
 
-A complex item is written back, so that QGroundControl edits it. This needs exactly its items in a row in the mission,
-and no jump into them.
+One is written back only with exactly its items in a row, and no jump into them.
 """
 
 import json
@@ -10,7 +9,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import ComplexItem, Item
 from ipoa_mission.mission.json_node import Node
 
@@ -19,7 +18,7 @@ TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
 
 @dataclass(frozen=True)
 class Written:
-    """Hold an entry of a written mission: a plain item, or `count` items of the complex item `of` from `first` on."""
+    """A plain item, or `count` items of the complex item `of` from `first` on."""
 
     first: int
     count: int
@@ -27,7 +26,6 @@ class Written:
 
 
 def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
-    """Return a complex item from its JSON object, without its list of items."""
     kept = dict(document)
     has_items = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
     if has_items:
@@ -36,7 +34,7 @@ def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
 
 
 def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
-    """Return the complex items of a file; `parts` gives the complex item of each mission item."""
+    """`parts`: the complex item of each mission item."""
     found = []
     for place, numbers in groupby(range(len(items)), lambda n: None if (part := parts[n]) is None else part.place):
         first, *others = numbers
@@ -46,7 +44,6 @@ def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tup
 
 
 def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[Written]:
-    """Yield the entries of a mission: plain items, and groups of a complex item."""
     targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
     first = 0
     while first < len(items):
@@ -65,7 +62,7 @@ def _is_here(one: ComplexItem, items: Sequence[Item], first: int, targets: set[i
 
 
 def as_document(one: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return its JSON object for a file; `simple` are its items as SimpleItems, the first is mission item `number`."""
+    """`simple` are its items; the first is mission item `number`."""
     document: dict[str, Any] = json.loads(one.json_text)
     if one.has_items:
         own = ("autoContinue", "command", "frame", "params", "type")

@@ -1,18 +1,14 @@
-"""Convert geofence and rally points to and from items of their lists (mission types 1 and 2), for both firmwares.
-
-A polygon is one item a vertex, with the number of vertices in param1; a circle is one item with its radius in param1.
-Fences have no height; rally points have heights above home.
-"""
+"""Geofence and rally points as items (mission types 1 and 2)."""
 
 import math
 from collections.abc import Sequence
 
+from ipoa_mission.autopilot.commands import Command, Frame, command_name
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.commands import Command, Frame, command_name
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.world.frame import Geodetic
 
-#: Command -> stay inside.
+#: Command: stay inside.
 POLYGON = {Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
 CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
 
@@ -22,11 +18,7 @@ def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ..
 
 
 def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, ...]:
-    """Return the geofence of items; ArduPilot's return point (5000) is left out.
-
-    Raises:
-        MissionError: an item is no fence, or a polygon is incomplete.
-    """
+    """ArduPilot's return point (5000) is left out."""
     fence: list[FencePolygon | FenceCircle] = []
     at = 0
     while at < len(items):
@@ -55,17 +47,11 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
 
 
 def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
-    """Return the items of rally points, with altitudes above home."""
     kind = Command.NAV_RALLY_POINT, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4
     return tuple(Item(*kind, place.latitude_deg, place.longitude_deg, place.altitude) for place in rally)
 
 
 def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
-    """Return the rally points of items.
-
-    Raises:
-        MissionError: an item is no rally point.
-    """
     for at, item in enumerate(items):
         if item.command != Command.NAV_RALLY_POINT:
             words = f"expected a rally point, not {command_name(item.command)}"

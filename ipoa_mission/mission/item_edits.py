@@ -1,30 +1,19 @@
-"""Change, insert or remove a mission item, and renumber jumps to keep their targets."""
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.complex_items import entries
 from ipoa_mission.mission.items import Item, Mission
 
 
 def with_item(mission: Mission, seq: int, item: Item) -> Mission:
-    """Replace item number `seq`.
-
-    Raises:
-        BadInput: there is no such item, or it is part of a survey or scan.
-    """
+    """Replace an item outside surveys and scans."""
     _expect_alone(mission, seq)
     return replace(mission, items=(*mission.items[: seq - 1], item, *mission.items[seq:]))
 
 
 def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
-    """Insert an item as number `seq`.
-
-    Raises:
-        BadInput: the place is inside a survey or scan, or beyond the end.
-    """
     if not 1 <= seq <= len(mission.items) + 1:
         words = f"expected a number from 1 to {len(mission.items) + 1}"
         raise BadInput(words, code="no-such-item", place=f"item {seq}")
@@ -36,11 +25,7 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
 
 
 def without_item(mission: Mission, seq: int) -> Mission:
-    """Remove item number `seq`.
-
-    Raises:
-        BadInput: there is no such item, it is part of a survey or scan, or a jump leads to it.
-    """
+    """Remove an item outside surveys and scans that is no jump's target."""
     _expect_alone(mission, seq)
     for number, item in enumerate(mission.items, start=1):
         leads_here = item.command == Command.DO_JUMP and item.params[0] == seq
@@ -57,7 +42,6 @@ def without_item(mission: Mission, seq: int) -> Mission:
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:
-    """Turn the survey or scan that holds item `seq` into plain items."""
     of = _complex_at(mission, seq)
     if of is None:
         return mission
@@ -66,7 +50,7 @@ def with_plain_items(mission: Mission, seq: int) -> Mission:
 
 
 def complex_at(mission: Mission) -> tuple[range | None, ...]:
-    """Return for each item the item numbers of its survey or scan; None outside of them."""
+    """Return the item numbers of each item's survey or scan."""
     found: list[range | None] = []
     for entry in entries(mission.items, mission.complex_items):
         numbers = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)

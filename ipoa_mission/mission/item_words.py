@@ -1,8 +1,6 @@
-"""Describe a mission item in words, for tables, the report and its maps."""
-
 import math
 
-from ipoa_mission.mission.commands import Command, short_name
+from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.mission.items import Item
 
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME, Command.NAV_DELAY})
@@ -10,18 +8,11 @@ PLAIN = HOLDS | {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LA
 
 
 def hold_of(item: Item) -> float | None:
-    """Return the hold time of an item [s]; None if it has none."""
     return item.params[0] if item.command in HOLDS and item.params[0] > 0 else None
 
 
 def details_of(item: Item) -> str:
-    """Return what the command name, hold and speed leave out.
-
-    >>> from ipoa_mission.mission.items import waypoint
-    >>> from ipoa_mission.world.frame import Geodetic
-    >>> details_of(waypoint(Geodetic(47.4, 8.5, 500.0), 20.0, hold_s=3.0, radius=2.0))
-    'within 2 m'
-    """
+    """Return what the command name, hold and speed leave out."""
     first, second = item.params[:2]
     match item.command:
         case Command.DO_JUMP | Command.DO_JUMP_TAG:
@@ -45,12 +36,6 @@ def details_of(item: Item) -> str:
 
 
 def item_words(item: Item) -> str:
-    """Return the full description of an item.
-
-    >>> from ipoa_mission.mission.items import change_speed
-    >>> item_words(change_speed(6.0))
-    'speed 6 m/s'
-    """
     match item.command:
         case Command.NAV_TAKEOFF:
             name = "take off"

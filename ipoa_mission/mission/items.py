@@ -1,26 +1,24 @@
-"""Define a mission as in MAVLink: items, fence, rally points, and their home.
+"""A mission: items, fence, rally points and home.
 
-Home is not an item here. `stored_mission` adds it at sequence 0 for ArduPilot, and leaves it out for PX4.
+Home is no item here; `stored_mission` adds it at sequence 0 for ArduPilot.
 """
 
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
-from ipoa_mission.vehicles.known_parameters import expect_own
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS, QUADROTOR, class_name, with_article
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
+from ipoa_mission.autopilot.known_parameters import expect_own
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS, QUADROTOR, class_name, with_article
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 
 @dataclass(frozen=True)
 class Item:
-    """Hold one mission item.
-
-    Items are numbered from 1, as in mission files and in param1 of DO_JUMP.
+    """One mission item, numbered from 1 as in mission files and DO_JUMP.
 
     Attributes:
         command: MAV_CMD.
@@ -29,7 +27,7 @@ class Item:
         latitude_deg: param5, whatever its meaning.
         longitude_deg: param6.
         altitude: param7.
-        autocontinue: go on with the next item when this one is done.
+        autocontinue: go on with the next item.
 
     Example:
         >>> up = Item(Command.NAV_TAKEOFF, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, math.nan), 47.3977, 8.5456, 15.0)
@@ -47,7 +45,7 @@ class Item:
 
     @property
     def has_position(self) -> bool:
-        """Return whether the vehicle flies to this item's latitude and longitude."""
+        """Return whether the vehicle flies to its latitude and longitude."""
         return (
             self.command in FLOWN_TO
             and self.frame != Frame.MISSION
@@ -55,19 +53,17 @@ class Item:
         )
 
     def is_here(self, autopilot: Autopilot) -> bool:
-        """Return whether latitude 0, longitude 0 mean the current position to the autopilot."""
         is_flown_to = self.command in FLOWN_TO and self.frame != Frame.MISSION
         no_place = (self.latitude_deg, self.longitude_deg) == (0.0, 0.0)
         return autopilot.guidance.zero_is_here and is_flown_to and no_place
 
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
-        """Return whether altitude 0 means the current height to the autopilot, in any frame."""
         is_flown_to = self.command in FLOWN_TO - TAKEOFF_AND_LAND and self.frame != Frame.MISSION
         return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
 
     @property
     def clock(self) -> str:
-        """Return the time of day until which NAV_DELAY waits; empty if it waits for seconds or not at all.
+        """Return the time until which NAV_DELAY waits, or "".
 
         >>> Item(Command.NAV_DELAY, Frame.MISSION, (0.0, 18.0, 30.0, 0.0)).clock
         '18:30:00 UTC'
@@ -83,17 +79,16 @@ class Item:
         return "" if second == -1 else f"second {second} of the minute"
 
     def height(self, home: Geodetic) -> float:
-        """Return the altitude over home [m]; one over terrain is taken as one over home."""
+        """Terrain counts as home's level [m]."""
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
 
 
-#: Replaces a removed item without effect: item numbers stay.
 LEFT_OUT = Item(Command.CONDITION_DELAY, Frame.MISSION)
 
 
 @dataclass(frozen=True)
 class FencePolygon:
-    """Hold a polygon of a geofence.
+    """Polygon of a geofence.
 
     Attributes:
         vertices: (latitude, longitude) [degrees], the first not repeated.
@@ -110,7 +105,7 @@ class FencePolygon:
 
 @dataclass(frozen=True)
 class FenceCircle:
-    """Hold a circle of a geofence.
+    """Circle of a geofence.
 
     Attributes:
         center: (latitude, longitude) [degrees].
@@ -129,12 +124,9 @@ class FenceCircle:
 
 @dataclass(frozen=True)
 class ComplexItem:
-    """Hold a survey or scan of QGroundControl with its mission items.
+    """A survey or scan of QGroundControl with its items.
 
-    Attributes:
-        items: in a row.
-        json_text: JSON of the `.plan` without its list of items.
-        has_items: whether the JSON has such a list.
+    `json_text` is its JSON without the list of items, which it has if `has_items`.
     """
 
     items: tuple[Item, ...]
@@ -144,23 +136,23 @@ class ComplexItem:
 
 @dataclass(frozen=True)
 class Mission:
-    """Hold a mission with its home, fence, rally points and vehicle.
+    """A mission with home, fence, rally points and vehicle.
 
     Attributes:
         home: place of arming, and zero of heights.
-        items: in order, without home.
-        autopilot: that flies it; PX4 by default.
-        cruise_speed: in the header of a `.plan` [m/s]; the vehicle obeys DO_CHANGE_SPEED instead.
-        fence: polygons and circles to stay inside or outside of.
-        rally: places to return to instead of home; altitudes above home [m].
-        parameters: that differ from the autopilot's defaults, by its own names.
+        items: without home.
+        autopilot: PX4 by default.
+        cruise_speed: of a `.plan` [m/s]; the vehicle obeys DO_CHANGE_SPEED instead.
+        fence: polygons and circles.
+        rally: places of return instead of home; altitudes above home [m].
+        parameters: that differ from the autopilot's defaults.
         vehicle_type: MAV_TYPE of a `.plan`.
         vehicle: properties learned from logs.
-        landing_ground: place of the landing and height of its ground above home, if known; ignored for other landings.
-        firmware_version: of the tables and model in use; the newest measured by default.
-        unmeasured_version: version that was not measured but may fly it, which is a warning.
-        scanned: first item index and scanned height [m] of each structure scan; QGroundControl adds it to the way.
-        complex_items: surveys and scans that QGroundControl edits; ignored once their items change.
+        landing_ground: landing place and height of its ground above home; ignored for other landings.
+        firmware_version: of tables and model; the newest measured by default.
+        unmeasured_version: version that may fly it, with a warning.
+        scanned: first item index and scanned height [m] of each structure scan.
+        complex_items: surveys and scans, until their items change.
 
     Example:
         >>> home = Geodetic(47.397742, 8.545594, 488.0)
@@ -189,7 +181,7 @@ class Mission:
 
     @property
     def other_vehicle(self) -> str | None:
-        """Return the class of a vehicle that is no multicopter, such as "a plane"; None for multicopters."""
+        """Return "a plane" or the like; None for a multicopter."""
         if self.vehicle_type in MULTICOPTERS:
             return None
         return with_article(class_name(self.vehicle_type))
@@ -208,7 +200,7 @@ class Mission:
         )
 
     def assuming(self, parameters: Parameters) -> "Mission":
-        """Return the mission with these parameters, which its own override."""
+        """Return the mission with these parameters where it has none."""
         return (
             replace(self, parameters=self.autopilot.book.overridden(parameters, self.parameters))
             if parameters
@@ -233,38 +225,32 @@ def _above_home(command: Command, place: Geodetic, height: float, *params: float
 
 
 def takeoff(place: Geodetic, height: float) -> Item:
-    """Climb to `height` above home at `place`."""
     return _above_home(Command.NAV_TAKEOFF, place, height, 0.0, 0.0, 0.0, math.nan)
 
 
 def waypoint(place: Geodetic, height: float, hold_s: float = 0.0, radius: float = 0.0) -> Item:
-    """Fly straight to `place` at `height` above home, and hold there.
-
-    PX4 turns to the next waypoint within `radius` [m] of this one; 0: NAV_ACC_RAD. ArduCopter does not read it.
-    """
+    """PX4 turns within `radius` [m]; 0: NAV_ACC_RAD."""
     return _above_home(Command.NAV_WAYPOINT, place, height, hold_s, radius, 0.0, math.nan)
 
 
 def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item:
-    """Fly a smooth curve through `place` (ArduPilot only)."""
+    """ArduPilot only."""
     return _above_home(Command.NAV_SPLINE_WAYPOINT, place, height, hold_s, 0.0, 0.0, 0.0)
 
 
 def change_speed(speed: float) -> Item:
-    """Fly at this ground speed from here on [m/s], in the form that QGroundControl recognizes."""
+    """Use the form that QGroundControl recognizes [m/s]."""
     return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
 
 
 def camera_trigger(distance: float, at_once: bool = True) -> Item:
-    """Trigger the camera every `distance` [m]; 0 stops it; `at_once`: also now."""
+    """Every `distance` [m]; 0: stop."""
     return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, float(at_once), 0.0))
 
 
 def return_to_launch() -> Item:
-    """Return to home and land there."""
     return Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION)
 
 
 def land(place: Geodetic) -> Item:
-    """Land at `place`; the altitude is that of home."""
     return _above_home(Command.NAV_LAND, place, 0.0, 0.0, 0.0, 0.0, math.nan)

@@ -1,4 +1,4 @@
-"""Read a JSON document whose values know their place, for error messages."""
+"""A JSON document whose values know their place."""
 
 import json
 import math
@@ -15,14 +15,14 @@ from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geometry import Points
 
-LONGEST_LENGTH = 100_000.0  # upper limit of any length in a document [m]
+LONGEST_LENGTH = 100_000.0  # [m]
 
 
 @dataclass(frozen=True)
 class Node:
-    """Hold one value of a document; `place` is like `mission.items[3].params`, empty for the whole.
+    """One value of a document; `place` is like `mission.items[3].params`, empty for the whole.
 
-    `findings` is shared by the whole document: faults that did not stop the reading.
+    All nodes share `findings`: faults that did not stop the reading.
     """
 
     file: str
@@ -32,7 +32,6 @@ class Node:
 
     @property
     def where(self) -> str:
-        """Return file and place, the begin of messages."""
         return f"{self.file}: {self.place}" if self.place else self.file
 
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
@@ -42,7 +41,6 @@ class Node:
         self.findings.append(Finding("file", severity, None, f"{self.place}: {message}" if self.place else message))
 
     def __getitem__(self, key: str) -> "Node":
-        """Return the value of a key that must exist."""
         child = self.get(key)
         if child is None:
             raise BadInput(f'expected "{key}", but there is none', code="missing", place=self.where)
@@ -55,7 +53,6 @@ class Node:
         return Node(self.file, place, self.value[key], self.findings) if key in self.value else None
 
     def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
-        """Return the members of a list, which has `length` members if given."""
         if not isinstance(self.value, list):
             raise self.wrong("a list" if length is None else f"{length} {of}")
         if length is not None and len(self.value) != length:
@@ -74,25 +71,23 @@ class Node:
         return value
 
     def number_or_nan(self) -> float:
-        """Return a finite number; null is NaN."""
         return math.nan if self.value is None else self.number("a number or null")
 
     def length(self) -> float:
-        """Return a length [m] of at most `LONGEST_LENGTH`."""
         length = self.number("metres")
         if abs(length) > LONGEST_LENGTH:
             raise self.wrong(f"metres, {LONGEST_LENGTH:.0f} at most")
         return length
 
     def degrees(self, limit: int = 180) -> float:
-        """Return degrees that MAVLink can carry; `check` reports a latitude beyond 90."""
+        """`check` reports a latitude beyond 90."""
         degrees = self.number(expected := f"degrees from -{limit} to {limit}")
         if abs(degrees) > limit:
             raise self.wrong(expected)
         return degrees
 
     def corners(self, least: int) -> Points:
-        """Return latitude and longitude of at least `least` places near each other, (n, 2)."""
+        """Return latitude and longitude of places near each other, (n, 2)."""
         places = [each.array(2, "numbers (latitude, longitude)") for each in self.array()]
         corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
         if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
@@ -102,7 +97,6 @@ class Node:
         return corners
 
     def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
-        """Return a whole number from `least` to `most`."""
         value = self.number(expected)
         if not (value.is_integer() and least <= value <= most):
             raise self.wrong(expected)
@@ -120,11 +114,6 @@ class Node:
 
 
 def parse_document(path: Path, text: str) -> Node:
-    """Return the JSON document in a file's text.
-
-    Raises:
-        BadInput: it is no JSON, or an object has a key twice.
-    """
     try:
         constant = partial(_no_constant, path, text)
         return Node(str(path), "", json.loads(text, parse_constant=constant, object_pairs_hook=partial(_once, path)))
@@ -138,7 +127,6 @@ def parse_document(path: Path, text: str) -> Node:
 
 
 def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Return the object if no key is repeated: readers differ in which one they take."""
     found = dict(pairs)
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]

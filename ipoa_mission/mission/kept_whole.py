@@ -1,4 +1,4 @@
-"""Write a mission file with changed items, and keep all else in it, known or unknown."""
+"""Write a mission file with changed items, and keep all else in it."""
 
 import json
 from collections.abc import Iterator
@@ -6,23 +6,18 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import mission_text, parse_mission
 
 Table: TypeAlias = dict[str, Any]
 NUMBER = "doJumpId"
-CHANGED_KEYS = (NUMBER, "AMSLAltAboveTerrain", "Altitude", "AltitudeMode")  # of a changed item
+CHANGED_KEYS = (NUMBER, "AMSLAltAboveTerrain", "Altitude", "AltitudeMode")
 
 
 def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
-    """Return the text of `file` with the changed `mission`; `path` is for messages.
-
-    Raises:
-        BadInput: the format cannot hold the mission, or not with the rest of the file.
-    """
     if file.still_holds(mission) and mission.complex_items == file.mission.complex_items:
         return file.source
     new = mission_text(mission, file.suffix)
@@ -41,7 +36,7 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
 
 
 def _merged(source: Table, old: Table, new: Table) -> Table:
-    """Return `new` with differences of `source` from `old`, our text of the unchanged mission, where still valid."""
+    """Return `new` with differences of `source` from `old`, our text of the unchanged mission."""
     merged: Table = dict(new)
     for key, value in source.items():
         if key == "items" and isinstance(value, list) and key in old and key in new:

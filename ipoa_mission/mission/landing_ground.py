@@ -1,11 +1,9 @@
-"""Find the height of the ground where a mission lands, as far as the mission knows it."""
-
 import math
 from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground, HighPlace
@@ -14,7 +12,7 @@ SAME_PLACE = 0.1  # [m]
 
 
 def landing_height(mission: Mission) -> float | None:
-    """Return the height of the landing ground above home [m]; None without a landing or without data."""
+    """Above home [m], if known."""
     known = mission.landing_ground
     place = None if known is None else landing_place(mission)
     if known is None or place is None:
@@ -24,7 +22,6 @@ def landing_height(mission: Mission) -> float | None:
 
 
 def landing_ground_entry(mission: Mission) -> dict[str, float]:
-    """Return the landing place and ground height for a `.plan`; empty where the ground is level."""
     height, place = landing_height(mission), landing_place(mission)
     if not height or place is None:
         return {}
@@ -33,7 +30,6 @@ def landing_ground_entry(mission: Mission) -> dict[str, float]:
 
 
 def known_ground(mission: Mission) -> Ground:
-    """Return the ground with its height at the landing, and level elsewhere."""
     height, place = landing_height(mission), landing_place(mission)
     return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
 
@@ -47,16 +43,12 @@ def landing_on(mission: Mission, height: float) -> Mission:
 
 
 def landing_over(mission: Mission, ground: Ground) -> Mission:
-    """Set the height of the landing ground from `ground`; unset it where that is level."""
     place = None if ground.is_level else landing_place(mission)
     return replace(mission, landing_ground=None) if place is None else landing_on(mission, ground.at(*place))
 
 
 def landing_place(mission: Mission) -> tuple[float, float] | None:
-    """Return the landing place east and north of home [m], by LAND or by RTL to a rally point.
-
-    None: the mission lands at home or nowhere.
-    """
+    """Return east and north of home [m]; None: at home or nowhere."""
     commands = [item.command for item in mission.items]
     if Command.NAV_LAND in commands:
         return _last_place(mission, commands.index(Command.NAV_LAND))
@@ -70,7 +62,6 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
 
 
 def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:
-    """Return the place of item `index`, or of the last one before it that has a place."""
     for item in reversed(mission.items[: index + 1]):
         if item.has_position:
             return _local(mission, item.latitude_deg, item.longitude_deg)

@@ -1,5 +1,3 @@
-"""Hold a mission file as read: mission, findings, text."""
-
 from dataclasses import dataclass, replace
 
 from ipoa_mission.finding import Finding
@@ -8,15 +6,15 @@ from ipoa_mission.mission.items import Mission
 
 @dataclass(frozen=True)
 class MissionFile:
-    """Hold a mission file as read.
+    """A mission file as read.
 
     Attributes:
         mission: as read.
         findings: faults of the file.
         source: its text.
-        suffix: of its format, ".plan" or ".waypoints".
+        suffix: ".plan" or ".waypoints".
         planned: name of the NAME.json written with it, and its flight time [s].
-        taken_for: reason for the autopilot of a `.waypoints` file that nothing names; "": the default one.
+        taken_for: reason for the autopilot of a `.waypoints` file that names none; "": the default one.
     """
 
     mission: Mission
@@ -27,7 +25,7 @@ class MissionFile:
     taken_for: str | None = None
 
     def still_holds(self, mission: Mission) -> bool:
-        """Return whether the file holds all of this mission except the parameters."""
+        """Compare all but the parameters."""
         return repr(replace(mission, parameters={})) == repr(
             replace(self.mission, parameters={})
         )  # repr: NaN equals NaN

@@ -1,15 +1,17 @@
-"""Read mission files by content, and write them by suffix."""
+"""Read mission files by content, write them by suffix."""
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot, registered
+from ipoa_mission.autopilot.commands import TAKEOFFS, command_name
+from ipoa_mission.autopilot.known_parameters import firmware_of
 from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.about_file import mission_record
-from ipoa_mission.mission.commands import TAKEOFFS, command_name
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
@@ -21,14 +23,10 @@ from ipoa_mission.mission.parameter_file import (
 )
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot, registered
-from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
     """Read a mission file of any name, and the NAME.params next to it.
-
-    The height of the landing ground is from the file, or from a NAME.json written with this very file.
 
     Args:
         path: of a `.plan` or a `.waypoints` file.
@@ -66,7 +64,7 @@ def read_mission_file(
         The mission, the findings of reading, and the text.
 
     Raises:
-        BadInput: the file cannot be read or is of another kind; the message names the place.
+        BadInput: the file cannot be read or is of another kind.
 
     Example:
         >>> from ipoa_mission import read_mission_file
@@ -79,11 +77,6 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    """Parse `text` as the content of the mission file at `path`.
-
-    Raises:
-        BadInput: as `read_mission_file`.
-    """
     parameters_file = parameter_path(path)
     of_vehicle = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
     parameters = of_vehicle.parameters
@@ -108,7 +101,7 @@ def parse_mission(
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
-    """Choose the autopilot of a `.waypoints` file that names none: the only one that takes its items."""
+    """Choose the autopilot of a `.waypoints` file that names none by its items."""
     if file.taken_for is None or (taker := only_taker(file.mission.items)) is None:
         return file
     return replace(parse_mission(path, file.source, taker[0]), taken_for=taker[1])
@@ -132,15 +125,13 @@ def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot
 def write_mission(
     mission: Mission, path: str | Path, suffix: str | None = None, read_from: MissionFile | None = None
 ) -> tuple[str, ...]:
-    """Write a `.plan` or a `.waypoints` file, by the suffix.
-
-    The mission's parameters go to NAME.params next to it, where `read_mission` finds them.
+    """Write a `.plan` or a `.waypoints` file, and the parameters to NAME.params next to it.
 
     Args:
         mission: to write.
         path: of the file.
         suffix: overrides the path's own.
-        read_from: a file of this kind; a mission unchanged since it was read is written with the same bytes.
+        read_from: a file of this kind; a mission unchanged since is written with the same bytes.
 
     Returns:
         Losses in words: data that the format cannot hold, or a reader drops.
@@ -161,18 +152,13 @@ def write_mission(
 
 
 def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = None) -> str:
-    """Return the text of a `.plan` or a `.waypoints` file; arguments as for `write_mission`.
-
-    Raises:
-        BadInput: the format cannot hold the mission.
-    """
     if read_from is not None and read_from.suffix == suffix and read_from.still_holds(mission):
         return read_from.source
     return plan_text(mission) if suffix == ".plan" else waypoints_text(mission)
 
 
 def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
-    """Find the one autopilot that takes all items, and why no other does; None if none or several do."""
+    """Return the one autopilot that takes all items, and why."""
     against = {one: next(_unlike(items, one), None) for one in registered()}
     takers = [one for one, why in against.items() if why is None]
     if len(takers) != 1:
@@ -181,7 +167,6 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
 
 
 def _unlike(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
-    """Yield differences from a mission for this autopilot."""
     own = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
         at, placed = f"item {seq} ({command_name(item.command)})", item.command in own.placed

@@ -1,8 +1,4 @@
-"""Read parameter files of ArduPilot (NAME,VALUE or NAME VALUE) and QGroundControl (ids, NAME, VALUE, type).
-
-The number of fields of a line decides its format; the suffix does not matter. A mission's parameters are in a file
-next to it, in QGroundControl's format.
-"""
+"""Parameter files: NAME,VALUE or NAME VALUE of ArduPilot, ids, NAME, VALUE, type of QGroundControl."""
 
 import math
 import re
@@ -11,22 +7,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
+from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.known_parameters import firmware_of, known_names
-from ipoa_mission.vehicles.parameters import REAL32, SINGLE_MAX, Parameters
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
-NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # of MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 AUTOPILOT = "1"  # MAV_COMP_ID_AUTOPILOT1
 WHOLE, FLOATS = range(1, 9), (9, 10)  # MAV_PARAM_TYPE
 UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
-COMPLETE_LIST_SIZE = 100  # unknown parameters from which on the file is a vehicle's complete list
+COMPLETE_LIST_SIZE = 100  # unknown parameters of a vehicle's complete list
 SEPARATOR = re.compile(r"[,\s]+")
 
 
@@ -35,16 +31,12 @@ _Owner: TypeAlias = tuple[str, str]
 
 @dataclass(frozen=True)
 class ParameterFile:
-    """Hold the parameters of a file by name, and the findings of reading it."""
-
     parameters: Parameters
     unread: tuple[Unread, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Row:
-    """Hold the parameter of a line; `owner`: vehicle and component, if the line names them."""
-
     line: int
     name: str
     value: float
@@ -52,22 +44,12 @@ class _Row:
 
 
 def read_parameters(path: str | Path) -> Parameters:
-    """Read a `.parm` or `.params` file by name; comments (`#`) and blank lines are ignored.
-
-    The last value of a repeated parameter counts, as in the vehicle.
-
-    Raises:
-        BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
-    """
+    """Read a `.parm` or `.params` file; a repeated parameter's last value counts, as in the vehicle."""
     return read_parameter_file(path).parameters
 
 
 def read_parameter_file(path: str | Path) -> ParameterFile:
-    """Read parameters like `read_parameters`, with the findings; of several components the autopilot's.
-
-    Raises:
-        BadInput: as `read_parameters`.
-    """
+    """Of several components, read the autopilot's."""
     text = read_text(Path(path))
     rows = list(_rows(text, path))
     owners = [row.owner for row in rows]
@@ -81,11 +63,7 @@ def parameter_path(path: Path) -> Path:
 
 
 def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
-    """Return path and text of the mission's parameter file; empty without parameters.
-
-    Raises:
-        BadInput: the mission has parameters, and a file that is not ours has their name.
-    """
+    """Never replace a file that is not ours."""
     target = parameter_path(path)
     if not mission.parameters:
         return {}
@@ -101,13 +79,7 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
-    """Write files of a mission and its parameter file, all or none.
-
-    Without parameters an old parameter file of ours is removed.
-
-    Raises:
-        BadInput: a file cannot be written, or a file that is not ours has the parameters' name.
-    """
+    """Write all or none; remove an old parameter file of ours."""
     path = next(iter(contents))
     write_together({**contents, **parameter_file(mission, path)})
     if not mission.parameters and _is_ours(parameter_path(path)):

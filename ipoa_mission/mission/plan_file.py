@@ -1,8 +1,4 @@
-"""Read and write QGroundControl's `.plan`.
-
-The text satisfies QGroundControl's loader and MAVSDK's import, which enforce different rules (docs/file-formats.md).
-DO_JUMP refers to an item's `doJumpId`, which equals the item's number here.
-"""
+"""The text satisfies QGroundControl's loader and MAVSDK's import (docs/file-formats.md)."""
 
 import json
 import math
@@ -12,9 +8,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
@@ -24,19 +22,17 @@ from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.stored_mission import settle_frames
 from ipoa_mission.mission.structure_scan import lay_out
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
-LANDING_GROUND = "landingGround"  # a key of ours
+LANDING_GROUND = "landingGround"
 CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` is flown
 FRAME_OF_MODE = {mode: frame for frame, mode in ALTITUDE_MODE.items()} | {CALCULATED_ABOVE_TERRAIN: Frame.GLOBAL}
 
 
 def write_plan(mission: Mission, path: str | Path) -> None:
-    """Write a mission with its fence and rally points as a `.plan`; the same mission gives the same bytes.
+    """Write a mission with fence and rally points as a `.plan`; the same mission gives the same bytes.
 
     Args:
         mission: to write; its parameters go to NAME.params next to the file.
@@ -53,23 +49,13 @@ def write_plan(mission: Mission, path: str | Path) -> None:
 
 
 def plan_text(mission: Mission) -> str:
-    """Return the text of a `.plan`.
-
-    Raises:
-        BadInput: a `.plan` cannot hold the mission.
-    """
     return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """Read a `.plan` of QGroundControl, MAVSDK or this package; surveys and corridor scans become their waypoints.
+    """Read a `.plan` of QGroundControl, MAVSDK or this package.
 
-    `path` is for messages. `autopilot`, if given, overrides `firmwareType` and `vehicleType`.
-    `findings` holds harmless faults, such as a home without altitude or a fence without version.
-    An `Altitude` that differs from `params` is an error there, which stops an upload.
-
-    Raises:
-        BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
+    `autopilot` overrides `firmwareType` and `vehicleType`. An `Altitude` that differs from `params` is an error.
     """
     plan = parse_document(path, text)
     if plan["fileType"].text() != "Plan":
@@ -192,7 +178,7 @@ def _place(place: Geodetic, what: str) -> list[float | int | None]:
 
 
 def _tidy(value: float) -> float | int | None:
-    """Return a number as QGroundControl writes it: whole numbers without a point, NaN as null."""
+    """As QGroundControl: whole numbers without a point, NaN as null."""
     if not math.isfinite(value):
         return None
     return int(value) if abs(value) < 1e15 and value == int(value) else value
@@ -202,11 +188,6 @@ def _tidy(value: float) -> float | int | None:
 
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
-    """Return the autopilot of a MAV_AUTOPILOT number, for this class of vehicle if one is registered for it.
-
-    Raises:
-        BadInput: the number is unknown.
-    """
     if not isinstance(node.value, bool):
         of_firmware = [one for one in registered() if one.mav_autopilot == node.value]
         for autopilot in sorted(of_firmware, key=lambda one: mav_type not in one.mav_types):
@@ -226,10 +207,7 @@ def _home(node: Node) -> Geodetic:
 
 @dataclass(frozen=True)
 class ListedItem:
-    """Hold an item of a file: its node, its number for DO_JUMP, and the height of a scan that it begins [m].
-
-    `part_of` is its complex item.
-    """
+    """`scanned`: height of a scan that it begins [m]."""
 
     item: Item
     node: Node
@@ -251,7 +229,6 @@ def _items(listed: list[ListedItem]) -> list[Item]:
 
 
 def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
-    """Report a number out of sequence: items may be missing, doubled or moved."""
     for due, entry in enumerate(listed, start=1):
         if entry.jump_id not in (None, due):
             words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: is an item missing or moved?"
@@ -289,11 +266,6 @@ def _complex(node: Node) -> list[ListedItem]:
 
 
 def read_item(node: Node) -> ListedItem:
-    """Read a SimpleItem of any version.
-
-    Raises:
-        BadInput: the message names the place.
-    """
     command = node["command"].whole("a MAV_CMD number")
     frame = node["frame"].whole("a MAV_FRAME number", 0, 255)
     nodes = _seven(node)
@@ -314,7 +286,7 @@ def read_item(node: Node) -> ListedItem:
 
 
 def _seven(node: Node) -> list[Node]:
-    """Return param1 to param7; version 1 has four in `params` or by name, and the rest in `coordinate`."""
+    """Version 1 has four in `params` or by name, and the rest in `coordinate`."""
     coordinate = node.get("coordinate")
     if coordinate is None:
         return node["params"].array(7, "numbers")
@@ -323,12 +295,12 @@ def _seven(node: Node) -> list[Node]:
     return [*first, *coordinate.array(3, "numbers (latitude, longitude, altitude)")]
 
 
-#: Commands for which (0, 0) means the vehicle's position.
+#: (0, 0) means the vehicle's position.
 MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
 
 
 def _check_altitude(node: Node, frame: int, param7: float) -> None:
-    """Report an `AltitudeMode` or `Altitude`, which QGroundControl flies, that differs from `frame` or params[6]."""
+    """QGroundControl flies `AltitudeMode` and `Altitude`."""
     mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
     if mode is not None and mode.value is not None and frame != Frame.MISSION:
         of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))

@@ -1,5 +1,3 @@
-"""Report keys of a `.plan` that are not read, and missing keys that QGroundControl writes."""
-
 import json
 import re
 from collections.abc import Iterator
@@ -9,7 +7,7 @@ from ipoa_mission.mission.json_node import Node
 from ipoa_mission.unread import Unread, gathered
 
 FENCE, RALLY = "geoFence", "rallyPoints"
-#: Keys of each object that are read or have no effect on a flight; `[]`: of each member of a list.
+#: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", FENCE, RALLY, "landingGround", "UUID"},
     "landingGround": {"aboveHome", "latitude", "longitude"},
@@ -27,7 +25,7 @@ KEYS = {
     f"{FENCE}.circles[].circle": {"center", "radius"},
     RALLY: {"version", "points"},
 }
-#: Keys that QGroundControl always writes, and the assumption if one is missing.
+#: QGroundControl always writes these; the assumption without.
 EXPECTED = {
     FENCE: "taken as a mission without a fence",
     f"{FENCE}.polygons": "taken as a fence without polygons",
@@ -41,7 +39,7 @@ REMEDY = "spell it as QGroundControl does, or ignore this code where it limits n
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
-    """Find missing keys, and unread ones; those that may limit a flight are errors."""
+    """Unread keys that may limit a flight are errors."""
     missing = {place for place in EXPECTED if _lacks(plan, place)}
     for unread in gathered(_unread(plan, missing)):
         words = unread.words.removeprefix(f"{unread.file}: ")
@@ -56,7 +54,7 @@ def findings_of_keys(plan: Node) -> Iterator[Finding]:
 def _lacks(plan: Node, place: str) -> bool:
     parent, _, key = place.rpartition(".")
     above = plan.value.get(parent) if parent else plan.value
-    return isinstance(above, dict) and key not in above and "polygon" not in above  # a fence of version 1 has this
+    return isinstance(above, dict) and key not in above and "polygon" not in above  # version 1
 
 
 def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:

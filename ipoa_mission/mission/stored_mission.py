@@ -1,7 +1,6 @@
-"""Convert a mission to items on the wire and back for each firmware (tables: `vehicles.firmware_tables`).
+"""Missions as items on the wire (tables: `vehicles.firmware_tables`).
 
-ArduPilot's list begins with home and flies from item 1; PX4's begins with the first item flown. ArduPilot accepts a
-list without home, and its take-off is lost. Only this module adds and removes home.
+Only this module adds and removes ArduPilot's home: without it, ArduPilot loses the take-off.
 """
 
 import math
@@ -10,35 +9,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.commands import Command, Frame, command_name, plain_frame
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.refusal import PARAM_NAMES
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
-#: An altitude may come back lower by a centimeter: ArduPilot truncates it in single precision.
+#: ArduPilot truncates altitudes to the centimeter in single precision.
 ALTITUDE_SLACK = 0.0101  # [m]
-YAW_SLACK = 1e-3  # [deg], of a heading converted through radians in single precision
+YAW_SLACK = 1e-3  # [deg], through radians in single precision
 
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
-    """Return the items for `mission.autopilot`: seq is the index; home is first for ArduPilot, absent for PX4.
-
-    Commands without a position get frame 2: PX4 refuses them in any other. DO_JUMP is renumbered.
-    NaN (the autopilot's default) becomes 0 where ArduPilot refuses NaN.
-    """
+    """PX4 requires frame 2 without a position. NaN becomes 0 where ArduPilot refuses NaN."""
     own = mission.autopilot.firmware(mission.firmware_version)
     items = tuple(_spoken(item, own) for item in mission.items)
     return (home_item(mission.home), *items) if own.home_is_item_0 else items
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
-    """Return the mission of a downloaded list; frames lose `_INT`, commands without a position get frame 2.
-
-    `home` is reported by the vehicle; without it ArduPilot's item 0 is home.
+    """`home` is reported by the vehicle; without it ArduPilot's item 0 is home.
 
     Raises:
         MissionError: a PX4 list comes without a home.
@@ -55,28 +47,23 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
 
 
 def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
-    """Return the items with the frames of a `Mission` and its files: no `_INT`, and frame 2 without a position."""
+    """Return frames as in files: no `_INT`, and frame 2 without a position."""
     return tuple(replace(item, frame=_plain_frame(item, autopilot.firmware())) for item in items)
 
 
 def home_item(home: Geodetic) -> Item:
-    """Return item 0 of ArduPilot's list and of a `.waypoints` file: a waypoint at home, frame 0, AMSL."""
     return Item(Command.NAV_WAYPOINT, Frame.GLOBAL, (0.0,) * 4, home.latitude_deg, home.longitude_deg, home.altitude)
 
 
 def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | None = None) -> tuple[Item, ...]:
-    """Return sent items (mission, fence or rally) as the firmware stores them, with frames without `_INT`.
-
-    Item 0 of an ArduPilot mission is returned as sent, although the vehicle answers with its own home.
-    Floats are single precision; an unknown item is unchanged. `version`: the newest by default.
-    """
+    """Return sent items as stored: single precision, no `_INT`; ArduPilot's home as sent."""
     own = autopilot.firmware(version)
     return tuple(_stored(item, own) for item in items)
 
 
 @dataclass(frozen=True)
 class Difference:
-    """Describe the first difference; `seq` is the number on the wire, None if the counts differ."""
+    """`seq` is on the wire; None if the counts differ."""
 
     seq: int | None
     field: str
@@ -91,10 +78,9 @@ class Difference:
 def compare(
     sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot, version: Version | None = None
 ) -> Difference | None:
-    """Return the first difference between sent and received items beyond known changes by the firmware.
+    """Return the first difference beyond known changes by the firmware.
 
-    Both lists are as on the wire. A field agrees as sent or as stored; positions to the last degE7.
-    Without a `version` an item agrees if any version stores it so. ArduPilot's item 0 (home) is not compared.
+    Without a `version` an item agrees if any version stores it so. ArduPilot's home is not compared.
     """
     versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
     newest, *older = (autopilot.firmware(one) for one in versions)
@@ -150,7 +136,7 @@ def _whole(value: float) -> float:
 
 
 def _centimeters(value: float) -> float:
-    """Truncate as ArduPilot does: times 100 in single precision, then to an integer."""
+    """As ArduPilot: times 100 in single precision, then to an integer."""
     scaled = _single(_single(value) * 100.0)
     return _single(_single(math.trunc(scaled)) / 100.0) if math.isfinite(scaled) else 0.0
 
@@ -226,11 +212,10 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     return None
 
 
-UNKNOWN = "....dd."  # of an unknown command: assume no change
+UNKNOWN = "....dd."  # of an unknown command
 
 
 def values_of(item: Item) -> tuple[float, ...]:
-    """Return param1 to param7."""
     return (*item.params, item.latitude_deg, item.longitude_deg, item.altitude)
 
 

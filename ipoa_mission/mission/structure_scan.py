@@ -1,32 +1,24 @@
-"""Lay out structure scans from their geometry as QGroundControl does, which does not store their waypoints.
-
-Each layer is one round at a distance from the structure; the camera looks at it from half the layer's height.
-A waypoint at the entrance is before and after. Layers follow from the structure's height, its bottom and the footprint.
-"""
+"""Lay out structure scans as QGroundControl does, which does not store their waypoints."""
 
 import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.spherical_plane import SphericalPlane
 
 MOST_LAYERS = 200
-LATERAL_YAW = 90.0  # camera yaw relative to the direction of the next waypoint [deg]
-SHORTEST_SIDE = 1e-3  # shortest side of the round [m]
+LATERAL_YAW = 90.0  # [deg], relative to the next waypoint
+SHORTEST_SIDE = 1e-3  # [m]
 
 
 def lay_out(node: Node) -> tuple[list[Item], float]:
-    """Return the items of a structure scan, and the height from its bottom to its top [m].
-
-    Raises:
-        BadInput: the complex item is no structure scan, or its geometry is incomplete.
-    """
+    """Return the items and the height from bottom to top [m]."""
     name = node["complexItemType"].text()
     if name != "StructureScan":
         raise BadInput(
@@ -60,8 +52,8 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
 
 
 def _round(polygon: Node, distance: float) -> list[Geodetic]:
-    """Return the corners of the round about a polygon, clockwise from its first corner."""
-    from shapely import Polygon  # slow to import, and rarely needed
+    """Clockwise from the polygon's first corner."""
+    from shapely import Polygon  # slow to import
 
     corners = polygon.corners(3)
     about = SphericalPlane(*corners[0].tolist())
@@ -85,13 +77,13 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
 
 
 def _area(plane: Points) -> float:
-    """Return twice the area of a polygon [m^2], positive if it turns counter-clockwise."""
+    """Twice the area [m^2], positive counter-clockwise."""
     x, y = plane.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _corner(corner: Points, into: Points, out: Points, distance: float) -> Points:
-    """Return the corner of a clockwise polygon between its two sides moved outwards by `distance` [m]."""
+    """Return the corner of a clockwise polygon, its sides moved outwards by `distance` [m]."""
     left, next_left = np.array([-into[1], into[0]]), np.array([-out[1], out[0]])
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(corner + distance * (left + next_left) / (1.0 + float(left @ next_left)))

@@ -1,7 +1,6 @@
-"""Write `.waypoints` files (QGC WPL 110) strictly and read them leniently: 12 fields a line, home on line 0.
+"""`.waypoints` files (QGC WPL 110), written strictly, read leniently.
 
-The format holds no fence, no rally points and no autopilot. No terrain altitude is written: ground stations take it as
-AMSL. NaN is kept: PX4 turns the vehicle north where param4 is 0.
+No terrain altitude is written: ground stations take it as AMSL. NaN is kept: PX4 turns north where param4 is 0.
 """
 
 import math
@@ -11,21 +10,21 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
+from ipoa_mission.autopilot.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError, WrongFormat
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import NUMBER, write_with_parameters
 from ipoa_mission.mission.stored_mission import home_item, settle_frames
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
 SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
 RALLY_LOSS = ": its RTL flies home, by another way, time and energy"
-NO_COMMAND = 0  # of a home that Mission Planner does not know
+NO_COMMAND = 0  # home in files of Mission Planner
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
@@ -54,11 +53,6 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
 
 
 def waypoints_text(mission: Mission) -> str:
-    """Return the text of a `.waypoints` file.
-
-    Raises:
-        BadInput: an altitude is above terrain or no number.
-    """
     items = settle_frames(mission.items, mission.autopilot)
     for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
@@ -69,13 +63,11 @@ def waypoints_text(mission: Mission) -> str:
 
 
 def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
-    """Describe the losses in a `.waypoints` file: by the format, or in QGroundControl."""
     takes_off = any(item.command in TAKEOFFS for item in mission.items)
     return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
-    """Describe the parts of a mission that a `.waypoints` file cannot hold."""
     parts = (
         ("the geofence cannot be held by a .waypoints file", mission.fence),
         (f"the rally points cannot be held by a .waypoints file{RALLY_LOSS}", mission.rally),
@@ -84,14 +76,7 @@ def left_out(mission: Mission) -> tuple[str, ...]:
 
 
 def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """Read home and items from the text of the file at `path`; CRLF, blank lines and `#` comments are accepted.
-
-    `findings` reports wrong line numbers (items are numbered by lines, as MAVProxy does) and a file of another list.
-    It reports a home at 0, 0, which the first place of the mission replaces.
-
-    Raises:
-        BadInput: the message names line and field, as in `a.waypoints: line 4: latitude: expected a number, not "x"`.
-    """
+    """CRLF, blank lines and `#` comments are accepted; a home at 0, 0 is replaced by the first place."""
     autopilot = autopilot or default_autopilot()
     rows = list(_rows(path, text))
     if not rows:
@@ -119,7 +104,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
 
 
 def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> MissionFile:
-    """Read a fence or rally points saved as waypoints; item 0 may be a home."""
+    """Item 0 may be a home."""
     items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
     is_rally = items[0].command == Command.NAV_RALLY_POINT
     home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
@@ -159,7 +144,7 @@ def _check(number: int, item: Item) -> None:
 
 
 def _without_nan(item: Item) -> Item:
-    """Return the item with 0 for NaN, which is the same to ArduPilot: its ground stations cannot read NaN."""
+    """ArduPilot's ground stations cannot read NaN; 0 is the same to it."""
     p1, p2, p3, p4 = (0.0 if math.isnan(param) else param for param in item.params)
     return replace(item, params=(p1, p2, p3, p4))
 
@@ -172,7 +157,7 @@ def _line(seq: int, item: Item) -> str:
 
 
 def _number(value: float, least_digits: int = 6) -> str:
-    """Return the shortest decimal that reads back as the same number, without an exponent."""
+    """Return the shortest exact decimal, without an exponent."""
     return np.format_float_positional(value, unique=True, min_digits=least_digits)
 
 
@@ -187,7 +172,6 @@ class _Line:
         self.fields = dict(zip(FIELDS, fields, strict=True))
 
     def value(self, name: str) -> float:
-        """Return a finite number; params may also be `nan`."""
         if not NUMBER.fullmatch(self.fields[name]):
             raise self.wrong(name, "a number")
         value = float(self.fields[name])
@@ -196,7 +180,6 @@ class _Line:
         raise self.wrong(name, "a finite number")
 
     def degrees(self, name: str) -> float:
-        """Return degrees that MAVLink can carry; `check` reports a latitude beyond 90."""
         value = self.value(name)
         if abs(value) > 180:
             raise self.wrong(name, "degrees from -180 to 180")
@@ -223,7 +206,7 @@ def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
 
 
 def _check_numbers(rows: Sequence[tuple[_Line, Item]]) -> Iterator[Finding]:
-    """Number items by their lines; refuse other numbers in a file with jumps, else report them."""
+    """Refuse wrong line numbers in a file with jumps, else report them."""
     has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
     for count, (line, _) in enumerate(rows):
         if line.whole("seq", 65535) != count:

@@ -1,40 +1,34 @@
-"""Adaptive pelican, our own algorithm: POA's two phases with difference steps of adaptive size.
+"""Adaptive pelican, our own algorithm: POA with difference steps of adaptive size.
 
-POA's steps multiply coordinates, so they favor the origin, and their size is fixed. Here every step is a difference of
-members, so all but crossover is invariant to translation, rotation and scaling. Step scales are drawn around recently
-successful ones (SHADE, Tanabe and Fukunaga 2013). The population shrinks linearly with the evaluations spent (L-SHADE,
-2014). The search uses at most its budget of `evaluations`.
+Step scales: SHADE (Tanabe and Fukunaga 2013). The population shrinks as in L-SHADE (2014).
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Search
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
+from ipoa_mission.optimize.settings import SHORT_EVALUATIONS, Amount, Between, Count, Fraction
 
 
 @dataclass(frozen=True)
 class AdaptivePelican:
-    """Pelicans fly towards one of the best; then the best move randomly around themselves.
+    """The flock begins with `per_dimension` D members, or fewer for `evaluations_per_member`."""
 
-    The flock begins with `per_dimension` D members, or fewer if the budget leaves less than `evaluations_per_member`
-    for each. It ends with four.
-    """
-
+    short_settings: ClassVar = {"evaluations": SHORT_EVALUATIONS, "evaluations_per_member": 40.0}
     evaluations: Annotated[int, Between(40)] = 90_060
     per_dimension: Annotated[float, Between(1)] = 12.0
     evaluations_per_member: Annotated[float, Between(10)] = 200.0
-    prey_share: Fraction = 0.11  # share of the best that may be the prey
-    winging_share: Fraction = 0.1  # share of the best that wing over the water
-    surface_share: Fraction = 0.3  # share of the best that span the water surface
+    prey_share: Fraction = 0.11  # of the best
+    winging_share: Fraction = 0.1  # of the best
+    surface_share: Fraction = 0.3  # of the best
     memories: Count = 6
-    archive: Amount = 1.0  # displaced members kept, per member of the flock
+    archive: Amount = 1.0  # members, per member
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield the first flock, then two batches a generation, until the evaluations are spent."""
+        """Yield the first flock, then two batches a generation."""
         first = int(min(self.per_dimension * box.dimension, self.evaluations / self.evaluations_per_member))
         first = max(first, _LEAST)
         x = box.sample(first, rng)
@@ -49,7 +43,7 @@ class AdaptivePelican:
             n, d = x.shape
             each = np.arange(n)
 
-            # Moving towards prey: x + F (prey - x) + F (x_r - x_s), x_s perhaps a displaced member, then crossover
+            # Moving towards prey, then crossover
             scale = _cauchy(scales.draw(n, rng), rng)
             crossing = np.clip(crossings.draw(n, rng) + 0.1 * rng.standard_normal(n), 0, 1)
             prey = x[rng.integers(max(2, round(self.prey_share * n)), size=n)]
@@ -69,7 +63,7 @@ class AdaptivePelican:
             displaced = np.concatenate([displaced, x[:m][gain > 0]])
             x, f = _settle(x, f, trial, g)
 
-            # Winging on the water surface: each of the best adds a random blend of how the best differ
+            # Winging
             order = np.argsort(f, kind="stable")
             x, f = x[order], f[order]
             surface = x[: max(2, round(self.surface_share * n))]
@@ -89,7 +83,6 @@ class AdaptivePelican:
                 displaced = np.concatenate([displaced, x[:m][gain > 0]])
                 x, f = _settle(x, f, trial, g)
 
-            # The flock shrinks
             n = round(first + (_LEAST - first) * spent / self.evaluations)
             if n < len(x):
                 best = np.argsort(f, kind="stable")[:n]
@@ -99,11 +92,11 @@ class AdaptivePelican:
                 displaced = displaced[rng.permutation(len(displaced))[:kept]]
 
 
-_LEAST = 4  # members at the end: the fewest for a difference step
+_LEAST = 4
 
 
 class _Memory:
-    """A ring of weighted Lehmer means of recent successes."""
+    """Weighted Lehmer means of recent successes."""
 
     def __init__(self, slots: int, start: float) -> None:
         self._means = np.full(slots, start)
@@ -113,7 +106,6 @@ class _Memory:
         return self._means[rng.integers(len(self._means), size=n)]
 
     def learn(self, values: NDArray[np.float64], gain: NDArray[np.float64]) -> None:
-        """Store the weighted mean of the `values` with positive `gain`."""
         good, weight = values[gain > 0], gain[gain > 0]
         total = float(weight @ good)
         if total > 0:
@@ -122,14 +114,12 @@ class _Memory:
 
 
 def _gain(f: Costs, g: Costs) -> Costs:
-    """Return max(f - g, 0); an infinite `f` gains as much as the best finite one."""
     gain = np.subtract(f, g, out=np.zeros(len(f)), where=g < f)
     finite = np.isfinite(gain)
     return np.where(finite, gain, max(gain[finite].max(initial=0), 1e-300))
 
 
 def _cauchy(centers: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return Cauchy-distributed scales around `centers`, redrawn until positive, at most 1."""
     drawn = centers + 0.1 * rng.standard_cauchy(len(centers))
     while (again := np.flatnonzero(drawn <= 0)).size:
         drawn[again] = centers[again] + 0.1 * rng.standard_cauchy(again.size)
@@ -137,7 +127,7 @@ def _cauchy(centers: NDArray[np.float64], rng: np.random.Generator) -> NDArray[n
 
 
 def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """Return one index below `n` for each row of `taken` (rows ascending), different from all in that row."""
+    """Return an index below `n` for each row, not in that row of `taken` (ascending)."""
     index = rng.integers(n - taken.shape[1], size=len(taken))
     for column in taken.T:
         index += index >= column
@@ -145,13 +135,12 @@ def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> ND
 
 
 def _halfway_back(trial: Candidates, parent: Candidates, box: Box) -> Candidates:
-    """Set each coordinate outside the box halfway between its parent and the bound it crossed."""
+    """Set coordinates outside halfway back."""
     trial = np.where(trial < box.lower, (parent + box.lower) / 2, trial)
     return np.where(trial > box.upper, (parent + box.upper) / 2, trial)
 
 
 def _settle(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
-    """Replace the first members by trials of equal or lower cost; an equal cost moves on, across plateaus."""
     m = len(trial)
     goes = g <= f[:m]
     x, f = x.copy(), f.copy()

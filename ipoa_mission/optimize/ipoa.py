@@ -1,56 +1,53 @@
 """IPOA, the multi-strategy improved pelican algorithm (Qiu, Dai and Zhao, Biomimetics 2024, 9, 647), section 4.2.
 
-Each of its four strategies can be switched off. Ambiguous formulas are settings. As printed, eq. (27) multiplies the
-whole position by (1 + s), which fails for an optimum away from the origin (`reading="literal"`). By default it
-multiplies the exploitation step (`reading="step"`).
-
-With all strategies it costs 2 N + 3 N T evaluations: 90,060 for N = 30 and T = 1000.
+As printed, eq. (27) fails for an optimum away from the origin (`reading="literal"`). Costs 2 N + 3 N T evaluations.
 """
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.search import Box, Candidates, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction, Members
 
 
 @dataclass(frozen=True)
 class IPOA:
     """POA with a chaotic and refracted start, an inertia weight, Levy flights and a t-distributed mutation.
 
-    Defaults are those of Table 2. It gives none for k n of eq. (20) and the range of eq. (29).
+    Defaults are those of Table 2, which lacks k n of eq. (20) and the range of eq. (29).
 
     Attributes:
-        population: pelicans, N.
+        population: N.
         iterations: T.
         radius: R of (16).
         chaos: a of (18).
         refraction: k n of (20); 1 is plain opposition.
-        beta: of the Levy flight, (25).
-        freedom_least: nu at the first iteration, (29): Cauchy.
-        freedom_most: nu at the last: all but Gauss.
-        chaotic_start: (18)-(21); off: a uniform start.
-        inertia: (22), (23); off: omega is 1.
-        levy: (24)-(27); off: POA's own exploitation.
-        mutation: (28)-(30); off: no third batch.
+        beta: of (25).
+        freedom_least: nu at first, (29): Cauchy.
+        freedom_most: nu at last: all but Gauss.
+        chaotic_start: (18)-(21), else uniform.
+        inertia: (22), (23).
+        levy: (24)-(27), else POA's exploitation.
+        mutation: (28)-(30).
         reading: the factor of s in (27).
         weight: omega of (22).
-        prey: a member of the population, or the best one.
+        prey: a member, or the best one.
         mutated: (30) for each, for the best only; (28) around each.
-        rand: rand of (23) is drawn for each pelican, as by the authors of POA, or each coordinate.
-        steps: s of (27) and t(nu) of (30) are drawn for each pelican or each coordinate.
-        share: factor on s; 0.01 is usual in cuckoo search and Harris hawks.
+        rand: of (23), for each pelican (as POA's authors) or coordinate.
+        steps: s of (27) and t(nu) of (30), likewise.
+        share: factor on s; 0.01 in cuckoo search and Harris hawks.
 
     Example:
         >>> IPOA(iterations=200, mutation=False).population
         30
     """
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2
@@ -74,15 +71,7 @@ class IPOA:
     share: Fraction = 1.0
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration.
-
-        Args:
-            box: the search space.
-            rng: the source of random numbers.
-
-        Returns:
-            A generator of candidates (n, D) that receives costs (n,).
-        """
+        """Yield 2 N candidates of `box` by `rng` (N if not chaotic), then two or three batches an iteration."""
         n, d = self.population, box.dimension
         rands, steps = (1 if drawn_for == "pelican" else d for drawn_for in (self.rand, self.steps))
         if self.chaotic_start:
@@ -101,14 +90,14 @@ class IPOA:
             k = int(np.argmin(f)) if self.prey == "best" else int(rng.integers(n))
             prey, prey_cost = x[k], f[k]
 
-            # Moving towards prey, (23) and (15)
-            intensity = rng.integers(1, 3, (n, 1))  # I is 1 or 2
+            # (23) and (15)
+            intensity = rng.integers(1, 3, (n, 1))
             towards = (prey_cost < f)[:, None]
             step = rng.random((n, rands)) * np.where(towards, prey - intensity * x, x - prey)
             trial = box.clip((self._omega(done) * x if self.inertia else x) + step)
             x, f = keep_better(x, f, trial, (yield trial))
 
-            # Winging on the water surface, (16) with the Levy flight (27), and (17)
+            # (16) with the Levy flight (27), and (17)
             step = self.radius * (1 - done) * (2 * rng.random((n, d)) - 1) * x
             if not self.levy:
                 trial = box.clip(x + step)
@@ -124,7 +113,7 @@ class IPOA:
                     trial = box.clip((1 + s) * x)
             x, f = keep_better(x, f, trial, (yield trial))
 
-            # Adaptive t-distribution variation, (30), with (17) as acceptance
+            # (30), with (17) as acceptance
             if self.mutation:
                 nu = self.freedom_least + (self.freedom_most - self.freedom_least) * done  # (29)
                 b = int(np.argmin(f))
@@ -140,22 +129,22 @@ class IPOA:
                     x, f = keep_better(x, f, trial, (yield trial))
 
     def _omega(self, done: float) -> float:
-        """Return the nonlinear inertia weight, (22); `done` is t/T."""
+        """Return the inertia weight, (22); `done` is t/T."""
         if self.weight == "exp(t/T)":
             return math.exp(done)
         return math.exp(done - 1) if self.weight == "exp(t/T-1)" else math.expm1(done)
 
 
 def iterate_chaotic_map(a: float, count: int, width: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return `count` iterates of `width` sequences of the chaotic map, eq. (18), (count, width), in [-1, 1]."""
+    """Return iterates of the chaotic map, eq. (18), (count, width), in [-1, 1]."""
     z = np.empty((count, width))
-    last = 1 - 2 * (1 - rng.random(width)) + np.finfo(float).tiny  # never 0
+    last = 1 - 2 * (1 - rng.random(width)) + np.finfo(float).tiny
     for row in z:
         row[:] = last = np.sin(a * np.pi / last)
     return z
 
 
 def refract(x: Candidates, box: Box, kn: float) -> Candidates:
-    """Return the refracted opposites of `x`, eq. (20); `kn` is the scale factor times the index of refraction."""
+    """Return the refracted opposites of `x`, eq. (20)."""
     middle = (box.lower + box.upper) / 2
     return middle + middle / kn - x / kn

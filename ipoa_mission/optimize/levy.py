@@ -1,5 +1,3 @@
-"""Levy flights: many small steps and a few very long ones, as in IPOA's eqs. (24)-(26) and Harris hawks."""
-
 import math
 
 import numpy as np
@@ -7,7 +5,7 @@ from numpy.typing import NDArray
 
 
 def levy_factor(beta: float, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return Levy flight factors s by Mantegna's algorithm, eqs. (25) and (26)."""
+    """Return factors s by Mantegna's algorithm, eqs. (25) and (26)."""
     sigma_u = (
         math.gamma(1 + beta)
         * math.sin(math.pi * beta / 2)

@@ -1,8 +1,4 @@
-"""Registry of optimizers: build one from a name and user settings.
-
-Three are built in. Other packages register theirs as entry points of the group `ipoa_mission.optimizers`. An optimizer
-is a frozen dataclass with a `search` (see `search.Optimizer`).
-"""
+"""Build an optimizer from a name and user settings; others register in the group `ipoa_mission.optimizers`."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -18,7 +14,6 @@ from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.optimize.settings import check_setting
 
-GROUP = "ipoa_mission.optimizers"
 BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
 
 
@@ -27,11 +22,7 @@ def optimizer_names() -> list[str]:
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
-    """Return the optimizer class called `name`.
-
-    Raises:
-        BadInput: no optimizer has this name, or its registered class cannot be imported.
-    """
+    """Raise BadInput if no optimizer has this name, or its registered class cannot be imported."""
     if name in BUILT_IN:
         return BUILT_IN[name]
     registered = _registered().get(name)
@@ -51,11 +42,7 @@ def optimizer_class(name: str) -> type[Optimizer]:
 
 
 def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
-    """Build the optimizer called `name` with `settings`; other settings keep their defaults.
-
-    Raises:
-        BadInput: the optimizer or setting does not exist, or a value is out of range.
-    """
+    """Raise BadInput if the optimizer or setting does not exist, or a value is out of range."""
     kind = optimizer_class(name)
     types = get_type_hints(kind, include_extras=True)
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
@@ -68,7 +55,7 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
 
 @cache
 def _registered() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group=GROUP)}
+    return {entry.name: entry for entry in entry_points(group="ipoa_mission.optimizers")}
 
 
 def _one_of(names: list[str]) -> str:

@@ -1,8 +1,4 @@
-"""The loop shared by all optimizers: an optimizer yields candidates and receives their costs.
-
-An optimizer never calls the cost function, so it cannot miscount its budget. Several phases an iteration need no flag:
-each phase is a `yield`.
-"""
+"""The loop shared by all optimizers."""
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
@@ -17,12 +13,12 @@ Candidates: TypeAlias = NDArray[np.float64]  # (n, D)
 Costs: TypeAlias = NDArray[np.float64]  # (n,)
 Search: TypeAlias = Generator[Candidates, Costs, None]
 
-SEARCH_EVALUATIONS = 30_000  # about as many as one search of the paper
+SEARCH_EVALUATIONS = 30_000
 
 
 @dataclass(frozen=True)
 class Box:
-    """The search space: a range for each of D variables.
+    """The search space.
 
     Attributes:
         lower: least values, (D,).
@@ -41,16 +37,16 @@ class Box:
         return len(self.lower)
 
     def sample(self, n: int, rng: np.random.Generator) -> Candidates:
-        """Draw `n` uniform candidates (n, D) from `rng`: the paper's eq. (13)."""
+        """Draw `n` uniform candidates (n, D) by `rng`: the paper's eq. (13)."""
         return self.lower + rng.random((n, self.dimension)) * (self.upper - self.lower)
 
     def clip(self, x: Candidates) -> Candidates:
-        """Clip coordinates to the bounds, as the authors of POA do."""
+        """Clip to the bounds, as the authors of POA do."""
         return np.clip(x, self.lower, self.upper)
 
 
 class Optimizer(Protocol):
-    """An algorithm with its settings: any object with such a `search`.
+    """Any object with such a `search`.
 
     Example:
         >>> class Once:
@@ -63,16 +59,13 @@ class Optimizer(Protocol):
     """
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield candidates (n, D) in `box`, drawn with `rng`, and receive their costs (n,), until done."""
+        """Yield candidates (n, D) in `box` by `rng` and receive their costs (n,), until done."""
         ...
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """Result of a search: the best candidate (D,), its cost, and the convergence history.
-
-    The best cost after `evaluations[i]` evaluations was `history[i]`; one entry a batch.
-    """
+    """Best candidate (D,), its cost, and the best cost `history[i]` after `evaluations[i]`."""
 
     x: NDArray[np.float64]
     cost: float
@@ -96,11 +89,11 @@ def minimize(
         box: the search space.
         optimizer: the algorithm with its settings.
         rng: the source of random numbers.
-        budget: greatest number of evaluations; None: as many as the optimizer makes.
-        progress: called after each batch with the share done (estimated without a budget) and the best cost.
+        budget: of evaluations; None: the optimizer's own.
+        progress: called after each batch with the share done and the best cost.
 
     Returns:
-        The best candidate `x` (D,), its `cost`, and the best cost (`history`) after each number of `evaluations`.
+        The best candidate (D,) and the history of the best cost.
 
     Example:
         >>> from ipoa_mission import IPOA, Box, minimize
@@ -131,6 +124,6 @@ def minimize(
 
 
 def keep_better(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
-    """Accept greedily, the paper's eqs. (15) and (17): a trial replaces its parent if it costs less."""
+    """Accept greedily, the paper's eqs. (15) and (17)."""
     won = g < f
     return np.where(won[:, None], trial, x), np.where(won, g, f)

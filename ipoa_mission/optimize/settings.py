@@ -1,7 +1,4 @@
-"""Types and ranges of optimizer settings, and the check of a value.
-
-An optimizer is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` declares a range.
-"""
+"""Types and ranges of optimizer settings."""
 
 import math
 from dataclasses import dataclass
@@ -9,11 +6,13 @@ from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
 
 from ipoa_mission.errors import BadInput
 
+#: An optimizer's `short_settings` are those of its short searches. Without them they end after this many evaluations.
+SHORT_EVALUATIONS = 2500
+SHORT_SETTINGS = {"population": 20, "iterations": 25}
+
 
 @dataclass(frozen=True)
 class Between:
-    """The least and greatest value of a number."""
-
     least: float
     most: float = math.inf
 
@@ -22,7 +21,7 @@ class Between:
 
 
 Count: TypeAlias = Annotated[int, Between(1)]
-Members: TypeAlias = Annotated[int, Between(4)]  # of a population: enough for a step between distinct members
+Members: TypeAlias = Annotated[int, Between(4)]  # for steps between distinct members
 Fraction: TypeAlias = Annotated[float, Between(0, 1)]
 Amount: TypeAlias = Annotated[float, Between(0)]
 
@@ -31,7 +30,7 @@ def check_setting(place: str, kind: Any, value: object) -> object:
     """Return `value` as `kind`: bool, int, float, a Literal, or Annotated with a `Between`.
 
     Raises:
-        BadInput: it is not; the message begins with `place` and names the expected kind.
+        BadInput: it is not; the message begins with `place`.
     """
     (kind, *rest) = get_args(kind) if get_origin(kind) is Annotated else (kind,)
     limits = next((r for r in rest if isinstance(r, Between)), Between(-math.inf))

@@ -1,7 +1,4 @@
-"""Make tables that the paper lacks: equal budgets, ablation, other readings, rivals from libraries.
-
-On CEC2022 and on the maps; each table is a pure function of rows of runs.
-"""
+"""Make tables that the paper lacks."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -22,7 +19,6 @@ OURS = BEYOND[0]
 
 
 def table_equal(rows: Sequence[TrialRow]) -> Table:
-    """Compare the six algorithms at an equal number of evaluations."""
     settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
 
     def of(name: str, function: str) -> NDArray[np.float64]:
@@ -46,7 +42,6 @@ def table_equal(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_ablation(rows: Sequence[TrialRow]) -> Table:
-    """Compare IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
     return _ablation(
         rows,
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
@@ -62,7 +57,6 @@ def table_ablation(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
-    """Compare IPOA's cost on the maps with each strategy off and each other reading, one at a time."""
     return _ablation(
         rows,
         f"Ablation and readings on the maps: mean cost of IPOA, {runs_of(rows)} runs, absolute coordinates.",
@@ -82,7 +76,7 @@ def _ablation(
     columns: Mapping[str, Callable[[str], str]],
     note: str,
 ) -> Table:
-    """Make a line for each setting of IPOA: columns, comparison with the default, and mean on each case."""
+    """Make a line for each setting of IPOA: columns, comparison with the default, and means."""
     first = [results(rows, case, "ipoa") for case in cases]
     lines = []
     for label, wanted in ABLATION.items():
@@ -95,7 +89,6 @@ def _ablation(
 
 
 def table_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
-    """Compare the mean errors of the rivals beyond the paper and the paper's six."""
     everyone = [*rivals, *paper]
     return _rivals(
         everyone,
@@ -109,7 +102,6 @@ def table_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table
 
 
 def table_maps_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
-    """Compare the mean costs on the maps of the rivals beyond the paper and the paper's six."""
     everyone = [*rivals, *paper]
     words = f"Beyond the paper, on the maps: mean cost (place), {runs_of(rivals)} runs, absolute coordinates."
     share = ("collision-free", lambda name: f"{mean_over_maps(everyone, name, 'feasible'):.0%}")
@@ -123,7 +115,7 @@ def _rivals(
     last: tuple[str, Callable[[str], str]],
     *notes: str,
 ) -> Table:
-    """Make a table of means and places on each case; `heading`: caption and corner; `last`: label and cells."""
+    """`heading`: caption and corner; `last`: label and cells."""
     names = [*BEYOND, *published.ALGORITHMS]
     means = np.array([[results(rows, case, name).mean() for name in names] for case in cases])
 
@@ -147,7 +139,7 @@ def _rivals(
 def _compare_each(
     of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Compare as `against`, but with Holm's correction over the cases of one rival."""
+    """Compare as `against`, with Holm's correction over the cases of one rival."""
     return {rival: against(of, ours, [rival], cases)[rival] for rival in rivals}
 
 

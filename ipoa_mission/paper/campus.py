@@ -1,34 +1,24 @@
-"""Reproduce Table 8: plan the campus flight by the paper's method, fly it on the built-in autopilot, and estimate it.
+"""Reproduce Table 8: plan, fly on the built-in autopilot, and estimate.
 
-The paper flies on RflySim over an unpublished model of Dalian University. `missions/paper/campus.toml` is another
-campus with the same distance from start to goal, at the same 15 m/s, in straight legs between waypoints.
+The paper's model of Dalian University is unpublished. `missions/paper/campus.toml` has the same distance from start to
+goal, at the same 15 m/s.
 """
 
 import numpy as np
 
+from ipoa_mission import Command, Mission, NoRoute, Scenario, assemble, estimate, fly
 from ipoa_mission.errors import BadInput, UnknownName
-from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.paper.cec2022 import Measures, Problem
 from ipoa_mission.paper.paper_maps import paper_scenario, path_problem
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.assemble import assemble
-from ipoa_mission.routing.route import NoRoute
-from ipoa_mission.scenario import Scenario
-from ipoa_mission.simulator.fly import fly
 
 
 def campus_scenario() -> Scenario:
-    """Return the campus with the paper's method: absolute coordinates, cost over nodes, no polish.
-
-    Raises:
-        BadInput: the package was installed without the scenario.
-    """
+    """Return the campus with the paper's method: cost over nodes, no polish. Raises BadInput."""
     scenario = paper_scenario("campus")
     return scenario.model_copy(
         update={
@@ -39,11 +29,7 @@ def campus_scenario() -> Scenario:
 
 
 def campus_problem(case: str, dimension: int) -> Problem:
-    """Return the planning problem of Table 8; a path that touches nothing is flown and estimated.
-
-    Raises:
-        BadInput: the case is not "campus", or the dimension is not 3 times the number of inner control points.
-    """
+    """Return the planning problem of Table 8. Raises BadInput."""
     if case != "campus":
         raise UnknownName(f"expected campus, not {case!r}", place="case")
     scenario = campus_scenario()
@@ -62,10 +48,9 @@ def campus_problem(case: str, dimension: int) -> Problem:
 
 
 def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
-    """Return the time from the first waypoint to the last [s], flown (`time`) and estimated.
+    """Return the flown `time` from the first waypoint to the last [s], and the estimated one.
 
-    The legs need no safety distance, which the search kept at its nodes only.
-    If no choice of waypoints is clear, `flyable` is 0 and there are no times.
+    Without a clear choice of waypoints `flyable` is 0. The search kept its safety distance at nodes only.
     """
     close = scenario.model_copy(update={"safety_distance": 0.0})
     plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, optimum.evaluations, optimum.history)

@@ -1,27 +1,34 @@
-"""Provide the CEC2022 test suite (the paper's Table 1) by `minionpy`, which wraps the organizers' C code.
+"""Provide CEC2022 by `minionpy`, the organizers' C code; `opfunu` 1.0.4 is wrong on eleven functions."""
 
-`opfunu` 1.0.4 is wrong on eleven of the twelve functions: do not compare its results with these.
-"""
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
 from ipoa_mission.errors import BadInput, UnknownName, imported
-from ipoa_mission.optimize.search import Box, Candidates, Costs
-from ipoa_mission.paper.benchmark_problem import Problem
+from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
-#: F_i* of Table 1: the cost at the optimum of f1 to f12.
+#: F_i* of Table 1
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)
 FUNCTIONS = tuple(f"f{i}" for i in range(1, 13))
 DIMENSIONS = (10, 20)
 
 
-def cec2022(function: str, dimension: int) -> Problem:
-    """Return the error of `function` ("f1" to "f12") in its box: its cost minus the cost at its optimum.
+Measures: TypeAlias = dict[str, float | list[float]]
 
-    Raises:
-        BadInput: the function or its dimension does not exist.
-        MissionError: minionpy is not installed.
-    """
+
+@dataclass(frozen=True)
+class Problem:
+    """A cost (n, D) -> (n,) to minimize, its box, and further measures of an optimum."""
+
+    cost: Callable[[Candidates], Costs]
+    box: Box
+    measure: Callable[[Optimum], Measures] = lambda _found: {}
+
+
+def cec2022(function: str, dimension: int) -> Problem:
+    """Return the error of "f1" to "f12": cost minus optimum. Raises BadInput, MissionError."""
     if function not in FUNCTIONS:
         raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
     if dimension not in DIMENSIONS:

@@ -1,5 +1,3 @@
-"""Open an executor of runs: local processes or a Dask cluster, by the interface of `concurrent.futures`."""
-
 import signal
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
@@ -11,14 +9,7 @@ from ipoa_mission.errors import BadInput, MissionError, imported
 
 @contextmanager
 def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
-    """Open an executor of `jobs` local processes, or of the workers of the scheduler at `address`.
-
-    `patience_s` limits the wait for the cluster [s].
-
-    Raises:
-        BadInput: fewer than one job, or an address that Dask does not take.
-        MissionError: Dask distributed is not installed, `address` does not answer, or a worker was lost.
-    """
+    """Open `jobs` local processes, or the workers of the Dask scheduler at `address`. Raises BadInput, MissionError."""
     if jobs < 1:
         raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
     if address is None:
@@ -56,5 +47,5 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
 
 
 def _leave_ctrl_c_to_the_parent() -> None:
-    """Ignore Ctrl-C, which a terminal sends to all processes; the parent stops the work."""
+    """Ignore Ctrl-C in workers; the parent stops the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,7 +1,4 @@
-"""Draw Figures 3, 5 and 7 to 11 of the paper as SVG text: each a pure function of rows of runs, or of nothing.
-
-The same rows give the same bytes: no date, and identifiers hashed from a fixed salt.
-"""
+"""Draw Figures 3, 5 and 7 to 11 as SVG; the same rows give the same bytes."""
 
 import io
 from collections.abc import Sequence
@@ -9,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission import Scenario
 from ipoa_mission.optimize.ipoa import iterate_chaotic_map
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
 from ipoa_mission.paper.published import ALGORITHMS
@@ -16,9 +14,8 @@ from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import palette
-from ipoa_mission.scenario import Scenario
 
-#: One color each, distinct with color blindness.
+#: distinct with color blindness
 COLORS = {
     "ipoa": palette.VERMILLION,
     "dbo": palette.BLUE,
@@ -31,7 +28,7 @@ COLORS = {
 
 
 def figure_3() -> str:
-    """Draw the iterates of the chaotic map, eq. (18), and their distribution."""
+    """Draw the chaotic map, eq. (18)."""
     z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLORS["ipoa"])
@@ -42,7 +39,7 @@ def figure_3() -> str:
 
 
 def figure_5() -> str:
-    """Draw the densities of the t distribution at both ends of eq. (29), of Cauchy and of Gauss."""
+    """Draw the t distribution at both ends of eq. (29), Cauchy and Gauss."""
     from scipy import stats
 
     x = np.linspace(-5, 5, 501)
@@ -57,7 +54,6 @@ def figure_5() -> str:
 
 
 def figure_7(rows: Sequence[TrialRow]) -> str:
-    """Draw the convergence at D = 20: best cost so far, mean over the runs, by the share of the evaluations."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         for name in ALGORITHMS:
@@ -102,13 +98,12 @@ def panels_of(down: int, across: int, width: float, height: float) -> tuple[Any,
 
 
 def legend_of_all(figure: Any, axes: Any) -> None:
-    """Draw one legend above all panels, with the lines of `axes`."""
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)
 
 
 def _plain_log_ticks(axes: Any) -> None:
-    """Label a logarithmic axis with 60, 200, 1000; with powers only where they are shorter."""
+    """Label 60, 200, 1000; powers only where they are shorter."""
     from matplotlib.ticker import LogFormatter
 
     axes.yaxis.set_major_formatter(LogFormatter())
@@ -126,7 +121,6 @@ def draw_svg(figure: Any) -> str:
 
 
 def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> str:
-    """Draw each map from above and from the front with the cheapest path of each algorithm."""
     figure, panels = panels_of(len(scenarios), 2, 11, 4.6 * len(scenarios))
     for (case, scenario), above, front in zip(scenarios.items(), panels[::2], panels[1::2], strict=True):
         _draw_world(above, front, scenario)

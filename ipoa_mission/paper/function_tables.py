@@ -1,4 +1,4 @@
-"""Make Tables 3 and 4 of the paper, and tests of the printed values: each a pure function of rows of runs."""
+"""Make Tables 3 and 4, and tests of the printed values."""
 
 from collections.abc import Callable, Sequence
 
@@ -20,13 +20,13 @@ _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
 
 
 def mean_log_error(rows: Sequence[TrialRow], algorithm: str, settings: str = "{}") -> float:
-    """Return log10 of the mean error, averaged over the twelve functions."""
+    """Return log10 of the mean error, averaged over the functions."""
     means = [max(results(rows, function, algorithm, settings=settings).mean(), FLOOR) for function in FUNCTIONS]
     return float(np.mean(np.log10(means)))
 
 
 def off_the_print(rows: Sequence[TrialRow], settings: str) -> float:
-    """Return the mean over functions of |ln(IPOA's mean error / the printed one)|: 0 is a match, 0.69 a factor of 2."""
+    """Return the mean of |ln(IPOA's mean error / the printed one)|."""
     ratios = [
         results(rows, f, "ipoa", settings=settings).mean() / (published.TABLE_3[f]["mean"][0] - optimum)
         for f, optimum in zip(FUNCTIONS, OPTIMA, strict=True)
@@ -35,7 +35,6 @@ def off_the_print(rows: Sequence[TrialRow], settings: str) -> float:
 
 
 def table_3(rows: Sequence[TrialRow]) -> Table:
-    """Compare best, mean and SD on CEC2022 at D = 20 with the printed values: value, place, ratio."""
     lines, firsts, printed_firsts = [], 0, 0
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [results(rows, function, name) + optimum for name in published.ALGORITHMS]
@@ -69,7 +68,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_4(rows: Sequence[TrialRow]) -> Table:
-    """Compare p of rank-sum tests of IPOA against each rival, corrected by Holm over all sixty, with the printed p."""
+    """Compare p of rank-sum tests, corrected by Holm over all sixty, with the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
     raw = [rank_sum(results(rows, f, "ipoa"), results(rows, f, rival)) for rival in rivals for f in FUNCTIONS]
     compared = against(lambda name, f: results(rows, f, name), "ipoa", rivals, FUNCTIONS)
@@ -96,8 +95,8 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
 def contradictions() -> Table:
     """List pairs whose printed Tables 3 and 4 contradict: distant means, but a large p.
 
-    No number of a sample of n is more than sqrt(n - 1) standard deviations above its mean (Samuelson).
-    If that bound is below the rival's best, all of IPOA's results are below all of the rival's: p is 3.02e-11.
+    By Samuelson, no sample of n is over sqrt(n - 1) standard deviations above its mean. If that is below the rival's
+    best, p is 3.02e-11.
     """
     lines = []
     for function in FUNCTIONS:
@@ -140,7 +139,6 @@ def contradictions() -> Table:
 
 
 def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialRow]) -> Table:
-    """Compare the printed means with both dimensions, function by function, over the six algorithms."""
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(published.TABLE_3[function]["mean"]) - optimum

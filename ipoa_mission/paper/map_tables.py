@@ -1,7 +1,4 @@
-"""Make Tables 5 to 8 of the paper and the averages in its text: each a pure function of rows of runs.
-
-The paper's maps are not published: only ranks and ratios between algorithms compare, no absolute numbers.
-"""
+"""Make Tables 5 to 8: the maps are unpublished, so only ranks and ratios compare."""
 
 from collections.abc import Sequence
 
@@ -28,7 +25,6 @@ def mean_over_maps(
 
 
 def table_5(rows: Sequence[TrialRow]) -> Table:
-    """Compare best, mean and SD of the cost under three sets of weights, ours and printed, each with its place."""
     lines = []
     for experiment, weights in WEIGHTS.items():
         costs = [results(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
@@ -49,12 +45,10 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_6(rows: Sequence[TrialRow]) -> Table:
-    """Compare length, iterations, turn and distance to obstacles on the five maps with eight obstacles."""
     return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in published.TABLE_6.items()})
 
 
 def table_7(rows: Sequence[TrialRow]) -> Table:
-    """Compare length, iterations, turn and distance to obstacles on the maps with six and ten obstacles."""
     return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in published.TABLE_7.items()})
 
 
@@ -105,7 +99,6 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
 
 
 def table_8(rows: Sequence[TrialRow]) -> Table:
-    """Compare length, turn, distance to obstacles and flight time on the campus, ours and printed, with places."""
     measured = {row.trial.algorithm for row in rows}
     names = [*published.ALGORITHMS, *sorted(measured.difference(published.ALGORITHMS))]
     lines = []
@@ -150,7 +143,7 @@ def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float
 
 
 def table_improvements() -> Table:
-    """Compare the improvements claimed in the text with those of its own tables."""
+    """Compare the improvements claimed in the text with those of its tables."""
     lines = []
     for where, claims in published.IMPROVEMENTS.items():
         for rival, claimed in claims.items():

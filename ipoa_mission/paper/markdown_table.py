@@ -1,18 +1,15 @@
-"""Hold a table of text, and write it as Markdown or CSV."""
-
 import csv
 import io
+import re
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from ipoa_mission.paper.markdown import filled
 from ipoa_mission.paper.statistics import places
 
 
 @dataclass(frozen=True)
 class Table:
-    """Hold a caption, a heading, rows of cells, and notes."""
-
     caption: str
     heading: Sequence[str]
     rows: Sequence[Sequence[str]]
@@ -36,7 +33,7 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def number(value: float) -> str:
-    """Format a number with five significant digits: 8676.7, 22.82, 0.00041, 1.2e-09."""
+    """Return five significant digits: 8676.7, 22.82, 0.00041, 1.2e-09."""
     if value == 0 or 1e-4 <= abs(value) < 1e7:
         digits = 2 if abs(value) >= 1 or value == 0 else 5
         return f"{value:,.{digits if abs(value) < 10000 else 0}f}"
@@ -46,7 +43,7 @@ def number(value: float) -> str:
 def ours_and_print(
     ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]
 ) -> list[str]:
-    """Return cells "ours (place) · printed (place)"; `forms` format our numbers and the printed ones."""
+    """Return cells "ours (place) · printed (place)"."""
     columns = zip(ours, places(ours), printed, places(printed), strict=True)
     return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
 
@@ -57,3 +54,34 @@ def per_cent(ours: float, theirs: float) -> str:
 
 def factor(ours: float, theirs: float) -> str:
     return f"×{ours / theirs:.2g}" if theirs else "-"
+
+
+WIDTH = 120  # columns
+_KEPT = ("|", "#", "!")  # not filled: tables, headings, pictures
+_GLUED = "\N{NO-BREAK SPACE}"
+
+
+def filled(text: str) -> str:
+    r"""Fill paragraphs and list items to `WIDTH`.
+
+    >>> print(filled("* one\n  and\n* two"), end="")
+    * one and
+    * two
+    """
+    return "\n\n".join(_filled(block) for block in re.split(r"\n\n+", text.strip("\n"))) + "\n"
+
+
+def _filled(block: str) -> str:
+    if block.startswith(_KEPT):
+        return block
+    if block.startswith("* "):
+        items = re.split(r"(?m)^\* ", block)[1:]
+        return "\n".join(f"* {_paragraph(item, '  ')}" for item in items)
+    return _paragraph(block, "")
+
+
+def _paragraph(words: str, indent: str) -> str:
+    # a sign of a list or heading must not begin a line
+    glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", _GLUED, " ".join(words.split(" ")).replace("\n", " "))
+    lines = textwrap.wrap(re.sub(" +", " ", glued), WIDTH - len(indent), break_long_words=False, break_on_hyphens=False)
+    return f"\n{indent}".join(lines).replace(_GLUED, " ")

@@ -1,48 +1,38 @@
-"""Plan paths on seeded random maps in place of the unpublished maps of the paper's Tables 5 to 7.
+"""Plan paths on seeded random maps in `missions/paper/`; the paper's are unpublished.
 
-A map is a scenario in `missions/paper/`. Paths are planned by the paper's method: control points in absolute
-coordinates, cost summed over nodes, one search and no polish.
+The paper's method: absolute coordinates, cost summed over nodes, no polish.
 """
 
 import numpy as np
 
+from ipoa_mission import Scenario, read_scenario
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.paper.cec2022 import Measures, Problem
 from ipoa_mission.planning.problem import encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario import Scenario, read_scenario
 
-#: Five maps of Table 6 and two of Table 7, named by their number of obstacles.
 MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
-#: Weights of Table 5's three experiments; the other tables use the first.
+#: Table 5's experiments; the other tables use the first.
 WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
-#: Inner control points; the paper does not give their number.
+#: The paper does not give this number.
 INNER = 8
-#: A search has converged when its best cost is within this share of its final cost.
+#: share of the final cost
 CONVERGED = 0.01
 
 
 def map_problem(case: str, dimension: int) -> Problem:
-    """Return the planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
-
-    Raises:
-        BadInput: no such map or experiment, or the dimension is not 3 times the number of inner control points.
-    """
+    """Return the problem of a map, or map and experiment of Table 5, "map-8-1/2". Raises BadInput."""
     if dimension != 3 * INNER:
         raise BadInput(f"expected {3 * INNER}, not {dimension}", place="dimension")
     return path_problem(map_scenario(case))
 
 
 def map_scenario(case: str) -> Scenario:
-    """Return the scenario of a map, with the weights of the experiment if `case` names one.
-
-    Raises:
-        BadInput: there is no such map or experiment.
-    """
+    """Raises BadInput."""
     name, _, experiment = case.partition("/")
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
@@ -54,16 +44,11 @@ def map_scenario(case: str) -> Scenario:
 
 
 def paper_scenario(name: str) -> Scenario:
-    """Return a scenario of `missions/paper/`.
-
-    Raises:
-        BadInput: the package was installed without it.
-    """
+    """Raises BadInput."""
     return read_scenario(packed(f"paper/{name}.toml"))
 
 
 def path_problem(scenario: Scenario) -> Problem:
-    """Return the paper's search for a path, in absolute coordinates."""
     guide = np.vstack([scenario.start_point, scenario.goal_point])
     encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
 
@@ -74,14 +59,12 @@ def path_problem(scenario: Scenario) -> Problem:
 
 
 def measures_of(curve: Spline, scenario: Scenario) -> Measures:
-    """Return the paper's measures of a path (Table A2), and whether it can be flown.
+    """Return the paper's measures of a path (Table A2).
 
-    `distance`: length of the curve [m].
-    `turn`: mean turning angle between adjacent legs of the control points, the nodes that the algorithms vary. Over the
-    hundred nodes of the smooth curve it is a degree or two, which contradicts the tables.
-    `dis_obs`: mean distance of the hull at those hundred nodes to the nearest obstacle [m].
-    `clearance`: least distance of the hull to anything, proved along the whole curve [m]; the search checks nodes only.
-    `feasible`: the path touches nothing and leaves no bound.
+    `distance`: length of the curve [m]. `turn`: mean turning angle between legs of the control points; over the curve's
+    hundred nodes it contradicts the tables. `dis_obs`: mean distance of the hull at those nodes to the nearest obstacle
+    [m]. `clearance`: least distance of the hull along the whole curve [m]. `feasible`: touches nothing, leaves no
+    bound.
     """
     nodes = curve.points(np.linspace(0.0, 1.0, scenario.planning.samples))
     hull = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius

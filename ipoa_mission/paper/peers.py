@@ -1,7 +1,4 @@
-"""Run optimizers of other libraries as rivals beyond the paper.
-
-They call the cost themselves: `Counted` counts the candidates and ignores those after the budget.
-"""
+"""Run other libraries' optimizers as rivals."""
 
 from collections.abc import Callable
 from functools import partial
@@ -14,7 +11,7 @@ from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
 
 class Counted:
-    """Count the calls of a cost function, and keep the best of the first `budget` candidates."""
+    """Counts the candidates, and keeps the best of the first `budget`."""
 
     def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int) -> None:
         self._cost, self._budget = cost, budget
@@ -61,7 +58,7 @@ def _by_minionpy(
 
 
 def _by_scipy(cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator) -> Optimum:
-    """Minimize by scipy's differential evolution with its defaults, a population of 5 D, and no polish."""
+    """Minimize with scipy's defaults, a population of 5 D, and no polish."""
     from scipy.optimize import differential_evolution
 
     counted = Counted(cost, box, budget)

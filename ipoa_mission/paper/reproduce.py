@@ -1,5 +1,3 @@
-"""Measure the missing runs, and write the paper's tables and figures by name."""
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -11,8 +9,7 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.campus import campus_scenario
 from ipoa_mission.paper.executors import open_executor
-from ipoa_mission.paper.markdown import filled
-from ipoa_mission.paper.markdown_table import Table
+from ipoa_mission.paper.markdown_table import Table, filled
 from ipoa_mission.paper.paper_maps import map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
 from ipoa_mission.paper.runs import measure
@@ -33,7 +30,7 @@ from ipoa_mission.progress import Progress, silent
 
 @dataclass(frozen=True)
 class Artifact:
-    """Define a table or figure: the series it needs, and the function that makes it of their rows."""
+    """A table or figure, and the series it needs."""
 
     needs: Sequence[Series]
     make: Callable[[Rows], Table | str]
@@ -75,16 +72,10 @@ ITEMS: dict[str, Artifact] = {
 def reproduce(
     what: str, runs: int | None, out: Path, jobs: int, executor: str | None, progress: Progress = silent
 ) -> list[Path]:
-    """Measure and write one of `ITEMS`, or "all" with a page that shows them; return the files written.
+    """Measure and write one of `ITEMS`, or "all" with a page. Raises BadInput, MissionError.
 
-    Runs are stored in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
-    CSV, figures as SVG, the page as README.md. `runs` is the number of runs of each (None: as in the paper).
-    They run in `jobs` processes, or on the workers of the Dask scheduler at `executor`. `progress` is called after each
-    run.
-
-    Raises:
-        BadInput: `what`, `runs`, `jobs` or `executor` is wrong.
-        MissionError: a library is missing, or the cluster does not answer.
+    `out` gets tables as Markdown and CSV, figures as SVG, and `rows`, which are not measured again. `runs`: of each;
+    None as in the paper. `executor`: address of a Dask scheduler in place of `jobs` processes.
     """
     if what != "all" and what not in ITEMS:
         close = get_close_matches(what, [*ITEMS, "all"], n=1)
@@ -127,10 +118,7 @@ def _write(path: Path, text: str) -> Path:
 
 
 def page(made: Mapping[str, Table | str], sources: Mapping[str, Sequence[str]], rows: Rows) -> str:
-    """Return the page in Markdown, for the folder of the figures and rows, with tables inline and figures linked.
-
-    `sources` names the series of each table or figure.
-    """
+    """Return the page in Markdown; `sources` names the series of each table or figure."""
     shown = {name: _shown(name, item, sources[name]) for name, item in made.items()}
     words = files("ipoa_mission.paper").joinpath("page.md").read_text(encoding="utf-8")
     return filled(words.format_map({**shown, "measured": _measured(rows)}))

@@ -1,7 +1,4 @@
-"""Read and write runs as rows of a CSV file.
-
-One process appends whole lines. An incomplete last line is ignored, and removed before the next row.
-"""
+"""An incomplete last line is ignored, and removed before the next row."""
 
 import csv
 import io
@@ -17,15 +14,14 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError, WrongFormat
 from ipoa_mission.files import read_text
-from ipoa_mission.paper.benchmark_problem import Measures
+from ipoa_mission.paper.cec2022 import Measures
 
 
 @dataclass(frozen=True)
 class Trial:
-    """Define one run of one algorithm on one problem; the run's number is its seed, the same for all algorithms.
+    """Define one run; its number is its seed, the same for all algorithms.
 
-    `settings` is JSON with sorted keys, "{}" for defaults. `budget`: number of evaluations; 0: the algorithm ends after
-    its own number of iterations.
+    `settings`: JSON with sorted keys. `budget`: evaluations; 0: the algorithm's own number of iterations.
     """
 
     problem: str
@@ -39,7 +35,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class TrialRow:
-    """Hold a trial and its result: `history` is the best cost at `CHECKPOINTS`, `measures` are further results."""
+    """Hold a trial's result; `history`: the best cost at `CHECKPOINTS`."""
 
     trial: Trial
     cost: float
@@ -51,7 +47,6 @@ class TrialRow:
     versions: str
 
 
-#: The rows of every series, by its name.
 Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
@@ -62,10 +57,7 @@ def runs_of(rows: Sequence[TrialRow]) -> int:
 def results(
     rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
 ) -> NDArray[np.float64]:
-    """Return the cost of every run on a case, or one of its measures, in the order of the runs, (runs,).
-
-    On CEC2022 costs are errors: the optimum is subtracted.
-    """
+    """Return the cost of every run on a case, or a measure, (runs,). On CEC2022 the optimum is subtracted."""
     values = [
         (row.trial.run, row.cost if measure is None else row.measures[measure])
         for row in rows
@@ -86,11 +78,7 @@ _COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) i
 
 
 def read_rows(path: Path) -> list[TrialRow]:
-    """Read all rows of a file of runs; none if it does not exist. An incomplete last line is ignored.
-
-    Raises:
-        BadInput: the file is not a file of runs; the message names the line.
-    """
+    """Read a file of runs; none if it does not exist. Raises BadInput."""
     if not path.exists():
         return []
     lines = read_text(path).splitlines(keepends=True)
@@ -131,11 +119,7 @@ def line_of(row: TrialRow) -> str:
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:
-    """Open `path` for appending by this process alone, with its heading and without an incomplete last line.
-
-    Raises:
-        MissionError: another process has it open.
-    """
+    """Open `path` for appending by this process alone. Raises MissionError."""
     path.parent.mkdir(parents=True, exist_ok=True)
     opened = path.open("a", encoding="utf-8", newline="")
     _claim(opened, path)
@@ -148,7 +132,7 @@ def open_to_append(path: Path) -> io.TextIOWrapper:
 
 
 def _claim(file: io.TextIOWrapper, path: Path) -> None:
-    """Lock the file until it is closed; not on Windows, which has no such lock."""
+    """Lock the file until it is closed; Windows has no such lock."""
     if sys.platform == "win32":
         return
     import fcntl

@@ -1,8 +1,4 @@
-"""Measure trials: run each once, and skip those with a row.
-
-`run_trial` is a pure function of its trial (except for the seconds), so process, machine and order do not matter.
-Rows are written here; an interrupted series continues where it stopped.
-"""
+"""`run_trial` is a pure function (except for the seconds): process, machine and order do not matter."""
 
 import json
 import time
@@ -18,31 +14,25 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from ipoa_mission.errors import UnknownName
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
-from ipoa_mission.paper.benchmark_problem import Problem
 from ipoa_mission.paper.campus import campus_problem
-from ipoa_mission.paper.cec2022 import cec2022
+from ipoa_mission.paper.cec2022 import Problem, cec2022
 from ipoa_mission.paper.paper_maps import map_problem
 from ipoa_mission.paper.peers import RIVALS
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
-#: Shares of a run's evaluations at which its best cost is stored.
+#: shares of a run's evaluations
 CHECKPOINTS = np.linspace(0, 1, 26)
 
 
-#: Functions that return the problem of a trial's case and dimension.
 PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem, "campus": campus_problem}
 
 
 def run_trial(trial: Trial) -> TrialRow:
-    """Run `trial` and return its result.
-
-    Raises:
-        BadInput: no such problem, algorithm or setting.
-    """
+    """Raises BadInput."""
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
-    with threadpool_limits(1, "blas"):  # runs are spread over processes; two threads sum in another order
+    with threadpool_limits(1, "blas"):  # two threads sum in another order
         return _run(trial)
 
 
@@ -71,14 +61,7 @@ def _run(trial: Trial) -> TrialRow:
 def measure(
     trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, what: str = ""
 ) -> list[TrialRow]:
-    """Run the trials that `path` lacks, append them there, and return the rows of all `trials`, in their order.
-
-    `progress` receives the number of `what` done, at the start and after each run. An early end cancels what waits.
-
-    Raises:
-        BadInput: `path` is not a file of runs, or a trial cannot be run.
-        MissionError: another process is adding runs to `path`, or a library is missing.
-    """
+    """Run the trials that `path` lacks, and return all rows in their order. Raises BadInput, MissionError."""
     wanted = list(dict.fromkeys(trials))
     row_of = {row.trial: row for row in read_rows(path)}
     if row_of.keys() >= set(wanted):
@@ -105,13 +88,13 @@ def measure(
 
 
 def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
-    """Return the best cost after each share of the evaluations; before the end of the first batch, its best."""
+    """Return the best cost after each share of the evaluations."""
     spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
     return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
 
 
 def _versions() -> str:
-    """Return what determines the last digits of a run: package versions, and the processor kernels of NumPy's BLAS."""
+    """Return package versions and NumPy's BLAS kernels: they determine the last digits."""
 
     def of(package: str) -> str:
         try:

@@ -1,5 +1,3 @@
-"""Define the runs that each table and figure needs, by file."""
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,13 +6,12 @@ from ipoa_mission.paper.paper_maps import INNER, MAPS, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import Trial, settings_text
 
-#: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
+#: evaluations of IPOA at N = 30 and T = 1000 with all strategies
 BUDGET = 90_060
 
-#: Algorithms beyond the paper: libraries' optimizers, and our own variant.
 BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
 
-#: Iterations at which each of the paper's six spends `BUDGET` evaluations at N = 30.
+#: iterations that spend `BUDGET` at N = 30
 EQUAL: dict[str, dict[str, object]] = {
     "ipoa": {"iterations": 1000},
     "dbo": {"iterations": 3001},
@@ -24,7 +21,7 @@ EQUAL: dict[str, dict[str, object]] = {
     "hho": {"iterations": 2337},
 }
 
-#: IPOA's settings in the ablation: each strategy off, and each other reading, one at a time.
+#: IPOA's settings, one at a time
 ABLATION: dict[str, dict[str, object]] = {
     "IPOA as implemented here": {},
     "without chaotic and refracted start": {"chaotic_start": False},
@@ -53,14 +50,12 @@ ABLATION: dict[str, dict[str, object]] = {
 
 @dataclass(frozen=True)
 class Series:
-    """Define runs of one file: its name, the paper's number of runs, and the first run of each trial."""
-
     name: str
     runs: int
     firsts: Sequence[Trial]
 
     def trials(self, runs: int | None) -> list[Trial]:
-        """Return all trials for `runs` runs of each (by default the paper's number), one round after the other."""
+        """Return all trials, round after round; `runs` None: the paper's number."""
         return [
             Trial(t.problem, t.case, t.dimension, t.algorithm, t.settings, t.budget, run)
             for run in range(self.runs if runs is None else runs)
@@ -90,14 +85,12 @@ CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in B
 CEC_EQUAL = Series("cec2022-d20-equal", 15, _cec(20, list(EQUAL.items()), BUDGET))
 CEC_ABLATION = Series("cec2022-d20-ablation", 20, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
 
-#: The map of Table 5, once for each experiment.
 WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
 
 MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
 MAPS_BEYOND = Series("maps-beyond", 10, _maps(MAPS, [(name, {}) for name in BEYOND], BUDGET))
 MAPS_ABLATION = Series("maps-ablation", 10, _maps(MAPS, [("ipoa", settings) for settings in ABLATION.values()]))
 
-#: The paper's six on the campus, and our variant.
 CAMPUS = Series(
     "campus", 20, [Trial("campus", "campus", 3 * INNER, name, "{}", 0, 0) for name in (*ALGORITHMS, BEYOND[0])]
 )

@@ -1,5 +1,3 @@
-"""Test differences between samples, with corrections for multiple comparisons."""
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -12,9 +10,9 @@ Samples: TypeAlias = Sequence[float] | NDArray[np.float64]
 
 
 def rank_sum(a: Samples, b: Samples) -> float:
-    """Return p of the Wilcoxon rank-sum test, two-sided, by the normal approximation with continuity correction.
+    """Return p of the two-sided Wilcoxon rank-sum test, normal approximation with continuity correction.
 
-    This is the paper's test: two samples of thirty without overlap give 3.0199e-11, as often in its Table 4.
+    Two samples of thirty without overlap give 3.0199e-11, as in Table 4.
     """
     if len({*a, *b}) == 1:
         return 1.0
@@ -22,7 +20,7 @@ def rank_sum(a: Samples, b: Samples) -> float:
 
 
 def holm(p: Sequence[float]) -> list[float]:
-    """Return p values corrected by Holm's step-down method, which keeps the family-wise error rate at alpha."""
+    """Return p values corrected by Holm's step-down method."""
     order = np.argsort(p, kind="stable")
     corrected = np.maximum.accumulate((len(p) - np.arange(len(p))) * np.asarray(p, dtype=float)[order])
     result = np.empty(len(p))
@@ -31,11 +29,7 @@ def holm(p: Sequence[float]) -> list[float]:
 
 
 def compare_pairs(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
-    """Return a sign for each pair of samples of costs.
-
-    "+": the first is lower; "-": it is higher; "=": no difference at 0.05. By the rank-sum test with Holm's correction
-    over all pairs.
-    """
+    """Return "+" (the first is lower), "-" or "=" for each pair, by rank sums at 0.05 with Holm's correction."""
     corrected = holm([rank_sum(a, b) for a, b in pairs])
     return ["=" if p >= 0.05 else "+" if _is_lower(a, b) else "-" for (a, b), p in zip(pairs, corrected, strict=True)]
 
@@ -43,10 +37,7 @@ def compare_pairs(pairs: Sequence[tuple[Samples, Samples]]) -> list[str]:
 def against(
     of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Return for each rival and case whether `ours` is lower (+), higher (-), or neither (=).
-
-    `of` returns the sample of a name on a case; Holm's correction is over all of them.
-    """
+    """Return for each rival and case whether `ours` is lower (+), higher (-), or neither (=), Holm over all."""
     signs = iter(compare_pairs([(of(ours, case), of(rival, case)) for rival in rivals for case in cases]))
     return {rival: [next(signs) for _ in cases] for rival in rivals}
 
@@ -61,7 +52,7 @@ def _is_lower(a: Samples, b: Samples) -> bool:
 
 @dataclass(frozen=True)
 class Friedman:
-    """Hold the mean rank of each treatment (1 is best), the number of blocks, the test statistic, and its p."""
+    """Mean ranks (1 is best), number of blocks, statistic, and p."""
 
     mean_ranks: NDArray[np.float64]
     blocks: int
@@ -70,17 +61,14 @@ class Friedman:
 
 
 def friedman(costs: NDArray[np.float64]) -> Friedman:
-    """Apply Friedman's test to `costs` (blocks, treatments), with three treatments or more."""
+    """Apply Friedman's test to `costs` (blocks, treatments), three treatments or more."""
     ranks = scipy.stats.rankdata(costs, axis=1)
     result = scipy.stats.friedmanchisquare(*costs.T)
     return Friedman(ranks.mean(axis=0), len(costs), float(result.statistic), float(result.pvalue))
 
 
 def post_hoc(test: Friedman, control: int) -> list[float]:
-    """Return p of each treatment against the one at index `control` (itself 1), by mean rank, corrected by Holm.
-
-    The normal approximation that follows a Friedman test: Demsar, JMLR 2006, 7, 1, section 3.2.2.
-    """
+    """Return p of each treatment against `control`, by Holm: Demsar, JMLR 2006, 7, 1, section 3.2.2."""
     k = len(test.mean_ranks)
     z = (test.mean_ranks - test.mean_ranks[control]) / np.sqrt(k * (k + 1) / (6 * test.blocks))
     p = 2 * scipy.stats.norm.sf(np.abs(z))
@@ -91,12 +79,12 @@ def post_hoc(test: Friedman, control: int) -> list[float]:
 
 
 def places(values: Sequence[float]) -> list[int]:
-    """Return the rank of each value, 1 for the least; equals share the better rank."""
+    """Return ranks, 1 for the least; equals share the better one."""
     return [int(r) for r in scipy.stats.rankdata(values, method="min")]
 
 
 def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:
-    """Describe Friedman's test on `costs` (blocks, names), and the comparison of all others with `control`."""
+    """Describe Friedman's test on `costs` (blocks, names), against `control`."""
     test = friedman(costs)
     own = names.index(control)
     p = post_hoc(test, own)

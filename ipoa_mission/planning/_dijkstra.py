@@ -1,5 +1,3 @@
-"""Compiled Dijkstra search over a lattice."""
-
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
@@ -9,15 +7,15 @@ import numpy as np
 from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FASTMATH, _look
 
-GLANCES = 100  # most samples on a leg between two nodes
+GLANCES = 100  # at most on a leg between two nodes
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
 def spread(nodes, steps, lengths, look, source, grid, rules):
-    """Return the least cost from one lattice node to every other (n,), and each predecessor (n,), by Dijkstra.
+    """Return the least cost from one lattice node to every other (n,), and each predecessor (n,).
 
-    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its
-    straight leg is checked for obstacles. Nodes have flat indices.
+    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its leg
+    is checked for obstacles.
     """
     places, (nx, ny, nz) = nodes.places, nodes.price.shape
     price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
@@ -29,7 +27,7 @@ def spread(nodes, steps, lengths, look, source, grid, rules):
         key, here = keys[0], heap[0]
         size -= 1
         last_key, last, hole = keys[size], heap[size], 0
-        while True:  # sift the last entry down from the top
+        while True:
             child = 2 * hole + 1
             if child >= size:
                 break
@@ -52,7 +50,7 @@ def spread(nodes, steps, lengths, look, source, grid, rules):
             trial = key + lengths[s] * 0.5 * (price_here + price[there])
             if not trial < cost[there] or size >= len(keys):
                 continue
-            if look:  # if the clearance balls of both ends do not meet, step from ball to ball
+            if look:  # from clearance ball to ball
                 e, n, u = places[there, 0] - x, places[there, 1] - y, places[there, 2] - z
                 length = math.sqrt(e * e + n * n + u * u)
                 least = max(0.5 * rules.clearance, length / GLANCES)

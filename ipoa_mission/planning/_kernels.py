@@ -1,8 +1,3 @@
-"""Compiled cost of many paths, and clearance at many places.
-
-The tests compare each kernel with a plain NumPy twin. Obstacles, ground and weights are an `ObstacleGrid` and `Rules`.
-"""
-
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
@@ -15,7 +10,6 @@ from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, UNLIMITED
 
 
 def _arctangent(terms: int) -> tuple[float, ...]:
-    """Return the coefficients of t, t^3, ... of arctan on [0, 1] from its Chebyshev series."""
     series = np.zeros(2 * terms)
     k = np.arange(terms)
     series[1::2] = 2 * (-1.0) ** k * (math.sqrt(2) - 1) ** (2 * k + 1) / (2 * k + 1)
@@ -27,7 +21,6 @@ A0, A1, A2, A3, A4, A5, A6, A7, A8, A9 = _arctangent(10)  # accurate to 2e-9 rad
 
 @njit(inline="always")
 def _angle(cross, dot, product):
-    """Return the angle between two vectors from |cross|, dot and the product of lengths: half-angle and series."""
     t = abs(cross) / (product + abs(dot) + 1e-300)
     s = t * t
     series = A0 + s * (A1 + s * (A2 + s * (A3 + s * (A4 + s * (A5 + s * (A6 + s * (A7 + s * (A8 + s * A9))))))))
@@ -37,9 +30,9 @@ def _angle(cross, dot, product):
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
 def path_costs(points, grid, rules):
-    """Return the cost of each path of `points` (m, 3, n): east, north, up of n nodes.
+    """Return the costs of paths `points` (m, 3, n).
 
-    A path that breaks a limit costs its length, `rules.collision`, and more with the depth and length of the breach.
+    A broken limit costs the length, `rules.collision`, and more with its depth and length.
     """
     count, _, n = points.shape
     costs = np.empty(count)
@@ -115,10 +108,7 @@ def path_costs(points, grid, rules):
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
 def survey(points, grid, rules):
-    """Return the slack to everything solid [m] and the threat per metre at each point (n, 3).
-
-    Obstacles beyond the grid's reach count as at its edge.
-    """
+    """Return slack [m] and threat per metre at points (n, 3), within the grid's reach."""
     n = len(points)
     slack, threat = np.empty(n), np.empty(n)
     for i in range(n):

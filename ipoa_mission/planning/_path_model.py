@@ -1,10 +1,7 @@
-"""Compiled model for polishing one path: smoothed cost, gradient and curvature.
+"""Compiled model for polishing one path.
 
-Each term depends on one node, one step between nodes, or two steps. Derivatives are summed by nodes and steps, then
-transferred to the control points. The tests compare it with a plain NumPy twin.
-
-It is compiled without permission to reorder sums. Plans depend on their last bits, and must be the same by shipped
-machine code and by numba.
+It is compiled without permission to reorder sums: plans depend on their last bits. Shipped machine code and numba must
+give the same ones.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -19,19 +16,15 @@ from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import _cell, _distance, _ground, _least_height
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, LEVER
 
-EE, NE, NN, UE, UN, UU = range(6)  # elements of a symmetric matrix: E east, N north, U up
+EE, NE, NN, UE, UN, UU = range(6)
 
 
 class Change(NamedTuple):
-    """Derivatives of the cost by each of n nodes, or of n steps; the last node has no step."""
-
-    slope: NDArray[np.float64]  # (3, n): by east, north, up
+    slope: NDArray[np.float64]  # (3, n)
     curvature: NDArray[np.float64]  # (6, n): `EE` and so on
 
 
 class Bends(NamedTuple):
-    """Derivatives of the cost by the turn and the change of climb at each node; zero at both ends."""
-
     slope: NDArray[np.float64]  # (2, n)
     curvature: NDArray[np.float64]  # (2, n)
 
@@ -39,24 +32,20 @@ class Bends(NamedTuple):
 class Steps(NamedTuple):
     """Steps from each node to the next, all (n,), 0 for the last.
 
-    A step has three orthogonal directions: ahead (flat east, flat north, rise), left (-north, east, 0) and over (-rise
-    east, -rise north, flat).
+    Directions: ahead (flat east, flat north, rise), left (-north, east, 0), over (-rise east, -rise north, flat).
     """
 
-    level: NDArray[np.float64]  # level length [m]
-    leg: NDArray[np.float64]  # length [m]
+    level: NDArray[np.float64]  # [m]
+    leg: NDArray[np.float64]  # [m]
     east: NDArray[np.float64]  # per meter of level length
     north: NDArray[np.float64]
-    rise: NDArray[np.float64]  # height per meter of length
-    flat: NDArray[np.float64]  # level length per meter of length
+    rise: NDArray[np.float64]  # per meter of length
+    flat: NDArray[np.float64]  # per meter of length
 
 
 @njit(inline="always")
 def _add(change, i, east, north, up, slope, curvature):
-    """Add a term of node or step i that depends on its component along (east, north, up).
-
-    `slope` is its first derivative, `curvature` its second.
-    """
+    """Add a term of node or step i along (east, north, up), by its first and second derivative."""
     first, second = change.slope, change.curvature
     first[0, i] += slope * east
     first[1, i] += slope * north
@@ -71,10 +60,9 @@ def _add(change, i, east, north, up, slope, curvature):
 
 @njit(inline="always")
 def _wall(slack, soft, even):
-    """Return the cost of a wall at this slack, with its slope and curvature.
+    """Return cost, slope and curvature of a wall: -log(slack / reach), smoothly zero at `reach`.
 
-    The cost is -log(slack / reach), smoothly zero at `reach`. From where it is as stiff as a broken limit should be, it
-    continues as the osculating parabola.
+    It continues as the osculating parabola, at the stiffness of a broken limit.
     """
     t = slack / soft.reach
     if t >= 1.0:
@@ -102,7 +90,7 @@ def _steps(nodes):
 
 @njit(cache=True, error_model="numpy")
 def _solid(nodes, leg, danger, grid, rules, soft, even, places):
-    """Add the cost of obstacles, ground and bounds at each node; write the threat per metre to `danger` (n,)."""
+    """Add the cost of everything solid; write the threat per metre to `danger` (n,)."""
     n, value = len(nodes), 0.0
     raster, listed_from, listed, around = grid.cells, grid.first, grid.listed, grid.around
     kind, shape, edges, heights, low_zones = grid.kind, grid.shape, grid.edges, grid.heights, grid.low_zones
@@ -139,7 +127,7 @@ def _solid(nodes, leg, danger, grid, rules, soft, even, places):
             hull = distance - rules.radius
             threatened = kind[body] != FENCE and hull < rules.d_safe
             slack = distance if kind[body] == FENCE else distance - rules.clearance
-            if kind[body] != FENCE and not threatened:  # the end of the threat is a wall from outside
+            if kind[body] != FENCE and not threatened:  # a wall from outside
                 slack = min(slack, hull - rules.d_safe)
             wall, slope, curvature = _wall(slack - soft.aside, soft, even)
             value += wall
@@ -158,7 +146,6 @@ def _solid(nodes, leg, danger, grid, rules, soft, even, places):
 
 @njit(cache=True, error_model="numpy")
 def _bends(steps, rules, soft, signs, angles):
-    """Return cost and derivatives of turn and climb change at each inner node; write `angles` (n, 2) [rad]."""
     east, north, n, value = steps.east, steps.north, len(angles), 0.0
     bends, climb = Bends(np.zeros((2, n)), np.zeros((2, n))), math.atan(steps.rise[0] / steps.flat[0])
     for i in range(1, n - 1):
@@ -178,11 +165,7 @@ def _bends(steps, rules, soft, signs, angles):
 
 @njit(cache=True, error_model="numpy")
 def _length(steps, bends, danger, rules, soft, even, along):
-    """Add the cost of each leg: its length with threats, its even spacing, its climb, and its part in `bends`.
-
-    That part is the bend at its begin minus the one at its end. They change with moves to the left or over, where a
-    longer leg is a bent one.
-    """
+    """Add the cost of each leg. A longer leg is a bent one: bend at its begin minus bend at its end."""
     level, leg, value = steps.level, steps.leg, 0.0
     turn, climb, turns, climbs = bends.slope[0], bends.slope[1], bends.curvature[0], bends.curvature[1]
     stretch, lever = soft.evenness / even, LEVER / even
@@ -206,7 +189,7 @@ def _length(steps, bends, danger, rules, soft, even, along):
 
 @njit(cache=True, error_model="numpy")
 def _mixed(steps, bends):
-    """Return the second derivatives of the bends by the steps before and after, (9, n): EE, EN, EU, NE and so on."""
+    """Return second derivatives by the steps before and after, (9, n): EE, EN, EU, NE, ..."""
     level, leg = steps.level, steps.leg
     n = len(leg)
     mixed = np.zeros((9, n))
@@ -229,7 +212,7 @@ def _mixed(steps, bends):
 
 @njit(inline="always")
 def _block(places, along, mixed, window, k, m, some):
-    """Return second derivatives by control points k and m of a window, from nodes `some`: EE, EN, EU, NE, ..."""
+    """Return second derivatives by control points k and m: EE, EN, EU, NE, ..."""
     here, before, after = window[0], window[1], window[2]
     twice, stepwise = places.curvature, along.curvature
     ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -253,7 +236,7 @@ def _block(places, along, mixed, window, k, m, some):
 
 @njit(cache=True, error_model="numpy")
 def _handed_on(places, along, mixed, spans, count):
-    """Return the gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
+    """Return the gradient and lower band of the Hessian by the control points."""
     first, window = spans.first, spans.window
     n, start = len(first), 0
     gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
@@ -262,7 +245,7 @@ def _handed_on(places, along, mixed, spans, count):
         end = start + 1
         while end < n and first[end] == first[start]:
             end += 1
-        some = range(np.uint64(start), np.uint64(end))  # unsigned, so that no index counts from an array's end
+        some = range(np.uint64(start), np.uint64(end))  # unsigned: no index counts from an array's end
         for k in range(5):
             row = 3 * (first[start] + k)
             for axis in range(3):
@@ -281,14 +264,11 @@ def _handed_on(places, along, mixed, spans, count):
 
 @njit(cache=True, error_model="numpy")
 def path_model(nodes, spans, count, grid, rules, soft, even, signs):
-    """Return the smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
+    """Return the smoothed cost of one path, its gradient (3 count,), the Hessian, and the angles (n, 2) [rad].
 
-    `nodes` (n, 3) depend on `count` control points as in `Spans`. `even` is the mean leg length [m]. `signs` (n, 2),
-    between -1 and 1, estimate the signs of turn and climb change at each node: the dual variables of Chan, Golub and
-    Mulet (1999). The closer to 1, the less an angle resists change.
-
-    Return the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), and the angles (n, 2) [rad].
-    `band[i - j, j]` is element i, j of the Hessian. The model is Gauss-Newton's, without negative curvature.
+    `even` is the mean leg length [m]. `signs` (n, 2), from -1 to 1, are the dual variables of Chan, Golub and Mulet
+    (1999): signs of the angles. The Hessian is Gauss-Newton's, as its lower band (15, 3 count): `band[i - j, j]` is
+    element i, j.
     """
     n = len(nodes)
     places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))

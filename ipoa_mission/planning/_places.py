@@ -1,6 +1,6 @@
-"""Compiled values at a place: ground, distance to an obstacle, required height.
+"""Compiled values at a place, inlined at every node.
 
-All functions are inlined at every node. A grid kept alive there would be reference-counted, so it is unpacked first.
+A grid kept alive there would be reference-counted, so it is unpacked first.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,12 +13,12 @@ from ipoa_mission.compiled import njit
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 
-FASTMATH = {"reassoc", "contract", "arcp", "nsz"}  # allow vectorized sums
+FASTMATH = {"reassoc", "contract", "arcp", "nsz"}  # for vectorized sums
 
 
 @njit(inline="always")
 def _on_map(raster, x, y):
-    """Return column and row of a place, with fractions, clamped to the map; 0 for NaN."""
+    """Return fractional column and row; 0 for NaN."""
     u, v = (x - raster.east) * raster.per_meter, (y - raster.north) * raster.per_meter
     u, v = u if u > 0.0 else 0.0, v if v > 0.0 else 0.0
     return min(u, raster.columns - 1.0), min(v, raster.rows - 1.0)
@@ -26,7 +26,7 @@ def _on_map(raster, x, y):
 
 @njit(inline="always")
 def _ground(raster, heights, x, y):
-    """Return the bilinear height of the ground and its slopes along east and north."""
+    """Return the height of the ground and its slopes along east and north."""
     u, v = _on_map(raster, x, y)
     i, j = min(int(u), raster.columns - 2), min(int(v), raster.rows - 2)
     u, v = u - i, v - j
@@ -37,7 +37,6 @@ def _ground(raster, heights, x, y):
 
 @njit(inline="always")
 def _cell(raster, x, y):
-    """Return the index of the cell at a place, clamped to the map."""
     u, v = _on_map(raster, x, y)
     return np.int32(np.floor(v) * raster.columns + np.floor(u))
 
@@ -52,7 +51,7 @@ def _least_height(low_zones, height, x, y):
 
 @njit(inline="always")
 def _aside(kind, shape, edges, body, x, y):
-    """Return the signed distance to an upright obstacle's outline in the plane, and its direction (east, north)."""
+    """Return the signed plane distance, and its direction."""
     if kind[body] == CYLINDER:
         e, n = x - shape[body, 0], y - shape[body, 1]
         r = math.sqrt(e * e + n * n) + 1e-12
@@ -70,7 +69,7 @@ def _aside(kind, shape, edges, body, x, y):
             if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
                 inside = not inside
         r = math.sqrt(nearest) + 1e-12
-        if inside != (kind[body] == FENCE):  # inside a prism, or outside a fence
+        if inside != (kind[body] == FENCE):
             r = -r
         aside = r
     return aside, e / r, n / r
@@ -78,7 +77,7 @@ def _aside(kind, shape, edges, body, x, y):
 
 @njit(inline="always")
 def _distance(kind, shape, edges, body, x, y, z):
-    """Return the signed distance to an obstacle, and the direction in which it grows (east, north, up)."""
+    """Return the signed distance, and its direction."""
     if kind[body] == SPHERE:
         e, n, u = x - shape[body, 0], y - shape[body, 1], z - shape[body, 2]
         r = math.sqrt(e * e + n * n + u * u) + 1e-12
@@ -87,7 +86,7 @@ def _distance(kind, shape, edges, body, x, y, z):
         distance, e, n = _aside(kind, shape, edges, body, x, y)
         under, over = shape[body, 3] - z, z - shape[body, 4]
         above, u = max(under, over), 0.0
-        if distance > 0.0 and above > 0.0:  # over an edge of a cap
+        if distance > 0.0 and above > 0.0:
             r = math.sqrt(distance * distance + above * above)
             e, n, u = e * distance / r, n * distance / r, (above if over > under else -above) / r
             distance = r
@@ -98,7 +97,7 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 @njit(inline="always")
 def _look(grid, rules, x, y, z):
-    """Return the slack of a place to everything solid [m], and the threat per metre there."""
+    """Return slack [m] and threat per metre at a place."""
     cells, first, listed, around = grid.cells, grid.first, grid.listed, grid.around
     kind, shape, edges, raster, heights = grid.kind, grid.shape, grid.edges, grid.ground, grid.heights
     zones, lower, upper, reach = grid.low_zones, grid.lower, grid.upper, grid.reach

@@ -1,7 +1,6 @@
 """Compiled solver of linear equations with a symmetric banded matrix.
 
-For narrow bands, as without via points, LAPACK (by SciPy) adds in the same order: on the tested CPU all bits match.
-Importing SciPy takes longer than all equations of a plan.
+Importing SciPy takes longer than all equations of a plan; the bits are LAPACK's for narrow bands.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,7 +12,7 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def solve_banded(band, right):
-    """Solve H x = `right` (n,) by Cholesky factorization; return x and 1, or 0 if H is not positive definite.
+    """Solve H x = `right` (n,) by Cholesky; return x and 1, or 0 if H is not positive definite.
 
     `band` (k + 1, n) is the lower band of H: `band[i - j, j]` is its element i, j.
     """

@@ -1,7 +1,6 @@
 """Cost of a path, eqs. (4)-(10): length, turns, and threat of near obstacles.
 
-By default the threat is integrated over arc length, so the cost is independent of the number of nodes. With `form =
-"nodes"` it is summed over nodes as in the paper. Angles are in degrees, as in the paper's tables.
+By default the threat is integrated over arc length; with `form = "nodes"` it is summed as in the paper, in degrees.
 """
 
 from dataclasses import dataclass, replace
@@ -13,15 +12,13 @@ from ipoa_mission.planning.obstacle_grid import LEAST, UNLIMITED, Rules
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
 
-COST_STEP = 0.05  # integration step of a plan's cost [m]
+COST_STEP = 0.05  # integration step [m]
 FULL_TURN_DEG = 360.0
-STEPS_PER_SPAN = 16  # least steps per span of the curve
+STEPS_PER_SPAN = 16  # of the curve
 
 
 @dataclass(frozen=True)
 class CostTerms:
-    """The terms of eq. (10) before weighting, and the weighted sum."""
-
     length: float
     """W1 [m]."""
     turning_deg: float
@@ -34,7 +31,7 @@ class CostTerms:
 
 
 def path_cost(nodes: Points, task: PathTask) -> CostTerms:
-    """Return the cost of a path of nodes (n, 3): a sum over nodes, or a trapezoidal integral over its legs."""
+    """Return the cost of nodes (n, 3): a sum, or a trapezoidal integral."""
     turning, climbing = turning_angles(nodes), np.diff(climb_angles(nodes))
     threat = float(threats(nodes, task) @ node_weights(nodes, task.cost.form == "nodes"))
     w1, w2, w3 = task.cost.omega
@@ -45,10 +42,10 @@ def path_cost(nodes: Points, task: PathTask) -> CostTerms:
 
 
 def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
-    """Return the cost of a curve: over `planning.samples` nodes even in its parameter, or an integral in fine steps."""
+    """Return the cost of a curve: over `planning.samples` nodes, or an integral."""
     if task.cost.form == "nodes":
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
-    spans = np.linspace(0.0, 1.0, STEPS_PER_SPAN * curve.spans + 1)  # to count turns of a few millimetres
+    spans = np.linspace(0.0, 1.0, STEPS_PER_SPAN * curve.spans + 1)
     u = np.union1d(curve.parameters(_steps(curve)), spans)
     nodes, velocity, between = curve.points(u), curve.points(u, 1), curve.points((u[:-1] + u[1:]) / 2, 1)
     cost, turned = path_cost(nodes, task), FULL_TURN_DEG * _doublings(nodes, velocity, between)
@@ -57,9 +54,9 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
 
 
 def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
-    """Count how often a curve doubles back within legs between `nodes` (k, 3) that go ahead, without a knot in between.
+    """Count how often a curve doubles back within legs between `nodes` (k, 3), against its `velocity`, a parabola.
 
-    It does where its `velocity`, a parabola on each leg, is against the leg; `between` (k-1, 3) is its value mid-leg.
+    `between` (k-1, 3): velocity mid-leg.
     """
     legs = np.diff(nodes, axis=0)
     start, middle, end = (np.einsum("kj,kj->k", at, legs) for at in (velocity[:-1], between, velocity[1:]))
@@ -68,12 +65,12 @@ def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
     back = np.minimum(np.minimum(start, end), start + (slope + bend * lowest) * lowest) < 0
     back_at = np.nonzero(back)[0]
     runs = np.split(back_at, np.nonzero(np.diff(back_at) > 1)[0] + 1) if len(back_at) else []
-    turned = np.append(np.einsum("kj,kj->k", legs[:-1], legs[1:]) < 0, False)  # visible in the legs, so counted there
+    turned = np.append(np.einsum("kj,kj->k", legs[:-1], legs[1:]) < 0, False)
     return sum(not turned[max(run[0] - 1, 0) : run[-1] + 1].any() for run in runs)
 
 
 def even_cost(curve: Spline, task: PathTask) -> CostTerms:
-    """Return the cost by equal steps only: less than `curve_cost` where the curve turns within a step."""
+    """Return the cost by equal steps only: less where the curve turns within a step."""
     return path_cost(curve.sample(_steps(curve)), task) if task.cost.form != "nodes" else curve_cost(curve, task)
 
 
@@ -82,7 +79,7 @@ def _steps(curve: Spline) -> int:
 
 
 def threats(nodes: Points, task: PathTask) -> Vector:
-    """Return eq. (9)'s summand at each node, over all obstacles, (n,): lambda / d where the hull is within d_safe."""
+    """Return eq. (9)'s summand at each node (n,): lambda / d where the hull is within d_safe."""
     cost, radius = task.cost, task.radius
     total = np.zeros(len(nodes))
     for _, which, distance in task.airspace.near(nodes, cost.d_safe + radius):
@@ -92,7 +89,7 @@ def threats(nodes: Points, task: PathTask) -> Vector:
 
 
 def node_weights(nodes: Points, per_node: bool) -> Vector:
-    """Return the weight of each node: 1, or half the adjacent legs [m]; (n,)."""
+    """Return the weight of each node (n,): 1, or half the adjacent legs [m]."""
     if per_node:
         return np.ones(len(nodes))
     legs = leg_lengths(nodes)
@@ -102,7 +99,7 @@ def node_weights(nodes: Points, per_node: bool) -> Vector:
 def rules_of(task: PathTask) -> Rules:
     """Return limits and weights for the kernels.
 
-    A broken limit costs ten times the direct distance, and more with depth, so that a search can escape.
+    A broken limit costs ten times the direct distance, and more with depth: a search can escape.
     """
     cost, limits, direct = task.cost, task.limits, float(np.linalg.norm(task.places[-1] - task.places[0]))
     length, turning, threat = cost.omega

@@ -1,8 +1,7 @@
-"""Initial guesses: distinct routes through a coarse lattice over the airspace.
+"""Initial guesses: distinct routes through a coarse lattice.
 
-Two runs of Dijkstra's algorithm give the least cost from the start to each node and from it to the goal. Local minima
-of their sum on the surfaces at a quarter, half and three quarters of the way are other passages between obstacles. Gaps
-narrower than the lattice are found too: a node between two walls moves to the best place in its cell.
+Two runs of Dijkstra's algorithm give the least cost of a route through each node. Its local minima part way are other
+passages. For narrow gaps, a node moves within its cell.
 """
 
 from collections.abc import Iterator
@@ -21,26 +20,26 @@ from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import lift, wind
 
-MAX_CONTROL_POINTS = 500  # of a guess
-LOOP_RADIUS = 20.0  # of a usual loop [m]
-LEAST_PRICE = 0.1  # lower bound of the price per metre that divides that of turns
-LOOP_DISCOUNT = 0.98  # cost factor of loops against flying to and fro
-LONG_DETOUR = 0.5  # for a climb, as a share of the distance in which it must be made
-LOOKS_PER_LEG = 10  # samples on a leg between two nodes
-STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
-GAP_SLACK = 0.05  # of a node in a gap: slack that its neighbors on both sides lack, in steps
-WIDEST_GAP = 1.5  # width beyond the required one of a gap with own nodes, in steps
-CENTERING_ROUNDS = 6  # each searches a cell three times as finely
-CENTERED_AT_A_TIME = 5000  # nodes per batch, each with 26 places around
-END_NODES, LOOKS_TO_END = 64, 8  # candidates for an end's node; samples of the leg to each
+MAX_CONTROL_POINTS = 500
+LOOP_RADIUS = 20.0  # [m]
+LEAST_PRICE = 0.1  # per metre, that divides the price of turns
+LOOP_DISCOUNT = 0.98  # against flying to and fro
+LONG_DETOUR = 0.5  # of a climb's distance
+LOOKS_PER_LEG = 10
+STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
+GAP_SLACK = 0.05  # that its neighbors lack, in steps
+WIDEST_GAP = 1.5  # beyond the required width, in steps
+CENTERING_ROUNDS = 6
+CENTERED_AT_A_TIME = 5000
+END_NODES, LOOKS_TO_END = 64, 8  # candidates; samples to each
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Nodes in steps of `spacing` (3,) from `corner` (3,); `slack` and `price` are (nx, ny, nz).
+    """Nodes in steps of `spacing` (3,) from `corner` (3,), at `places` (nx ny nz, 3).
 
-    Slack is the clearance of a node beyond the required one [m]. The price is the cost per metre, infinite for negative
-    slack. `places` (nx ny nz, 3) are the positions of the nodes.
+    `slack` beyond the required clearance [m] and `price` per metre are (nx, ny, nz); the price of negative slack is
+    infinite.
     """
 
     corner: Vector
@@ -55,10 +54,10 @@ class Lattice:
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
-        """Return the steps (s, 3) and their lengths (s,) [m], or those of the reversed direction.
+        """Return the steps (s, 3) and their lengths (s,) [m].
 
-        A step that is too steep has the length of the loops it represents. Height costs slightly less in loops than on
-        the way, so that no route flies to and fro to gain it.
+        A step that is too steep has the length of its loops. Height costs slightly less in loops: no route flies to and
+        fro.
         """
         strides = STRIDES * self.spacing
         level, rise = np.hypot(strides[:, 0], strides[:, 1]), strides[:, 2]
@@ -71,10 +70,7 @@ class Lattice:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """A polyline `guide` (k, 3), and the control points of a curve that follows it.
-
-    There are `inner` ones evenly along it, or `shares` (k-1,) on each leg.
-    """
+    """A polyline `guide` (k, 3), with `inner` control points evenly, or `shares` (k-1,) on each leg."""
 
     guide: Points
     shares: Vector | None
@@ -86,10 +82,7 @@ class Guess:
 
 
 def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
-    """Return guesses from start over all via points to the goal: the straight one, then those along lattice routes.
-
-    Lattices before index `coarsest` of `strategy.refinements` are skipped.
-    """
+    """Return the straight guess, then guesses along routes of `refinements[coarsest:]`."""
     task = problem.task
     straight = task.places
     inner = max(task.planning.control_points, 3, 5 * (len(straight) - 1))
@@ -110,10 +103,7 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
 def _climbing(
     routes: list[Points], inner: int, problem: PreparedProblem, lattice: Lattice, both: bool
 ) -> Iterator[Guess]:
-    """Yield guesses along lattice routes that climb within limits: earlier, by detours from the polish, or in loops.
-
-    A route gets loops if a detour would be long or is not free, or always if `both`.
-    """
+    """Yield guesses that climb within limits; in loops if a detour is long or blocked, or `both`."""
     step = float(lattice.spacing[2])
     for way in routes:
         detour = np.inf
@@ -126,13 +116,12 @@ def _climbing(
 
 
 def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL.lattice) -> Lattice:
-    """Return a lattice over the bounds; `fineness` 2 halves the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
     flattest, area = max(min(*steepest, 1.0), strategy.min_slope), size[0] * size[1]
     pitch = (area * size[2] / flattest / strategy.nodes) ** (1 / 3)
-    if upright := min(steepest) >= UNLIMITED:  # cells may then be higher than wide
+    if upright := min(steepest) >= UNLIMITED:  # cells may then be higher
         pitch = min(pitch, (area * strategy.max_levels / strategy.nodes) ** 0.5)
     pitch = max(pitch, size[:2].max() / strategy.max_nodes_per_side) / fineness
     count = np.ones(3, int)
@@ -157,10 +146,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
 
 
 def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
-    """Return up to `most` distinct routes from start over all via points to the goal, (k, 3) each, cheapest first.
-
-    Empty if the lattice has no route. Without `looking`, a step may cross something thin between two nodes.
-    """
+    """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
     stops = problem.task.places
     legs = [_leg_ways(lattice, problem, a, b, most, looking) for a, b in pairwise(stops)]
     if not all(legs):
@@ -173,7 +159,6 @@ def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = 
 
 
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
-    """Return which nodes are slightly too near between two walls, or adjacent to such a node."""
     between = np.zeros(slack.shape, bool)
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
@@ -184,7 +169,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
-    """Return the places with the most slack in the cells around nodes (n, 3)."""
+    """Return the places with the most slack around nodes (n, 3)."""
     lower, upper = _region(problem)
     centered = [nodes[:0]]
     for some in (nodes[k : k + CENTERED_AT_A_TIME] for k in range(0, len(nodes), CENTERED_AT_A_TIME)):
@@ -198,10 +183,9 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
 
 def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
-    """Return the routes with extra points where a leg between two nodes cuts an obstacle.
+    """Return the routes with extra points where a leg cuts an obstacle.
 
-    A leg of the cheapest route may not be repairable, as in a gap slightly too narrow. Then add routes that avoid the
-    nodes of such legs.
+    If the cheapest is not repairable, add routes that avoid such nodes.
     """
     mended, closed = list[Points](), list[Points]()
     for way in routes:
@@ -220,21 +204,19 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
 
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
-    """Return points (k, 3) along a route, `LOOKS_PER_LEG` a leg, and which of these, except corners, break limits."""
     shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
     return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
 
 
 def _whole(points: Points) -> NDArray[np.void]:
-    """Return points (n, 3) as comparable items (n,)."""
     return np.ascontiguousarray(points).view(np.dtype((np.void, 24))).ravel()
 
 
 def _occupy_gaps(
     nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PreparedProblem
 ) -> None:
-    """Move nodes (n, 3), with their slack and threat, to places of narrow gaps within their cells."""
+    """Move nodes (n, 3), with slack and threat, to narrow gaps in their cells."""
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + WIDEST_GAP * float(spacing[:2].max())
@@ -245,7 +227,6 @@ def _occupy_gaps(
         places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
         room, danger = problem.survey(places)
         better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
-        # of several in a cell, keep the one with the most slack
         better = better[np.argsort(room[better], kind="stable")]
         node = node[better]
         nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
@@ -253,7 +234,6 @@ def _occupy_gaps(
 
 
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
-    """Return the flat index of the nearest free node to a place, preferring a free straight leg."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
     few = np.argpartition(away, END_NODES)[:END_NODES] if len(free) > END_NODES else np.arange(len(free))
@@ -299,7 +279,7 @@ def _leg_ways(
 
 
 def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    """Return nodes with locally least cost of a route through them, cheapest first."""
+    """Return locally cheapest nodes, cheapest first."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []
@@ -312,7 +292,6 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
 
 
 def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
-    """Return for each node (nx, ny, nz) the least value within `reach` steps along each axis."""
     for axis, count in enumerate(values.shape):
         padded = np.pad(values, [(reach * (k == axis),) * 2 for k in range(3)], constant_values=np.inf)
         values = np.minimum.reduce([padded.take(range(k, k + count), axis) for k in range(2 * reach + 1)])
@@ -332,12 +311,12 @@ def _even(points: Points, count: int = 24) -> Points:
 
 
 def _turns(way: Points, tolerance: float) -> int:
-    """Return the number of corners of a route simplified within a tolerance [m] (Douglas and Peucker)."""
+    """Return the corners of a route within a tolerance [m] (Douglas and Peucker)."""
     return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
-    """Return the relevant part of the bounds: up to just above all obstacles and ground."""
+    """Return the bounds up to just above all obstacles and ground."""
     task, limits = problem.task, problem.limits
     airspace, stops = task.airspace, task.places
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]

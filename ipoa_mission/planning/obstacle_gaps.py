@@ -1,4 +1,4 @@
-"""Find gaps between neighboring obstacles that are narrower than a lattice cell."""
+"""Find gaps between obstacles that are narrower than a lattice cell."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -12,19 +12,14 @@ from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Plane
 
-REACH_BEYOND = 1.5  # extent of the places before and behind a gap, in cells
-LONGEST_GAP = 20.0  # greatest extent from the narrowest place of a gap, in cells
-BATCH_SIZE = 100_000  # places per batch, about
-LEAST_GAP = 1e-6  # narrower gaps are closed [m]
+REACH_BEYOND = 1.5  # behind a gap, in cells
+LONGEST_GAP = 20.0  # extent of a gap, in cells
+BATCH_SIZE = 100_000  # places
+LEAST_GAP = 1e-6  # [m]
 
 
 def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
-    """Yield places (k, 3) before, in and behind the gaps up to `widest` [m], at the heights at which they are gaps.
-
-    They come in batches: those of 10,000 obstacles would fill the memory. On the line through a gap they are half a
-    cell apart. Gaps are between outlines of upright obstacles, or between these and the sides of the flight area. The
-    middle of a gap leaves equal slack on both sides.
-    """
+    """Yield places (k, 3) before, in and behind the gaps up to `widest` [m]."""
     shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
     one, other = tree.query(tree.geometries, "dwithin", widest)
@@ -52,13 +47,13 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
 
 
 def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
-    """Return the greatest length of shapes (n,), grown by radii (n,), along directions (n, 2), (n,) [m]."""
+    """Return the length of grown shapes along directions (n, 2), (n,) [m]."""
     west, south, east, north = shapely.bounds(shapes).T
     return np.asarray(np.abs(ahead[:, 0]) * (east - west) + np.abs(ahead[:, 1]) * (north - south) + 2 * radii)
 
 
 def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_], Vector, Vector, NDArray[np.float64]]:
-    """Return plane shapes, their radii, the required distances, and lowest and highest height (k, 2)."""
+    """Return plane shapes, radii, required distances, and heights (k, 2)."""
     outlines: list[tuple[shapely.Geometry, float, float, float, float]] = []
     for body in airspace.obstacles:
         if (column := body.column) is not None:

@@ -1,9 +1,4 @@
-"""The airspace as flat arrays for kernels, with a lookup of near obstacles by grid cell.
-
-Each cell lists the obstacles that may matter within it, and the height above which its ground cannot. The cost of a
-path then hardly depends on the number of obstacles. An analytic surface is resampled here for speed; the proof uses the
-surface itself.
-"""
+"""The airspace as flat arrays for kernels, with a lookup by grid cell; analytic surfaces are resampled."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,20 +10,20 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.obstacle import PRISM, GridRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
-if TYPE_CHECKING:  # to compile the kernels, numpy, shapely and pyproj are enough
+if TYPE_CHECKING:  # kernels need only numpy, shapely and pyproj
     from ipoa_mission.scenario.path_limits import Limits
     from ipoa_mission.world.airspace import Airspace
 
-FENCE = PRISM + 1  # kind of the flight area's outline, seen from inside
-LEAST = 0.05  # least distance of a threat [m]
-LEVER = 10.0  # run over which the slack of a slope counts as height [m]
-UNLIMITED = 1e9  # slope or ceiling without a limit
-ENDLESS = 1e9  # base and top of a fence [m]
-RESAMPLED = 400  # nodes along the longer side of an analytic surface
+FENCE = PRISM + 1  # seen from inside
+LEAST = 0.05  # of a threat [m]
+LEVER = 10.0  # run of the slack of a slope [m]
+UNLIMITED = 1e9
+ENDLESS = 1e9  # of a fence [m]
+RESAMPLED = 400
 
 
 class Raster(NamedTuple):
-    """A regular grid on the map: its south-western corner [m], steps per metre, and number of rows and columns."""
+    """A regular grid: its south-western corner [m], steps per metre, rows and columns."""
 
     east: float
     north: float
@@ -38,17 +33,16 @@ class Raster(NamedTuple):
 
 
 class ObstacleGrid(NamedTuple):
-    """An airspace for kernels.
+    """`shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top.
 
-    `shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top; prism or fence first edge,
-    end of edges, unused, base, top. Edges: east, north, east, north.
+    Prism or fence: first edge, end of edges, unused, base, top. Edges: east, north, east, north.
     """
 
-    cells: Raster  # arrays by cell are flat, row by row
-    first: NDArray[np.int32]  # (cells + 1,): begin of a cell's list in `listed`, which ends at the next one
-    listed: NDArray[np.int32]  # indices of obstacles
-    top: NDArray[np.float64]  # (cells,): above this the ground does not matter [m]
-    around: NDArray[np.float64]  # (k, 5): region of influence: east, north, radius squared, lowest, highest
+    cells: Raster  # cell arrays are flat, row by row
+    first: NDArray[np.int32]  # (cells + 1,): begin of a cell's list in `listed`
+    listed: NDArray[np.int32]
+    top: NDArray[np.float64]  # (cells,): no ground matters above [m]
+    around: NDArray[np.float64]  # (k, 5): east, north, radius squared, lowest, highest
     kind: NDArray[np.int8]  # (k,)
     shape: NDArray[np.float64]  # (k, 5)
     edges: NDArray[np.float64]  # (m, 4)
@@ -56,58 +50,52 @@ class ObstacleGrid(NamedTuple):
     heights: NDArray[np.float64]  # (rows, columns)
     lower: Vector  # (3,) bounds
     upper: Vector
-    reach: float  # obstacles within this distance are listed [m]
+    reach: float  # of the lists [m]
     low_zones: NDArray[np.float64]  # (z, 4): east, north, radius, height
 
 
 class Rules(NamedTuple):
-    """Limits and weights for kernels; limits that are not set are very large."""
-
     clearance: float  # from obstacles [m]
     height: float  # above ground [m]
     ceiling: float  # above ground [m]
     climb: float  # height over distance
     descent: float
-    radius: float  # of the vehicle [m]: threats are measured from its hull
+    radius: float  # hull [m]
     d_safe: float  # [m]
     length: float  # cost per metre
     turning: float  # cost per radian
     climbing: float  # cost per radian
     threat: float  # cost per metre (or node) at one metre
     per_node: bool
-    collision: float  # cost of breaking any limit, and per square metre of depth times length
+    collision: float  # and per square metre of depth times length
     depth: float
 
 
 class Nodes(NamedTuple):
     """A lattice for kernels."""
 
-    price: NDArray[np.float64]  # (nx, ny, nz): cost per metre at each node, infinite if blocked
-    slack: NDArray[np.float64]  # (nx, ny, nz): clearance beyond the required one [m]
+    price: NDArray[np.float64]  # (nx, ny, nz): per metre, infinite if blocked
+    slack: NDArray[np.float64]  # (nx, ny, nz) [m]
     places: Points  # (nx ny nz, 3)
 
 
 class Spans(NamedTuple):
-    """Dependence of n nodes of a path on its control points."""
-
-    first: NDArray[np.int64]  # (n,): the first of the five that a node and its neighbors depend on
-    window: NDArray[np.float64]  # (3, 5, n): coefficients of the node, of the step to it, and of the step from it
+    first: NDArray[np.int64]  # (n,): the first of five control points
+    window: NDArray[np.float64]  # (3, 5, n): of the node, the step to it, and the step from it
 
 
 class Soft(NamedTuple):
-    """Smoothing of a polish, from soft to hard."""
-
-    bend: float  # angles much smaller than this count squared [rad]
-    reach: float  # distance at which limits, and the end of threats, begin to act as walls [m]
-    wall: float  # cost per metre of path along such a wall, at about `reach`
-    stiffness: float  # cost per metre of path and squared metre of a broken limit
-    evenness: float  # weight of even node spacing
-    aside: float  # added to the required clearance [m]
-    above: float  # added to the required height [m]
-    flatter: float  # subtracted from the greatest slopes
+    bend: float  # smaller angles count squared [rad]
+    reach: float  # at which walls begin to act [m]
+    wall: float  # cost per metre of path at about `reach`
+    stiffness: float  # per metre of path, of a squared metre
+    evenness: float
+    aside: float  # to the required clearance [m]
+    above: float  # to the required height [m]
+    flatter: float  # from the greatest slopes
 
     def scaled(self, scale: float) -> "Soft":
-        """Return the smoothing of a scene with lengths times `scale` and equal costs."""
+        """Return the smoothing of a scene with lengths times `scale`."""
         return self._replace(
             reach=self.reach * scale,
             wall=self.wall / scale,
@@ -119,7 +107,6 @@ class Soft(NamedTuple):
 
 
 def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> ObstacleGrid:
-    """Return the grid that lists obstacles within `reach` [m], and ground within that height."""
     lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
     cell = float(size.max()) / np.clip(4 * np.sqrt(len(airspace.obstacles)), 64, 512)
@@ -149,7 +136,6 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
 
 
 def _heights(terrain: Terrain, lower: Vector, upper: Vector) -> Grid:
-    """Return the ground as a grid: itself, or resampled over the bounds."""
     if isinstance(terrain, Grid):
         return terrain
     size = upper[:2] - lower[:2]
@@ -192,7 +178,7 @@ def _shapes(
 def _lists(
     parts: Sequence[Part], fenced: bool, lower: Vector, cell: float, rows: int, columns: int, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return for each cell the parts that may be within `reach` of it: list begins (cells + 1,) and indices."""
+    """Return the parts within `reach` of each cell: list begins (cells + 1,) and indices."""
     boxes = np.array([_box(part, reach) for part in parts]).reshape(-1, 2, 2)
     if fenced:
         boxes = np.concatenate([boxes, [[lower[:2], lower[:2] + cell * np.array([columns, rows])]]])
@@ -213,7 +199,7 @@ def _lists(
 
 
 def _plan_radii(parts: Sequence[Part], fenced: bool) -> Vector:
-    """Return the radius of a circle around each part's outline, infinite for a fence, (k,)."""
+    """Return the radius around each outline, infinite for a fence, (k,)."""
     return np.array([part.plan_radius for part in parts] + [np.inf] * fenced)
 
 

@@ -1,4 +1,4 @@
-"""Explain why there is no path: a blocked place, a walled-in route, or a narrow gap."""
+"""Explain why there is no path."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,21 +15,21 @@ from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, GRADIENT_STEP, LEAST_FLIGHT = 1e-6, 1e-4, 0.1  # [m]
-LATTICE_FINENESS = 3.0  # of the lattice for finding gaps
-COARSEST_STEP = 1.5  # lattices with longer steps, in clearances, may miss a gap between thin walls
+LATTICE_FINENESS = 3.0
+COARSEST_STEP = 1.5  # lattices with longer steps, in clearances, may miss thin walls
 HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
 
 
 class NoPath(MissionError):
-    """No path keeps the limits, or none was found; the message names the obstruction, place and shortfall."""
+    """No path keeps the limits, or none was found."""
 
 
 class NotFound(NoPath):
-    """No path was found, but nothing closes every route: another seed may find one."""
+    """Another seed may find a path."""
 
 
 def refuse_places(problem: PreparedProblem) -> None:
-    """Raise for a start, goal or via point at which the vehicle may not be.
+    """Raise for a place at which the vehicle may not be.
 
     Raises:
         BadInput: the goal is at the start, without via points.
@@ -60,7 +60,7 @@ def refuse_closed(problem: PreparedProblem) -> None:
     """Raise if walls through all heights leave no gap that is wide enough.
 
     Raises:
-        NoPath: the widest gap and its width, or the obstacles around an end.
+        NoPath: the widest gap, or the obstacles around an end.
     """
     for a, b in pairwise(problem.task.places):
         if (barrier := closure(problem, a, b)) is not None:
@@ -73,12 +73,11 @@ def refuse_closed(problem: PreparedProblem) -> None:
 
 
 def not_found(proof: Proof) -> NotFound:
-    """Return the error with the best path's shortfall, if nothing is known to close every route."""
     return NotFound(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
 def blockage(problem: PreparedProblem) -> NoPath | None:
-    """Return the error for the widest route if it is too narrow; None if it is open or uncertain."""
+    """Return the error for the widest route; None if it is open or uncertain."""
     lattice = lay(problem, LATTICE_FINENESS)
     for a, b in pairwise(problem.task.places):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
@@ -91,7 +90,6 @@ def blockage(problem: PreparedProblem) -> NoPath | None:
 
 
 def _entrance(lattice: Lattice, place: Vector) -> int:
-    """Return the flat index of the node with the most slack next to a place."""
     shape = np.array(lattice.slack.shape)
     beside = (
         np.round((place - lattice.corner) / lattice.spacing).astype(int) + np.indices((3, 3, 3)).reshape(3, -1).T - 1
@@ -101,14 +99,14 @@ def _entrance(lattice: Lattice, place: Vector) -> int:
 
 
 def _widest(lattice: Lattice, start: int, goal: int) -> tuple[float, int]:
-    """Return the greatest slack with which the lattice joins start and goal, and its bottleneck node."""
+    """Return the greatest slack that joins start and goal, and its node."""
     slack = lattice.slack.ravel()
     levels = np.unique(slack[np.isfinite(slack)])
-    low, high = 0, len(levels)  # joined at levels[low], not at levels[high]
+    low, high = 0, len(levels)
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if _joined(lattice, levels[middle], start, goal) else (low, middle)
-    gates = np.nonzero(slack == levels[low])[0]  # several under a level roof: take the smallest detour
+    gates = np.nonzero(slack == levels[low])[0]  # under a level roof: the smallest detour
     ends, spots = lattice.places[[start, goal]], lattice.places[gates]
     detour = np.linalg.norm(spots - ends[0], axis=1) + np.linalg.norm(spots - ends[1], axis=1)
     return float(levels[low]), int(gates[np.argmin(detour)])
@@ -124,8 +122,6 @@ def _joined(lattice: Lattice, level: float, start: int, goal: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Wall:
-    """A surface near the gate: its distance, the required distance, and the direction away from it."""
-
     name: str
     distance: float
     required: float
@@ -134,7 +130,6 @@ class _Wall:
 
 
 def _closed(problem: PreparedProblem, gate: Vector) -> NoPath | None:
-    """Return the error for the obstacles on both sides of the widest place if it is too narrow, else None."""
     walls = sorted(_walls(problem, gate), key=lambda wall: wall.distance - wall.required)
     east, north, up = gate
     where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
@@ -190,7 +185,7 @@ def _away(body: Obstacle, place: Vector) -> Vector:
 
 
 def _gap(a: _Wall, b: _Wall, place: Vector) -> float:
-    """Return the width between two walls near a place; between two bodies by alternating projection."""
+    """Return the width between two walls, by alternating projection."""
     if a.body is None or b.body is None:
         return a.distance + b.distance
     for _ in range(50):

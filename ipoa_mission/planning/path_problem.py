@@ -1,5 +1,3 @@
-"""Input of the planner without a file: airspace, limits, places to pass, and cost weights."""
-
 from dataclasses import dataclass, field, fields, replace
 from typing import TypeAlias
 
@@ -20,11 +18,11 @@ class PathProblem:
     Attributes:
         airspace: bounds, ground and obstacles.
         limits: limits of the path.
-        places: start, places to pass and goal, two at least, (k, 3) [m].
-        radius: of the vehicle's hull [m]: threats are measured from it, and `limits.obstacle_distance` includes it.
-        cost: weights of the cost, as `[cost]` of a scenario.
-        planning: settings of the search, as `[planning]`.
-        optimizer: the search algorithm, as `[optimizer]`.
+        places: start, places to pass and goal, (k, 3) [m].
+        radius: of the hull [m]: threats are measured from it, and `limits.obstacle_distance` includes it.
+        cost: as `[cost]` of a scenario.
+        planning: as `[planning]`.
+        optimizer: as `[optimizer]`.
 
     Raises:
         BadInput: `places` are not two or more points of three numbers.
@@ -47,11 +45,6 @@ class PathProblem:
     optimizer: OptimizerSection = field(default_factory=OptimizerSection)
 
     def __post_init__(self) -> None:
-        """Convert lists to arrays.
-
-        Raises:
-            BadInput: the places are not two or more points of three numbers.
-        """
         try:
             places = np.array(self.places, dtype=np.float64)
         except (TypeError, ValueError):
@@ -62,15 +55,11 @@ class PathProblem:
         object.__setattr__(self, "places", places)
 
     def tightened(self, above: float, below: float = 0.0, airspace: Airspace | None = None) -> "PathProblem":
-        """Return the problem with `above` [m] more above the ground and `below` more under the ceiling.
-
-        `airspace`: another airspace over the same terrain.
-        """
+        """Return the problem with `above` [m] more above the ground, `below` under the ceiling, and this `airspace`."""
         limits = self.limits.tightened(above, below, self.places, self.airspace)
         return replace(self, limits=limits, airspace=airspace or self.airspace)
 
 
-#: Input of the planner: a scenario has all parts of a problem, and more.
 PathTask: TypeAlias = PathProblem | Scenario
 
 

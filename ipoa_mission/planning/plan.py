@@ -1,5 +1,3 @@
-"""Result of planning: a curve, its cost, and the proof that it keeps the limits."""
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -17,11 +15,11 @@ class Plan:
     """A path that may be flown; made by `plan_path`.
 
     Attributes:
-        curve: the path, a spline.
-        cost: its cost, term by term.
+        curve: the path.
+        cost: term by term.
         proof: its clearance from every limit.
         optimizer: the name of the search algorithm.
-        seed: seed of the random numbers.
+        seed: of the random numbers.
         evaluations: numbers of evaluated costs, (n,).
         history: best cost after each of these, (n,).
         via_at: the curve's parameters at the places to pass, (k,).
@@ -37,7 +35,7 @@ class Plan:
     via_at: Vector = field(default_factory=lambda: np.zeros(0))
 
     def judged_by(self, task: PathTask) -> "Plan":
-        """Return the same path with cost and proof for another `task`, like one with less required room."""
+        """Return the same path with cost and proof for another `task`."""
         return replace(self, cost=curve_cost(self.curve, task), proof=prove_curve(self.curve, task))
 
     def __repr__(self) -> str:

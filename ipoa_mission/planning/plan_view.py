@@ -1,8 +1,7 @@
-"""Decide in plan view whether obstacles through all heights of flight close every route.
+"""Decide in plan view whether obstacles close every route.
 
-In plan view the answer is certain. Obstacles as high as the airspace, grown by their required distance, either leave
-start and goal in one connected piece or they do not. In that case, the gap that opens first as less distance is
-required is the widest.
+Obstacles as high as the airspace, grown by their required distance, leave start and goal in one piece or not. The gap
+that opens first is the widest.
 """
 
 from dataclasses import dataclass
@@ -16,19 +15,19 @@ from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.terrain import Flat, Grid
 from ipoa_mission.world.union import union_of
 
-COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # segments of a quarter circle; they are inside the true circle
+COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # of a quarter circle, inside the true one
 CIRCLE_ERROR = 1 - np.cos(np.pi / 4 / QUARTER_SEGMENTS)
 SHARE_TOLERANCE, DISTANCE_TOLERANCE = (
     1e-5,
     1e-2,
-)  # tolerance of the widest gap, as a share of the required distance and [m]
+)  # as a share of the required distance and [m]
 
 
 @dataclass(frozen=True)
 class Closure:
-    """A closure of every route, at `place` (east, north): two `names` that leave `width` of `needed` [m].
+    """A closure at `place` (east, north): two `names` that leave `width` of `needed` [m].
 
-    Without any gap, `names` are all obstacles around, and `width` is 0.
+    Without any gap, `names` are all around.
     """
 
     names: tuple[str, ...]
@@ -38,13 +37,13 @@ class Closure:
 
 
 def closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
-    """Return what closes every route between two places, (3,) each; None if one is open or it is uncertain."""
+    """Return the closure between two places, (3,) each; None if open or uncertain."""
     view = _View(problem, start, goal)
     if not len(view.shapes) or view.piece(1.0, COARSE_SEGMENTS) is not None or view.piece(1.0) is not None:
         return None
     if view.piece(0.0) is None:
         return view.walled_in()
-    low, high = 0.0, 1.0  # shares of the required distance: `low` has a route, `high` has none
+    low, high = 0.0, 1.0
     while high - low > SHARE_TOLERANCE:
         middle = (low + high) / 2
         low, high = (low, middle) if view.piece(middle) is None else (middle, high)
@@ -52,8 +51,6 @@ def closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | 
 
 
 class _View:
-    """Columns through all heights, and two places between them."""
-
     def __init__(self, problem: PreparedProblem, start: Vector, goal: Vector) -> None:
         bounds = problem.task.airspace.bounds
         self.area = bounds.footprint.shape if bounds.footprint else shapely.box(*bounds.lower[:2], *bounds.upper[:2])
@@ -74,14 +71,13 @@ class _View:
         self.radii, self.required = np.array(radii), np.array(required)
 
     def piece(self, share: float, sides: int = QUARTER_SEGMENTS) -> shapely.Geometry | None:
-        """Return the free piece that joins both ends if a share of the distance is required, or None."""
+        """Return the piece that joins both ends at a share of the distance."""
         return next(
             (p for p in self._pieces(share, sides) if shapely.dwithin(p, self.ends, DISTANCE_TOLERANCE / 10).all()),
             None,
         )
 
     def walled_in(self) -> Closure | None:
-        """Return the obstacles around the end with less room."""
         pieces = [p for p in self._pieces(0.0, QUARTER_SEGMENTS) if shapely.intersects(p, self.ends).any()]
         if len(pieces) < 2:
             return None
@@ -92,7 +88,6 @@ class _View:
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """Return the gap that joins both ends at this share but at hardly more."""
         piece, side = self.piece(share), self.area.exterior
         tree = shapely.STRtree(self.shapes)
         reach = 2 * float((self.radii + self.required).max()) + DISTANCE_TOLERANCE
@@ -107,7 +102,7 @@ class _View:
         width = shapely.length(lines) - inner
         names = [*zip(one, other, strict=True), *((k, -1) for k in range(len(self.shapes)))]
         called = [*self.names, "the edge of the area"]
-        short = width - share * needed  # within the error of corners that are not quite round
+        short = width - share * needed
         for k in np.argsort(np.abs(short)):
             if abs(short[k]) > DISTANCE_TOLERANCE + CIRCLE_ERROR * needed[k]:
                 break
@@ -128,7 +123,6 @@ class _View:
 
 
 def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
-    """Return the greatest range of heights for flying next to a body."""
     airspace, limits, grid = problem.task.airspace, problem.limits, problem.grid
     (west, south, _), (east, north, _) = body.bounds
     reach, step = limits.obstacle_distance, 1 / grid.ground.per_meter

@@ -1,11 +1,10 @@
 """Plan a path for a task: guess, search, polish, prove.
 
-Short searches begin at different guesses, a straight line and distinct routes through a coarse lattice, to end in
-different passages between obstacles. Each result is polished to the nearest optimum. The best curves are refined to
-twice the control points and searched again piece by piece; a long one is also perturbed. The best of all are settled:
-polished until their proof holds. The best of these is refined and settled once more.
+Short searches around different guesses are polished. The best are refined and searched again piece by piece, then
+polished until their proof holds.
 """
 
+from collections.abc import Iterator
 from typing import TypeAlias
 
 import numpy as np
@@ -16,7 +15,6 @@ from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.perturb import perturbed
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM_STAGES, ROUGH_STAGES, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Candidate, PreparedProblem, follow, prepare, refine
@@ -43,13 +41,13 @@ def plan_path(
 
     Args:
         task: a scenario, or a `PathProblem`.
-        seed: seed of the random numbers.
+        seed: of the random numbers.
         progress: called with the share done and a description.
-        strategy: search effort; by default from the number of places to pass. Internal, may change with any version.
+        strategy: search effort. Internal, may change with any version.
         optimizer: replaces the task's optimizer.
 
     Returns:
-        The curve, proved to keep the limits, with its cost and search history.
+        The curve, proved to keep the limits.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
@@ -66,9 +64,9 @@ def plan_path(
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
-    search = optimizer or optimizer_of(task, short=not as_printed)
+    search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or strategy_for(len(task.places) - 1)
-    searcher = Searcher(problem, search, np.random.default_rng(seed), effort)
+    searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
     with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [proved for proved in curves if proved[1].holds]
@@ -81,10 +79,7 @@ def plan_path(
 
 
 def move_aside(plan: Plan, task: PathTask) -> Spline | None:
-    """Move a plan's curve until it keeps the limits of another task that requires more room.
-
-    Return None if it cannot; another route may.
-    """
+    """Move a plan's curve until it keeps another task's limits; None if it cannot."""
     problem = prepare(task)
     with threadpool_limits(1, "blas"):
         near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_STAGES)
@@ -93,7 +88,6 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Settled:
-    """Return the result of one long search, as in the paper."""
     task = searcher.problem.task
     straight = follow(task.places, task.planning.control_points, task)
     searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
@@ -101,7 +95,7 @@ def _search_once(searcher: Searcher, progress: Progress) -> Settled:
 
 
 def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
-    """Return a few settled curves; if none holds, search again with guesses from a finer lattice."""
+    """Return settled curves, if need be from a finer lattice."""
     problem, strategy, proved = searcher.problem, searcher.strategy, list[Settled]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
@@ -121,7 +115,6 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
 
 
 def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Candidate]:
-    """Return the best few polished curves from guesses and searches around them."""
     problem, strategy = searcher.problem, searcher.strategy
     straight, *ways = guesses(problem, coarsest, strategy.lattice)
     candidates, polished = [straight.candidate(problem)], [polish(straight.candidate(problem), problem)]
@@ -146,7 +139,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 
 
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
-    """Polish a guess roughly; with limited climbs until it keeps all limits, since every shortcut must be climbed."""
+    """Polish roughly; with limited climbs until all limits hold: a shortcut must be climbed."""
     return (
         settle(candidate, problem, 5e-6, ROUGH_STAGES, finer=1)[0]
         if problem.climbs_limited
@@ -155,7 +148,6 @@ def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
 
 
 def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
-    """Return these curves refined, and variants searched piece by piece, best first."""
     problem, rng, strategy = searcher.problem, searcher.rng, searcher.strategy
     improved = [
         (problem.cost(candidate), candidate) for candidate in (_finer(candidate, strategy) for candidate in candidates)
@@ -175,7 +167,7 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
 
 
 def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> Settled:
-    """Settle the curve; if clustered control points hide a loop, settle again with even spacing."""
+    """Settle; if clustered control points hide a loop, again evenly."""
     problem, task = searcher.problem, searcher.problem.task
     settled, proof = settle(candidate, problem, enough)
     cost = curve_cost(settled.curve, task)
@@ -190,3 +182,26 @@ def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> S
 
 def _finer(candidate: Candidate, strategy: SearchStrategy) -> Candidate:
     return refine(candidate) if len(candidate.curve.control) < strategy.enough_control_points else candidate
+
+
+def perturbed(candidate: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
+    """Yield a cheaper curve: bend one piece after the other and polish again.
+
+    Not for short curves, nor with via points, which a bend would miss.
+    """
+    count, cost, cheapest = len(candidate.curve.control) - 2, problem.cost(candidate), candidate
+    if count < strategy.perturbed_control_points or len(candidate.via_at):
+        return
+    bend = np.sin(np.pi * (np.arange(strategy.piece) + 0.5) / strategy.piece)[:, None]
+    for first in range(0, count - strategy.piece + 1, strategy.piece // 2):
+        piece = slice(first, first + strategy.piece)
+        for side in (-strategy.perturb, strategy.perturb):
+            control = cheapest.curve.control.copy()
+            inner = control[1:-1][piece]
+            ahead = np.gradient(inner[:, :2], axis=0)
+            inner[:, :2] += side * len(inner) * bend * np.column_stack([-ahead[:, 1], ahead[:, 0]])
+            polished = polish(Candidate(Spline(control), candidate.via_at), problem, part=piece)
+            if (again := problem.cost(polished)) < (1 - strategy.least_gain) * cost:
+                cost, cheapest = again, polished
+    if cheapest is not candidate:
+        yield cheapest

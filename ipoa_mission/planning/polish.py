@@ -1,8 +1,7 @@
-"""Polish a rough path to the nearest local optimum, by damped Gauss-Newton steps on a smoothed problem.
+"""Polish a path to the nearest local optimum, by damped Gauss-Newton steps on a smoothed problem.
 
-Absolute angles are smoothed, less with each stage. Limits, and the end of the threat at d_safe, are walls that act from
-a distance (a logarithmic barrier, Fiacco and McCormick 1968). Breaches between two nodes are mended by `aside`, `above`
-and `flatter`: a little more than required.
+Limits, and the end of the threat at d_safe, are logarithmic barriers (Fiacco and McCormick 1968). `aside`, `above` and
+`flatter` mend breaches between nodes.
 """
 
 from collections.abc import Sequence
@@ -11,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array, kron
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.obstacle_grid import Soft, Spans
@@ -18,16 +18,55 @@ from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProble
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
-if TYPE_CHECKING:
-    from ipoa_mission.planning.null_space_basis import Spread
 
-NODES_PER_SPAN = 8  # least number, and that of a rough polish
-EARLY_GAIN = 1e-5  # relative gain below which a step ends an early stage
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full to the reduced band."""
+
+    ways: csr_array
+    turned: csr_array
+    reach: int
+    cells: csr_array
+
+    def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
+        summed = self.cells @ band.ravel()
+        return np.asarray(self.turned @ gradient), np.asarray(summed).reshape(self.reach + 1, -1)
+
+
+def spread_of(ways: Matrix, band: int) -> Spread:
+    """Return the reduction for moves (n, f), with Hessian band width `band`.
+
+    The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
+    """
+    spread = csr_array(kron(csr_array(ways), eye_array(3)))
+    size, free = spread.shape
+    below, column = np.divmod(np.arange((band + 1) * size), size)
+    inside = below + column < size  # row j + k, column j
+    cell, below, column = np.arange(len(below))[inside], below[inside], column[inside]
+    many = np.diff(spread.indptr)
+    pairs = many[column + below] * many[column]
+    number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
+    cell, below, column = (np.repeat(one, pairs) for one in (cell, below, column))
+    one = spread.indptr[column + below] + number // many[column]
+    other = spread.indptr[column] + number % many[column]
+    a, b = spread.indices[one].astype(np.intp), spread.indices[other].astype(np.intp)
+    weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0) * spread.data[one] * spread.data[other]
+    beside, first = np.abs(a - b), np.minimum(a, b)
+    reach = int(beside.max(initial=0))
+    cells = coo_array((weight, (beside * free + first, cell)), ((reach + 1) * free, (band + 1) * size))
+    return Spread(spread, csr_array(spread.T), reach, csr_array(cells))
+
+
+if TYPE_CHECKING:
+    from ipoa_mission.planning.polish import Spread
+
+NODES_PER_SPAN = 8
+EARLY_GAIN = 1e-5  # of a step that ends an early stage
 ATTEMPTS = 6
-BAND = 14  # greatest index distance of coordinates with a common term: a term depends on five control points
-HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # slack that more clearance, or a flatter climb, does not mend
-CHANGE_REACH = 8  # reach of a change in control points, with via points
-SURE_SIGN = 0.9  # greatest confidence in an angle's sign
+BAND = 14  # index distance: a term depends on five control points
+HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # that more room does not mend
+CHANGE_REACH = 8  # in control points, with via points
+SURE_SIGN = 0.9
 STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
 STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
 STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
@@ -35,7 +74,7 @@ STAGE_4 = STAGE_3._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenn
 STAGE_5 = STAGE_4._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
 STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
 ROUGH_STAGES = (STAGE_1, STAGE_2, STAGE_3)
-FIRM_STAGES = (STAGE_3, STAGE_4)  # for a guess that hardly fits
+FIRM_STAGES = (STAGE_3, STAGE_4)
 FINE_STAGES = (STAGE_3, STAGE_4, STAGE_5, STAGE_6)
 
 
@@ -48,10 +87,9 @@ def polish(
     finer: int = 1,
     enough: float = 5e-6,
 ) -> Candidate:
-    """Return the curve after at most `steps` Gauss-Newton steps per stage, or until one gains less than `enough`.
+    """Return the curve after at most `steps` Gauss-Newton steps per stage, or one that gains less than `enough`.
 
-    `enough` is a share of the cost; all stages but the last end at `EARLY_GAIN`. Ends and via points stay; `part`
-    selects the inner control points that may move. The curve is sampled as in the search, or `finer` times as closely.
+    `enough` is a share of the cost. Ends and via points stay; `part` selects the inner control points that may move.
     """
     nodes = finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
     control, bench = candidate.curve.control, _prepare(candidate, problem, part, nodes)
@@ -72,9 +110,7 @@ def settle(
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
-    If the curve comes too close between nodes, or the ground differs from the grid, the polish keeps more than
-    required. With limited climbs it then restarts: a curve that must become longer at once, to gain height, would make
-    loops.
+    With limited climbs it restarts for more room: a curve that must become longer at once would make loops.
     """
     rough, more = candidate, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
@@ -86,7 +122,7 @@ def settle(
             break
         for check in proof.checks:
             short = max(-1.2 * check.slack, 0.0)
-            if check.unit == "deg":  # as a slope
+            if check.unit == "deg":
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
             more[_REMEDY[check.limit]] += short
     if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
@@ -95,10 +131,7 @@ def settle(
 
 
 def _hopeless(check: Check, problem: PreparedProblem) -> float:
-    """Return the slack of a limit below which more room, or a flatter climb, does not mend it.
-
-    Over steep ground a curve may cut more between two nodes, which is usual with limited climbs.
-    """
+    """Return the slack that more room does not mend: lower over steep ground."""
     ground = check.limit == "ground" and problem.climbs_limited
     return HOPELESS_SLACK[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
 
@@ -115,10 +148,9 @@ _REMEDY = {
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """The nodes that depend on control points `some`, their dependence, and the possible moves.
+    """Nodes about `even` [m] apart that depend on control points `some`.
 
-    The nodes are about `even` [m] apart. Without via points the coordinates `free` of the control points move
-    independently. With via points they move by `spread` (3 some, f).
+    Moves are of the coordinates `free`, or with via points by `spread` (3 some, f).
     """
 
     some: slice
@@ -129,7 +161,6 @@ class _Bench:
     spread: "Spread | None"
 
     def moved(self, control: Points, step: Vector) -> Points:
-        """Return control points (n, 3) after a step (f,)."""
         control = control.copy()
         some = control[self.some].reshape(-1)
         if self.spread is None:
@@ -139,7 +170,7 @@ class _Bench:
         return control
 
     def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        """Return gradient and lower band of the Hessian by the free coordinates, from those by all of `some`."""
+        """Return gradient and lower band of the Hessian by the free coordinates."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
         return self.spread.reduced(gradient, band)
@@ -154,7 +185,7 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
     if len(candidate.via_at):
-        from ipoa_mission.planning.null_space_basis import spread_of
+        from ipoa_mission.planning.polish import spread_of
 
         spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
@@ -203,7 +234,6 @@ def _descend(
 
 @lru_cache(maxsize=64)
 def _windows(n: int, nodes: int) -> Spans:
-    """Return the dependence of evenly spaced nodes on n control points."""
     look = even_basis(n, nodes)
     around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
     first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)

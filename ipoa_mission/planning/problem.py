@@ -1,7 +1,6 @@
-"""The path as a point in a search space: map a decision vector to control points and cost.
+"""Map a decision vector to control points and cost.
 
-All encodings are linear, so nodes of a whole generation are one matrix product. In `chord` and `sine` the origin is
-already a good path (a straight line by default). Pelicans multiply coordinates, which draws them to the origin.
+In `chord` and `sine` the origin is a good path: pelicans multiply coordinates, which draws them to it.
 """
 
 from collections.abc import Callable
@@ -21,26 +20,24 @@ from ipoa_mission.scenario.path_limits import Limits
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)
-MIN_SPANS_BETWEEN_VIA = 2.0  # least spans of the spline between two via points
-COMPARING_FACTOR = 4  # node factor for comparing curves
-UNSAFE = 1e6  # least cost of a curve that breaks a limit
-ROUGH_STEEPNESS = 1.02  # factor on the greatest slope of a rough curve
-GREATEST_LEG, MAX_NODES = 0.3, 4000  # greatest leg length for comparing curves [m], and greatest number of nodes
-LENIENCE = 0.1  # breach of a limit allowed to a rough curve; the fine polish mends it [m]
-FULL_SIZE = 50.0  # on a shorter route, lengths given in metres shrink in proportion [m]
+MIN_SPANS_BETWEEN_VIA = 2.0
+COMPARING_FACTOR = 4  # of nodes
+UNSAFE = 1e6  # at least, for a breach
+ROUGH_STEEPNESS = 1.02  # on the greatest slope of a rough curve
+GREATEST_LEG, MAX_NODES = 0.3, 4000  # for comparing curves [m]
+LENIENCE = 0.1  # of a rough curve; the fine polish mends it [m]
+FULL_SIZE = 50.0  # on a shorter route, lengths shrink in proportion [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A curve, and the parameters (k,) at which it passes the via points."""
-
     curve: Spline
     via_at: Vector
 
 
 @dataclass(frozen=True, eq=False)
 class Encoding:
-    """A search space: candidates x (m, D) in `box` map to control points origin + x @ matrix, (m, n, 3)."""
+    """Candidates x (m, D) in `box` map to control points origin + x @ matrix, (m, n, 3)."""
 
     origin: Points  # (n, 3)
     matrix: Matrix  # (D, n, 3)
@@ -53,8 +50,6 @@ class Encoding:
 
 @dataclass(frozen=True, eq=False)
 class PreparedProblem:
-    """A path problem prepared for many evaluations; `nodes` is the number of samples of a curve in the search."""
-
     task: PathTask
     limits: Limits
     grid: ObstacleGrid
@@ -63,7 +58,6 @@ class PreparedProblem:
 
     @property
     def scale(self) -> float:
-        """Return the scale of usual lengths in this scene: 1, or less for a small scene."""
         return min(float(leg_lengths(self.task.places).sum()) / FULL_SIZE, 1.0)
 
     @property
@@ -71,12 +65,12 @@ class PreparedProblem:
         return min(self.rules.climb, self.rules.descent) < UNLIMITED
 
     def costs(self, encoding: Encoding) -> Callable[[Candidates], Costs]:
-        """Return the cost function of a search: candidates (m, D) to costs (m,) of the part that they change."""
-        from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, when the first path is planned
+        """Return the cost function of a search: candidates (m, D) to costs (m,) of the changed part."""
+        from ipoa_mission.planning._kernels import path_costs  # compiled, or loaded, on first use
 
         look = even_basis(len(encoding.origin), self.nodes)
         changed = np.nonzero(look @ np.abs(encoding.matrix).max(axis=(0, 2)))[0]
-        look = look[max(changed[0] - 2, 0) : changed[-1] + 3]  # adjacent legs and angles change too
+        look = look[max(changed[0] - 2, 0) : changed[-1] + 3]
         some = np.nonzero(look.any(axis=0))[0]
         look = np.ascontiguousarray(look[:, some].T)
         start, span = _by_axis(encoding.origin[None, some])[0], _by_axis(encoding.matrix[:, some])
@@ -88,20 +82,20 @@ class PreparedProblem:
         return cost
 
     def survey(self, points: Points) -> tuple[Vector, Vector]:
-        """Return the slack of points (n, 3) to everything solid [m], and the threat per metre there, (n,) each."""
+        """Return slack [m] and threat per metre of points (n, 3), (n,) each."""
         from ipoa_mission.planning._kernels import survey
 
         return survey(np.ascontiguousarray(points), self.grid, self.rules)  # type: ignore[no-any-return]
 
     def cost(self, candidate: Candidate) -> float:
-        """Return the cost of one finely sampled curve, for comparing rough curves: slight breaches are forgiven."""
+        """Return the cost of one finely sampled curve; slight breaches are forgiven."""
         from ipoa_mission.planning._kernels import path_costs
 
         nodes = candidate.curve.points(np.linspace(0.0, 1.0, COMPARING_FACTOR * self.nodes))
         legs = leg_lengths(nodes)
         lenience = LENIENCE * self.scale
         longest = max(1.5 * self.limits.obstacle_distance, GREATEST_LEG * self.scale)
-        if legs.max() > longest:  # a thin wall might be skipped
+        if legs.max() > longest:  # skips a thin wall
             traveled = np.concatenate([[0.0], np.cumsum(legs)])
             even = np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / longest, len(nodes), MAX_NODES)))
             nodes = np.column_stack([np.interp(even, traveled, nodes[:, k]) for k in range(3)])
@@ -123,10 +117,7 @@ def prepare(task: PathTask) -> PreparedProblem:
 
 
 def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Candidate:
-    """Return a curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points.
-
-    They are evenly spaced along it, or distributed over the legs by shares (k-1,).
-    """
+    """Return a curve that follows a polyline (k, 3), evenly or by shares (k-1,) on its legs."""
     traveled = np.concatenate([[0.0], np.cumsum(leg_lengths(guide) if shares is None else shares)])
     stops = [0, *corners(guide, task.places[1:-1]), len(guide) - 1]
     legs = np.diff(traveled[stops]) / traveled[-1]
@@ -139,7 +130,7 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
 
 
 def pinned(candidate: Candidate, task: PathTask) -> Candidate:
-    """Return the curve through the via points exactly: the control point nearest to each moves."""
+    """Return the curve exactly through the via points."""
     lift, project, _ = _pins(candidate, task)
     return Candidate(Spline(lift + project @ candidate.curve.control), candidate.via_at)
 
@@ -149,23 +140,21 @@ def refine(candidate: Candidate) -> Candidate:
 
 
 def null_space(candidate: Candidate, task: PathTask, part: slice = ALL) -> Matrix:
-    """Return a basis (n, f) of the moves of a part of the inner control points that keep ends and via points."""
+    """Return a basis (n, f) of the moves that keep ends and via points."""
     _, project, moved = _pins(candidate, task)
     varied = np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)
     return np.ascontiguousarray(project[:, varied])
 
 
 def encode(name: str, guide: Points, inner: int, spread: float, task: PathTask) -> Encoding:
-    """Return the search space `name` around a polyline (k, 3), with `inner` control points between the ends."""
     return surround(name, follow(guide, inner, task), spread, task)
 
 
 def surround(name: str, around: Candidate, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
-    """Return the search space `name`, `spread` [m] wide in each direction around a curve, or around a part of it.
+    """Return the search space `name`, `spread` [m] wide in each direction, around a curve or a `part` of it.
 
-    `absolute` varies the control points within the bounds, independent of the curve. `chord` varies their lateral and
-    vertical offsets from it. `sine` varies the amplitudes of sine waves of such offsets, the k-th scaled by 1 / k.
-    `part` selects the inner control points that are varied.
+    `absolute` varies control points within the bounds, `chord` their lateral and vertical offsets from the curve,
+    `sine` amplitudes of sine waves of such offsets.
     """
     control = around.curve.control
     varied = np.arange(1, len(control) - 1)[part]
@@ -188,14 +177,14 @@ def surround(name: str, around: Candidate, spread: float, task: PathTask, part: 
 
 
 def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:
-    """Return the map control -> lift + project @ control onto the via points, and the control points that move."""
+    """Return the map lift + project @ control onto the via points, and the moved control points."""
     n, via = len(candidate.curve.control), task.places[1:-1]
     if not len(via):
         return np.zeros((n, 3)), np.eye(n), np.zeros(0, int)
     rows = basis(n, candidate.via_at)
     weight, moved = rows.copy(), list[int]()
     weight[:, [0, -1]] = -1.0
-    for row in weight:  # the inner control point with the greatest weight, all different
+    for row in weight:
         row[moved] = -1.0
         moved.append(int(np.argmax(row)))
     lift = np.zeros((n, len(via)))
@@ -204,18 +193,18 @@ def _pins(candidate: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray
 
 
 def _by_axis(points: Matrix) -> Matrix:
-    """Reorder (m, n, 3) to (m, 3 n): all east, then all north, then all up."""
+    """Reorder (m, n, 3) to (m, 3 n): all east, then north, then up."""
     return np.ascontiguousarray(points.transpose(0, 2, 1)).reshape(len(points), -1)
 
 
 def _greville(n: int) -> Vector:
-    """Return the Greville abscissae, which map a straight guide to a straight, even curve."""
+    """Return the Greville abscissae: a straight guide gives an even curve."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     return np.array([knots[i + 1 : i + 1 + DEGREE].mean() for i in range(n)])
 
 
 def _axes(control: Points) -> Matrix:
-    """Return lateral and upward unit vectors at each inner control point, (n - 2, 2, 3); level ones if steep."""
+    """Return lateral and upward unit vectors, (n - 2, 2, 3)."""
     ahead = control[2:] - control[:-2]
     level = np.hypot(ahead[:, 0], ahead[:, 1])
     steep = level <= 1e-6 * np.abs(ahead[:, 2])
@@ -226,13 +215,12 @@ def _axes(control: Points) -> Matrix:
 
 
 def _waves(inner: int) -> Matrix:
-    """Return sine modes at the inner control points: sin(k pi t) / k for k = 1, 2, ..., (modes, points)."""
+    """Return sine modes sin(k pi t) / k, (modes, points)."""
     k = np.arange(1, inner + 1)[:, None]
     return np.asarray(np.sin(np.pi * k * _greville(inner + 2)[1:-1]) / k)
 
 
 def corners(guide: Points, via: Points) -> list[int]:
-    """Return the corners at which a guide passes the via points, in order."""
     corners, after = list[int](), 1
     for place in via:
         after += int(np.argmin(np.linalg.norm(guide[after:-1] - place, axis=1)))

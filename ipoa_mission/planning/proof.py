@@ -1,7 +1,6 @@
 """Proof that a path keeps its limits: exact least distances of straight legs, or of a curve by its chords.
 
-Nothing is sampled. A curve is replaced by chords within a known distance, which is subtracted from every clearance, so
-the reported values are lower bounds.
+Nothing is sampled. The values are lower bounds.
 """
 
 from collections.abc import Iterator
@@ -16,15 +15,13 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Clearance
 
-CHORD = 5e-4  # greatest distance of a curve from its chords [m]
-TOUCHING = 1e-3  # tolerance of a bound [m]
-ROUNDING = 1e-9  # of a velocity [m per parameter]
+CHORD = 5e-4  # of a curve from its chords [m]
+TOUCHING = 1e-3  # of a bound [m]
+ROUNDING = 1e-9  # [m per parameter]
 
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: the nearest thing and the required distance in `unit`; `at_most` inverts the comparison."""
-
     limit: str
     nearest: Clearance
     required: float
@@ -33,7 +30,6 @@ class Check:
 
     @property
     def slack(self) -> float:
-        """Return the margin; negative if the limit is broken."""
         return self.required - self.nearest.distance if self.at_most else self.nearest.distance - self.required
 
     @property
@@ -43,7 +39,6 @@ class Check:
 
     @property
     def about(self) -> dict[str, object]:
-        """Return the limit and the nearest thing, for an error."""
         return {"limit": self.limit, "near": self.nearest.what}
 
     def words(self) -> str:
@@ -68,8 +63,6 @@ class Check:
 
 @dataclass(frozen=True)
 class Proof:
-    """Every limit with its result; the path may be flown if all hold."""
-
     checks: tuple[Check, ...]
 
     @property
@@ -82,7 +75,7 @@ class Proof:
 
     @property
     def clearance(self) -> Clearance:
-        """Return the least distance to anything solid, obstacle or ground, with place and name."""
+        """Return the least distance to obstacle or ground."""
         solid = [check.nearest for check in self.checks if check.limit in ("obstacles", "ground")]
         return min(solid, key=lambda clearance: clearance.distance)
 
@@ -93,15 +86,15 @@ class Proof:
 def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Proof:
     """Prove the limits of the task for the straight legs between waypoints (n, 3), exactly.
 
-    With `stray` [m] the legs represent a path within that distance, and results are its lower bounds. A clearance of
-    `spare` [m] more than required is not computed further: checking only whether limits hold is quick.
+    With `stray` [m] the legs represent a path within that distance. A clearance of `spare` [m] more than required is
+    not computed further.
     """
     angles = climb_angles(legs)
     return _prove(legs, task, (angles, -angles), stray, spare)
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:
-    """Prove the limits of the task for a curve: results are lower bounds, at most 2 mm less than exact."""
+    """Prove the limits for a curve: lower bounds, at most 2 mm less than exact."""
     tolerance = CHORD / (1 + task.airspace.terrain.steepness)
     u = curve.chords(tolerance)
     legs, velocity, bend = curve.points(u), curve.points(u, order=1), curve.points(u[:-1], order=2)
@@ -109,10 +102,7 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
 
 
 def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
-    """Prove limits with these angles of climb and descent on each leg, (n-1,) each [rad].
-
-    `stray`: greatest distance of the path from its legs [m].
-    """
+    """`steepness`: angles of climb and descent, (n-1,) each [rad]."""
     checks, airspace, limits = list[Check](), task.airspace, task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
@@ -131,10 +121,7 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
 
 
 def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    """Prove ground and ceiling for straight legs (n, 3), exactly; `stray` and `spare` as in `prove`.
-
-    Over sloping ground, the vertical distance of a stray path from its legs is greater.
-    """
+    """Prove ground and ceiling for straight legs (n, 3); `stray` and `spare` as in `prove`."""
     yield from prove_ground(legs, task, stray, spare)
     if np.isfinite(task.limits.ceiling_above_ground):
         vertical = stray * (1 + task.airspace.terrain.steepness)
@@ -143,7 +130,6 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
 
 
 def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    """Prove the ground: one check for every required height."""
     airspace, limits = task.airspace, task.limits
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
@@ -155,11 +141,10 @@ def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float 
 
 
 def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, Vector]:
-    """Return upper bounds of climb and descent angles of a curve on each of its pieces, (k-1,) each [rad].
+    """Return upper bounds of climb and descent angles on each piece of a curve, (k-1,) each [rad].
 
-    `velocity` (k, 3) and `bend` (k-1, 3) are derivatives at their begins, `steps` (k-1,) parameter lengths. On a piece
-    of one span the velocity is a mean of three vectors, its Bézier points. If all go ahead, rise / way ahead is at most
-    that of the steepest one. The way ahead is at most the level way.
+    `velocity` (k, 3) and `bend` (k-1, 3) are at their begins. If all three Bézier points of a velocity go ahead, the
+    angle is at most that of the steepest.
     """
     vectors = np.stack([velocity[:-1], velocity[:-1] + bend * steps[:, None] / 2, velocity[1:]], axis=1)
     level = vectors[:, :, :2].sum(axis=1)
@@ -173,8 +158,7 @@ def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, V
 def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
     """Yield runs of the legs cut at low zones: required height, polyline, and index of its first leg.
 
-    Zones shrink by `stray`, so that the path itself is within where its leg is. In a run cut from the middle of a leg,
-    the index is off by at most two legs.
+    The index is off by at most two legs where a leg is cut.
     """
     limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]

@@ -1,6 +1,6 @@
-"""Search for a path: run an optimizer in the space around a curve."""
+"""Run an optimizer in the space around a curve."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,23 +8,22 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import Optimizer, minimize
+from ipoa_mission.optimize.settings import SHORT_EVALUATIONS
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.problem import ALL, Candidate, PreparedProblem, surround
 from ipoa_mission.planning.strategy import SearchStrategy
 from ipoa_mission.progress import Progress, silent
 
-#: Settings of short searches, for optimizers that have them, unless set by the task.
-SHORT_SETTINGS = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
-
 
 @dataclass
 class Searcher:
-    """Successive searches with one stream of random numbers, and the history of the best cost."""
+    """Successive searches with one stream of random numbers."""
 
     problem: PreparedProblem
     optimizer: Optimizer
     rng: np.random.Generator
     strategy: SearchStrategy
+    budget: int | None = None
     spent: list[int] = field(default_factory=list)
     best: list[float] = field(default_factory=list)
 
@@ -35,20 +34,21 @@ class Searcher:
         part: slice = ALL,
         progress: Progress = silent,
     ) -> Candidate:
-        """Return the best curve found around one, or around a part of its inner control points.
+        """Return the best curve found around one, or around a `part` of it.
 
-        `width` is the extent of the search as a share of the varied length; `progress` as in `minimize`.
+        `width` is a share of the varied length.
         """
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
         encoding = surround(encoding_of(task), around, spread, task, part)
-        optimum = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
+        costs, box = self.problem.costs(encoding), encoding.box
+        optimum = minimize(costs, box, self.optimizer, self.rng, budget=self.budget, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in optimum.evaluations]
         candidate = Candidate(encoding.curve(optimum.x), around.via_at)
         if part == ALL:
             self.best += [min(best, float(cost)) for cost in optimum.history]
-        else:  # costs of a part
+        else:
             self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(candidate))]
         return candidate
 
@@ -58,18 +58,16 @@ class Searcher:
 
 
 def encoding_of(task: PathTask) -> str:
-    """Return the name of the search space: by default `absolute` for the paper's planner, else `sine`."""
     return task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
 
 
-def optimizer_of(task: PathTask, short: bool) -> Optimizer:
-    """Return the task's optimizer with its settings, completed by `SHORT_SETTINGS` if `short`.
+def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
+    """Return the task's optimizer and its budget; if `short`, its `short_settings` complete the settings.
 
     Raises:
         BadInput: there is no such optimizer, or it has no such setting.
     """
     name, settings = task.optimizer.name, task.optimizer.settings
-    if short:
-        accepted = {setting.name for setting in fields(optimizer_class(name))}  # type: ignore[arg-type]
-        settings = {key: value for key, value in SHORT_SETTINGS.items() if key in accepted} | settings
-    return build_optimizer(name, settings)
+    defaults = getattr(optimizer_class(name), "short_settings", None) if short else {}
+    budget = SHORT_EVALUATIONS if defaults is None and not settings else None
+    return build_optimizer(name, (defaults or {}) | settings), budget

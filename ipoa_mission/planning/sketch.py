@@ -1,7 +1,4 @@
-"""A quick, unsearched path for interactive editing: routes through a thin lattice, polished.
-
-It is proved like any other, but not optimized: `plan_path` does that.
-"""
+"""A quick, unsearched path for interactive editing."""
 
 from dataclasses import dataclass
 
@@ -15,15 +12,15 @@ from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
-FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # fineness of the lattices, as shares of the planner's first one
-MAX_ROUTES = 4  # routes tried besides the straight one
-MAX_PROVED = 2  # curves proved before one is settled
-CONTROL_POINTS = 24  # of a sketch
+FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # as shares of the planner's first one
+MAX_ROUTES = 4  # besides the straight one
+MAX_PROVED = 2  # before one is settled
+CONTROL_POINTS = 24
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """A path, its proof, and other candidate routes, better ones first."""
+    """A path, its proof, and other candidate routes."""
 
     curve: Spline
     proof: Proof

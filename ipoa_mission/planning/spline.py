@@ -1,7 +1,4 @@
-"""The planned curve: a clamped uniform cubic B-spline, the paper's eqs. (11) and (12).
-
-The parameter u is in [0, 1]; the curve begins at its first and ends at its last control point.
-"""
+"""A clamped uniform cubic B-spline, the paper's eqs. (11) and (12), for u in [0, 1]."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -12,12 +9,12 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector
 
 DEGREE = 3
-ARC_TABLE = 64  # entries per span of the table from parameter to arc length
+ARC_TABLE = 64  # entries per span
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Spline:
-    """A cubic B-spline; `control` is (n, 3) with n >= 4."""
+    """`control` is (n, 3) with n >= 4."""
 
     control: Points
 
@@ -26,17 +23,16 @@ class Spline:
 
     @property
     def spans(self) -> int:
-        """Return the number of polynomial pieces: n - 3."""
         return len(self.control) - DEGREE
 
     def points(self, u: Vector, order: int = 0) -> Points:
-        """Return points on the curve at parameters u (k,) in [0, 1], or derivatives by u of the given order, (k, 3)."""
+        """Return points at parameters u (k,), or derivatives by u of the given order, (k, 3)."""
         first, values = local_basis(len(self.control), u, order)
         return np.asarray(np.einsum("kj,kja->ka", values, self.control[first[:, None] + np.arange(DEGREE + 1)]))
 
     @cached_property
     def length(self) -> float:
-        """Return the arc length [m], by Gauss-Legendre quadrature on every span."""
+        """Return the arc length [m], by Gauss-Legendre quadrature."""
         nodes, weights = np.polynomial.legendre.leggauss(24)
         u = (np.arange(self.spans)[:, None] + (nodes + 1) / 2).ravel() / self.spans
         speed = np.linalg.norm(self.points(u, order=1), axis=1)
@@ -46,24 +42,21 @@ class Spline:
         return self.points(self.parameters(n))
 
     def parameters(self, n: int) -> Vector:
-        """Return the parameters of `n` points equally spaced along the curve, (n,)."""
         u, traveled = self._arcs
         even = np.interp(np.linspace(0.0, traveled[-1], n), traveled, u)
         return np.concatenate([[0.0], even[1:-1], [1.0]])
 
     @cached_property
     def _arcs(self) -> tuple[Vector, Vector]:
-        """Return a table of parameters and arc lengths up to them [m]."""
         u = np.linspace(0.0, 1.0, self.spans * ARC_TABLE + 1)
         speed, middle = (np.linalg.norm(self.points(v, order=1), axis=1) for v in (u, (u[1:] + u[:-1]) / 2))
         arcs = (speed[:-1] + 4 * middle + speed[1:]) / 6 * np.diff(u)  # Simpson
         return u, np.concatenate([[0.0], np.cumsum(arcs)])
 
     def chords(self, tolerance: float) -> Vector:
-        """Return parameters (k,) between which the curve leaves its straight chords by at most `tolerance` [m].
+        """Return parameters (k,) of chords within `tolerance` [m] of the curve.
 
-        A chord over h leaves the curve by at most max |p''| h^2 / 8. The second derivative is linear on each span, so
-        it is greatest at an end of the span.
+        A chord over h leaves the curve by at most max |p''| h^2 / 8, with p'' linear on each span.
         """
         knots = np.arange(self.spans + 1) / self.spans
         bend = np.linalg.norm(self.points(knots, order=2), axis=1)
@@ -82,14 +75,14 @@ class Spline:
 
 @lru_cache(maxsize=64)
 def even_basis(n: int, count: int) -> NDArray[np.float64]:
-    """Return a cached, read-only `basis` at `count` parameters evenly from 0 to 1, (count, n)."""
+    """Return a cached, read-only `basis` at `count` even parameters, (count, n)."""
     values = basis(n, np.linspace(0.0, 1.0, count))
     values.flags.writeable = False
     return values
 
 
 def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
-    """Return values at u (k,) of the n basis functions, eq. (12), or of their derivatives of that order, (k, n)."""
+    """Return the n basis functions at u (k,), eq. (12), or derivatives, (k, n)."""
     first, some = local_basis(n, u, order)
     values = np.zeros((len(u), n))
     np.put_along_axis(values, first[:, None] + np.arange(DEGREE + 1), some, axis=1)
@@ -97,7 +90,7 @@ def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
 
 
 def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """Return the four nonzero basis functions at u (k,): index of the first (k,) and values (k, 4)."""
+    """Return the four nonzero basis functions: index of the first (k,) and values (k, 4)."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
     values = np.zeros((len(u), DEGREE + 1))
@@ -108,7 +101,7 @@ def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], ND
         if k <= DEGREE - order:
             values[:, -k:] += (u[:, None] - starts) * share
             values[:, -k - 1 : -1] += (ends - u[:, None]) * share
-        else:  # the last steps of the recursion, differentiated
+        else:  # differentiated
             values[:, -k:] += k * share
             values[:, -k - 1 : -1] -= k * share
     return span - DEGREE, values

@@ -1,7 +1,6 @@
-"""Loops in which a route gains height where it is steeper than the limits allow.
+"""Loops in which a route gains height where it is too steep.
 
-A steep piece of a lattice route, as in a courtyard, is replaced by turns of a helix on an ellipse. The helix is sheared
-to begin and end where the piece does. Of the free ones, the one with the fewest turns is taken.
+A steep piece is replaced by turns of a sheared helix on an ellipse.
 """
 
 from itertools import pairwise
@@ -14,19 +13,19 @@ from ipoa_mission.planning.problem import PreparedProblem, corners
 
 TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
 AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # of the ellipse
-ELLIPSE_SIDES = 16  # of the polygon that approximates the ellipse
-LOOP_LEVELS = 9  # heights at which the ellipse is checked
-LIFT_SLOPE_SHARE = 0.97  # share of the steepest slope on a lifted route
-LOOP_SLOPE_SHARE = 0.85  # share of the steepest slope in loops
-CONTROL_PER_TURN = 12  # control points a turn
-LOOP_SLOPE_FACTOR = 1.3  # times the limit: steeper pieces need loops, others the polish mends
-SHORTEST_DETOUR = 0.5  # shorter detours need no loop [m]
+ELLIPSE_SIDES = 16
+LOOP_LEVELS = 9
+LIFT_SLOPE_SHARE = 0.97  # of the steepest
+LOOP_SLOPE_SHARE = 0.85  # of the steepest
+CONTROL_PER_TURN = 12
+LOOP_SLOPE_FACTOR = 1.3  # times the limit; less steep pieces the polish mends
+SHORTEST_DETOUR = 0.5  # shorter ones need no loop [m]
 
 
 def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
-    """Return the route (k, 3) with loops where it is too steep, and the number of control points on each leg.
+    """Return the route (k, 3) with loops where too steep, and the number of control points on each leg.
 
-    Other legs get their share of `inner`. Steep pieces of up to two steps [m] in height are left to the polish.
+    Steep pieces of up to two steps [m] in height are left to the polish.
     """
     way = _without_detours(way, problem)
     pieces, loops = [way[:1]], [np.zeros(0, bool)]
@@ -64,9 +63,7 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
 def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
     """Return the route (k, 3) lifted to keep the slope limits, and the longest detour it needs.
 
-    Between places to pass, whose heights are fixed, it may still be too short for its climbs. A detour is the missing
-    level distance as a share of the distance in which the climb must be made. It is infinite if the lifted route is not
-    free. Climbs of up to two steps [m] in height are left to the polish.
+    A detour is a share of the distance of the climb; infinite if the lifted route is not free.
     """
     lifted, rules, longest = way.copy(), problem.rules, 0.0
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
@@ -87,7 +84,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
 
 
 def _without_detours(way: Points, problem: PreparedProblem) -> Points:
-    """Return the route without nodes next to start, via points and goal, which may be behind them."""
+    """Return the route without nodes next to places, which may be behind them."""
     stops = {tuple(place) for place in problem.task.places}
     kept = np.ones(len(way), bool)
     for k in range(1, len(way) - 1):
@@ -98,7 +95,6 @@ def _without_detours(way: Points, problem: PreparedProblem) -> Points:
 
 
 def _runs(way: Points) -> list[tuple[int, int]]:
-    """Return the first and last point of each piece of the route that only climbs, or only descends."""
     step = np.diff(way[:, 2])
     up = np.sign(step)
     for i in range(1, len(up)):
@@ -119,10 +115,7 @@ def _free(way: Points, problem: PreparedProblem) -> bool:
 
 
 def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Points | None:
-    """Return loops from a up or down to b, without a itself, (k, 3); None if none are needed or free.
-
-    Of several, take those whose begin and end are best aligned with `ahead` (2,).
-    """
+    """Return loops from a to b, without a, (k, 3), best aligned with `ahead` (2,)."""
     rise = float(b[2] - a[2])
     needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / LOOP_SLOPE_SHARE
     if needed < SHORTEST_DETOUR:
@@ -152,7 +145,7 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedPr
 
 
 def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np.float64]:
-    """Return a shape (k, 2) and the line to it, sampled finely enough to hit any obstacle, (1, m, 2)."""
+    """Return a shape (k, 2) and the line to it, sampled finely, (1, m, 2)."""
     step = max(problem.limits.obstacle_distance, 0.1)
     along, away = np.roll(shape, -1, axis=0) - shape, float(np.linalg.norm(shape[0]))
     side = float(np.linalg.norm(along, axis=1).max())
@@ -163,7 +156,7 @@ def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np
 
 
 def _ellipses(length: float) -> NDArray[np.float64]:
-    """Return ellipses of this length through or around the origin, (s, SIDES, 2), in both directions."""
+    """Return ellipses through or around the origin, (s, SIDES, 2), both ways."""
     angle = 2 * np.pi * np.arange(ELLIPSE_SIDES) / ELLIPSE_SIDES
     ellipses = []
     for longer in AXIS_RATIOS:

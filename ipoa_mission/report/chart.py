@@ -1,7 +1,6 @@
-"""Draw charts as stretchable HTML: the drawing is an SVG without its own aspect ratio, below plain text.
+"""Charts as SVG without its own aspect ratio, below plain text.
 
-A chart is as wide as the page. Its text keeps its size on a phone and on paper, and it needs no script. Curves are
-given in the chart's own units.
+Text keeps its size on a phone and on paper, without a script. Curves are given in the chart's own units.
 """
 
 import math
@@ -14,13 +13,11 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
 
-SIDE = 1000.0  # of the drawing, in its own units
+SIDE = 1000.0  # in its own units
 
 
 @dataclass(frozen=True)
 class GraphAxis:
-    """One axis of a chart: its range and its label."""
-
     low: float
     high: float
     label: str
@@ -30,7 +27,7 @@ class GraphAxis:
         return np.asarray((np.asarray(values, float) - self.low) / (self.high - self.low))
 
     def ticks(self, most: int = 6) -> list[float]:
-        """Return at most `most` round values between the ends, 1, 2 or 5 times a power of ten apart."""
+        """Return at most `most` round values: 1, 2 or 5 times a power of ten apart."""
         span = self.high - self.low
         power = 10.0 ** math.floor(math.log10(span / most))
         step = next(k * power for k in (1, 2, 5, 10) if span / (k * power) <= most)
@@ -38,7 +35,7 @@ class GraphAxis:
 
 
 def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> GraphAxis:
-    """Return an axis over all finite `values`, with `room` of their range above, and below unless `floor` is given."""
+    """Pad the range above, and below without a `floor`."""
     everything = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(0)
     everything = everything[np.isfinite(everything)]
     low, high = (float(everything.min()), float(everything.max())) if len(everything) else (0.0, 1.0)
@@ -49,13 +46,13 @@ def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | No
 
 @dataclass(frozen=True)
 class Graph:
-    """Two axes and the layers between them: pieces of SVG made by the methods, the lowest first."""
+    """Two axes and layers of SVG, the lowest first."""
 
     x: GraphAxis
     y: GraphAxis
 
     def curve(self, x: Vector, y: Vector, look: str) -> str:
-        """Draw a line through points with CSS class `look`, broken at values that are not finite."""
+        """Draw a line of CSS class `look`, broken at values that are not finite."""
         return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
 
     def steps(self, x: Vector, y: Vector, look: str) -> str:
@@ -76,7 +73,7 @@ class Graph:
         return self.curve(np.array([self.x.low, self.x.high]), np.array([y, y]), look)
 
     def html(self, name: str, layers: Sequence[str], over: str = "", tall: str = "", along: str = "") -> str:
-        """Return the chart: `over` is HTML on top, `along` names the series that the cursor follows."""
+        """`over` is HTML on top, `along` the series that the cursor follows."""
         return (
             f'<div class="chart {tall}" id="{name}" data-along="{along}" data-low="{self.x.low:.9g}" '
             f'data-high="{self.x.high:.9g}" role="img" aria-label="{escape(self.y.label)} over {escape(self.x.label)}">'
@@ -86,7 +83,6 @@ class Graph:
         )
 
     def spot(self, x: float, y: float) -> str:
-        """Return the CSS that places an element at a value."""
         left, up = float(self.x.place(np.array([x]))[0]), float(self.y.place(np.array([y]))[0])
         return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
 

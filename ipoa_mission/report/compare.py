@@ -1,7 +1,6 @@
-"""Compare a flown mission with its estimate, leg by leg.
+"""Compare a flown mission with its estimate.
 
-Times count from arming. An autopilot does not report every item, so a leg is between two items that both the
-estimate and the flight have.
+A leg is between two items that both have: not every item is reported.
 """
 
 import math
@@ -9,21 +8,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import compare, to_wire
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
-#: Items that fly somewhere; the route is between the first and the last of them.
 ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 
 #: [m]
@@ -32,7 +30,7 @@ HOME_RADIUS = 5.0
 
 @dataclass(frozen=True)
 class LegTime:
-    """One item: its estimated and flown time, since arming and since the leg before [s]."""
+    """Estimated and flown time, since arming and since the leg before [s]."""
 
     seq: int
     command: int
@@ -43,7 +41,7 @@ class LegTime:
 
     @property
     def error_s(self) -> float:
-        """Return the estimated minus the flown time of the leg [s]."""
+        """Estimated minus flown [s]."""
         return self.estimated_s - self.flown_s
 
 
@@ -67,12 +65,12 @@ class Comparison:
 
     @property
     def route_error(self) -> float:
-        """Return the error of the estimated route time, as a share of the flown time; NaN without a flown route."""
+        """Return the error as a share of the flown time; NaN without a flown route."""
         return self.estimated_route_s / self.flown_route_s - 1 if self.flown_route_s > 0 else math.nan
 
     @property
     def total_error(self) -> float:
-        """Return the error of the estimated total time, as a share of the flown time."""
+        """Return the error as a share of the flown time."""
         return self.estimated_total_s / self.flown_total_s - 1 if self.flown_total_s > 0 else math.nan
 
 
@@ -81,7 +79,7 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
 
     Args:
         estimate: of the mission.
-        flight: as flown. An item that is flown several times (a loop) is compared at its first time.
+        flight: as flown; a repeated item counts at its first time.
 
     Returns:
         All legs and their totals.
@@ -114,10 +112,7 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
 
 @dataclass(frozen=True)
 class ComparedFlight:
-    """A flight of a log, compared with its estimate.
-
-    `parameters` are the parameters of the estimate that differ from the firmware's defaults.
-    """
+    """`parameters` differ from the firmware's defaults."""
 
     forecast: Forecast
     record: FlightRecord
@@ -134,10 +129,9 @@ def compare_logged(
     wind: Wind = CALM,
     version: Version | None = None,
 ) -> ComparedFlight | None:
-    """Compare a flight of a log with the estimate of `mission`, or of the logged mission.
+    """Compare with the estimate of `mission`, or of the logged mission, if known.
 
-    `parameters` and `version` replace those of the log, which replace the mission's own. `vehicle` has learned values.
-    Return None if no mission is known.
+    `parameters` and `version` replace the log's.
     """
     flown = mission or flight.mission
     if flown is None:
@@ -152,13 +146,12 @@ def compare_logged(
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
-    """Report the first difference between the mission and the logged one."""
     if flight.mission is None:
         return ()
     difference = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
     if difference is None:
         return ()
-    if difference.seq is None:  # numbered as everywhere, without ArduPilot's home
+    if difference.seq is None:  # without ArduPilot's home
         what = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
     else:
         what = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
@@ -182,7 +175,7 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
 
 
 def _changed(mission: Mission) -> dict[str, float]:
-    """Return the parameters that the models use and that are not the defaults, by their names before 4.7."""
+    """Return parameters that are not the defaults, by their names before 4.7."""
     defaults = mission.autopilot.complete({}, mission.firmware_version)
     current = mission.autopilot.book.by_old_names(mission.parameters)
     return {
@@ -193,7 +186,7 @@ def _changed(mission: Mission) -> dict[str, float]:
 
 
 def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
-    """Return the flown path in home's local frame, or None if the log has no positions."""
+    """In home's local frame."""
     if len(flight.path) < 2:
         return None
     latitude, longitude, height = (

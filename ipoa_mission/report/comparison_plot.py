@@ -1,5 +1,3 @@
-"""Plot a comparison: the predicted and the flown path from above, and each leg's two times."""
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -14,7 +12,7 @@ MAX_LABELS = 30
 
 
 def draw_comparison(comparison: Comparison, planned: Points, flown: Points | None, title: str = "") -> Figure:
-    """Draw the predicted and flown path (n, 3) from above, and the estimated and flown time of each leg."""
+    """Paths are (n, 3)."""
     with sheet(9.2, 3.8) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
         _draw_paths(left, planned, flown)

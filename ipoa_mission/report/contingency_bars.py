@@ -1,5 +1,3 @@
-"""Compute the strip of contingencies below a height profile: a bar of each, and the place of each row."""
-
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -9,7 +7,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.seen import Seen
 
-#: Style and label of a row.
 GradeLook: TypeAlias = Literal["clear", "perhaps", "not clear", "unknown"]
 LOOK: dict[Grade, GradeLook] = {
     Grade.CLEAR: "clear",
@@ -20,7 +17,7 @@ LOOK: dict[Grade, GradeLook] = {
 
 
 class ContingencyStretch(NamedTuple):
-    """A row of a contingency, and the distances over ground [m] between which the vehicle is then."""
+    """Distances over ground [m]."""
 
     row: ContingencyRow
     begins: float
@@ -32,13 +29,13 @@ class ContingencyStretch(NamedTuple):
 
 
 def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
-    """Return a bar for each contingency of the vehicle, or none if the flight has no forecast."""
+    """Return no bars without a forecast."""
     if forecast.promise_if_known is None:
         return ()
     return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
 
 
 def stretches(bar: ContingencyBar, course: Seen) -> tuple[ContingencyStretch, ...]:
-    """Return the stretches of its rows in time order; rows at a standstill have no length."""
+    """Rows at a standstill have no length."""
     edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], course.times, course.along).tolist()
     return tuple(ContingencyStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))

@@ -1,5 +1,3 @@
-"""Compute the part of the world that the report shows, round the flight."""
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +9,8 @@ from ipoa_mission.world.obstacles import Obstacle
 
 @dataclass(frozen=True)
 class Framing:
-    """The margins and proportions of the map round a flight."""
-
     least_room: float = 15.0  # [m]
-    room: float = 0.18  # of the flight's longer side
+    room: float = 0.18  # of the longer side
     slenderest: float = 0.62  # shorter side over longer side
 
 
@@ -23,7 +19,7 @@ FRAMING = Framing()
 
 @dataclass(frozen=True)
 class Extent:
-    """The south-western and north-eastern corner (east, north) [m]."""
+    """Corners (east, north) [m]."""
 
     lower: tuple[float, float]
     upper: tuple[float, float]
@@ -36,12 +32,12 @@ class Extent:
         )
 
     def buildings(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        """Return the obstacles without zones."""
+        """Leave zones out."""
         return tuple(body for body in self.obstacles(airspace) if body.solid)
 
 
 def extent_of(*paths: Points) -> Extent:
-    """Return the extent of all paths (n, 3), with margins and limited proportions."""
+    """Paths are (n, 3); margins and proportions are limited."""
     points = np.vstack(paths)[:, :2]
     low, high = points.min(axis=0), points.max(axis=0)
     room = max(FRAMING.least_room, FRAMING.room * float((high - low).max()))

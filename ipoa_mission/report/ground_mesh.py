@@ -1,5 +1,3 @@
-"""Compute a mesh of the ground, and round steps of its heights."""
-
 import math
 
 import numpy as np
@@ -9,9 +7,9 @@ from ipoa_mission.world.polygon import Plane
 
 
 def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
-    """Return east, north and height of the ground at the nodes of a grid over the bounds, each (rows, columns) [m].
+    """Return east, north and height of square cells over the bounds, each (rows, columns) [m].
 
-    The longer side has `across` cells; cells are square.
+    The longer side has `across` cells.
     """
     return ground_mesh_over(airspace, airspace.bounds.lower[:2], airspace.bounds.upper[:2], across)
 
@@ -19,7 +17,7 @@ def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
 def ground_mesh_over(
     airspace: Airspace, lower: tuple[float, float], upper: tuple[float, float], across: int
 ) -> tuple[Plane, Plane, Plane]:
-    """Return the mesh over another rectangle, from `lower` to `upper` (east, north)."""
+    """Return the mesh from `lower` to `upper` (east, north)."""
     sides = np.subtract(upper, lower)
     counts = np.maximum(np.rint(sides / sides.max() * across), 1).astype(int) + 1
     east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True)))

@@ -1,15 +1,12 @@
-"""Show missions, plans, estimates and flights as small tables in a notebook: `%load_ext ipoa_mission`.
-
-The formatters are registered with IPython; the data classes do not depend on it.
-"""
+"""Show tables in a notebook: `%load_ext ipoa_mission`."""
 
 from collections.abc import Callable, Sequence
 from html import escape
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.exports.table import mission_table, shown
@@ -56,7 +53,6 @@ def flight_html(flight: FlightRecord) -> str:
     return _table(caption, ("item", "done at [s]"), rows)
 
 
-#: Formatters by type.
 TABLES: dict[type, Callable[[Any], str]] = {
     Mission: mission_html,
     Plan: plan_html,

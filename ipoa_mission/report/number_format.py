@@ -1,10 +1,10 @@
-"""Format the numbers of the report: significant digits only, and a real minus sign."""
+"""Significant digits only, and a real minus sign."""
 
 import math
 
 
 def seconds(value: float) -> str:
-    """Format a time: `43.1 s`, `103 s`, `3 min 13 s`."""
+    """`43.1 s`, `103 s`, `3 min 13 s`."""
     if value < 99.95:
         return f"{value:.1f}\N{NO-BREAK SPACE}s"
     if value < 119.5:
@@ -14,22 +14,22 @@ def seconds(value: float) -> str:
 
 
 def meters(value: float, digits: int = 2) -> str:
-    """Format a length: `2.61 m`, or `free` if infinite."""
+    """`2.61 m`, or `free` if infinite."""
     return f"{number(value, digits)}\N{NO-BREAK SPACE}m" if math.isfinite(value) else "free"
 
 
 def number(value: float, digits: int) -> str:
-    """Format a number with `digits` decimals, or an empty string if not finite."""
+    """Empty if not finite."""
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−") if math.isfinite(value) else ""
 
 
 def share(value: float, of: float) -> str:
-    """Format a relative difference in percent with its sign: `+1.2 %`."""
+    """As `+1.2 %`."""
     return signed(100 * (value / of - 1), 1, "%") if of else ""
 
 
 def signed(value: float, digits: int, unit: str = "") -> str:
-    """Format a difference with its sign and unit without a line break, or an empty string if not finite."""
+    """Unbreakable; empty if not finite."""
     if not math.isfinite(value):
         return ""
     rounded = round(value, digits) + 0.0

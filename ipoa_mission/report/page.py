@@ -1,7 +1,4 @@
-"""Write the report: one HTML file that contains everything, opens without a network, and prints.
-
-HTML and SVG are drawn here. The script on the page links the views and turns the 3D one.
-"""
+"""One HTML file that contains everything and prints."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -12,13 +9,13 @@ from string import Template
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.mission.commands import WAYPOINTS
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.compare import compare_flight, flown_track
@@ -36,7 +33,7 @@ from ipoa_mission.report.stops import stops
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 
-#: Control characters that a name may contain and a page may not.
+#: A page may not contain these.
 _CONTROLS = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
 
 
@@ -75,7 +72,7 @@ def report_html(
     findings: Sequence[Finding] | None = None,
     survey: str = "",
 ) -> str:
-    """Return the whole page; `findings` saves a second check, and `survey` is a panel of its survey or parts."""
+    """`findings` saves a second check; `survey` is a panel of its survey or parts."""
     findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,
@@ -144,7 +141,6 @@ def _subtitle(scenario: Scenario, mission: Mission) -> str:
 
 
 def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
-    """List the inputs that reproduce the report."""
     home, changed = mission.home, mission.parameters
     rows = {
         "home": f"{home.latitude_deg:.7f}, {home.longitude_deg:.7f}, {home.altitude:g} m above mean sea level",
@@ -159,7 +155,7 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
 
 
 def page_of(template: str, parts: Mapping[str, str]) -> str:
-    """Return a template filled with its parts, among them `title`, without control characters."""
+    """Remove control characters; `title` is a part."""
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)
     return Template(_asset(template)).substitute(parts, head=head).translate(_CONTROLS)

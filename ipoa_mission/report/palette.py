@@ -1,7 +1,6 @@
-"""Colors that color-blind readers can distinguish: Okabe and Ito's for paths, quiet ones for the world.
+"""Colors for color-blind readers: M. Okabe and K. Ito, jfly.uni-koeln.de/color (2008).
 
-Source: M. Okabe and K. Ito, Color Universal Design, jfly.uni-koeln.de/color (2008). Paths also differ by their
-markers, so that a gray print can be read.
+Paths also differ by their markers, for gray prints.
 """
 
 BLACK = "#000000"
@@ -12,7 +11,7 @@ BLUE = "#0072B2"
 VERMILLION = "#D55E00"
 REDDISH_PURPLE = "#CC79A7"
 
-#: In the order of paths and curves; yellow is left out, because it is hard to see on white.
+#: Yellow is hard to see on white.
 PATHS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE, ORANGE, SKY_BLUE, BLACK)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 

@@ -1,7 +1,4 @@
-"""Draw pictures for papers: a scenario and its paths from above and from the front.
-
-Paths differ by color and by marker. The same input gives the same bytes.
-"""
+"""Pictures for papers; the same input gives the same bytes."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,7 +27,7 @@ from ipoa_mission.world.airspace import Airspace
 
 View: TypeAlias = Literal["top", "front"]
 
-WIDTH = 3.5  # of a view [inch]
+WIDTH = 3.5  # [inch]
 MARKERS_PER_PATH = 8
 GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
 ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
@@ -53,7 +50,7 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
     Args:
         scenario: the world.
         paths: each (n, 3) [m] under its name.
-        views: `top` looks down with north up, `front` looks north with east to the right.
+        views: `top` with north up, `front` looks north with east to the right.
 
     Returns:
         A matplotlib figure.
@@ -77,7 +74,7 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
 
 
 def write_picture(figure: Figure, path: str | Path) -> None:
-    """Write a figure without dates, so that the same figure gives the same bytes.
+    """Write a figure; the same figure gives the same bytes.
 
     Args:
         figure: a matplotlib figure.
@@ -106,11 +103,7 @@ def write_picture(figure: Figure, path: str | Path) -> None:
 
 @contextmanager
 def sheet(width: float, height: float) -> Iterator[Figure]:
-    """Provide a figure of this size [inch] in the pictures' style.
-
-    At the end it is laid out and rounded: the layout's solver differs in the last bits from run to run, and SVG hashes
-    them.
-    """
+    """Provide a figure [inch], with a rounded layout: the solver differs in the last bits from run to run."""
     with matplotlib.rc_context(dict(STYLE)):
         figure = Figure(figsize=(width, height), dpi=200, layout="constrained")
         FigureCanvasAgg(figure)
@@ -185,13 +178,11 @@ def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
 
 
 def _marks(path: Points) -> list[int]:
-    """Return the indices of evenly spaced nodes that get a marker."""
     along = arc_lengths(path)
     return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKERS_PER_PATH) * along[-1]).tolist()))
 
 
 def _look(n: int, marks: list[int]) -> dict[str, Any]:
-    """Return the color and markers of the n-th line, with markers at these nodes."""
     return {
         "color": palette.PATHS[n % len(palette.PATHS)],
         "marker": palette.MARKERS[n % len(palette.MARKERS)],
@@ -203,7 +194,7 @@ def _look(n: int, marks: list[int]) -> dict[str, Any]:
 
 
 def _alternating(rings: list[Points]) -> list[Points]:
-    """Orient the outer ring to the left and holes to the right, so that filling by winding number leaves holes open."""
+    """Orient the outer ring to the left and holes to the right, for filling by winding number."""
     left = [float((r[:-1, 0] * r[1:, 1] - r[1:, 0] * r[:-1, 1]).sum()) > 0 for r in rings]
     return [ring if left[n] == (n == 0) else ring[::-1] for n, ring in enumerate(rings)]
 

@@ -1,5 +1,3 @@
-"""Build the data of the page's script: the predicted path, the stops, and the world as plain numbers."""
-
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -22,14 +20,12 @@ from ipoa_mission.world.terrain import Flat
 
 @dataclass(frozen=True)
 class SceneDetail:
-    """The detail and the proportions of the page's 3D view."""
-
     most_hoops: int = 120  # of the deviation bound
     hoop_corners: int = 12
-    cells: int = 64  # of the ground along the longer side
-    flat_cells: int = 12  # where it is level
-    tallest: float = 0.55  # height over width; a higher world is drawn lower
-    flattest: float = 0.10  # a lower world is drawn higher
+    cells: int = 64  # along the longer side
+    flat_cells: int = 12  # of level ground
+    tallest: float = 0.55  # height over width
+    flattest: float = 0.10  # height over width
 
 
 DETAIL = SceneDetail()
@@ -64,7 +60,6 @@ def page_data(
 
 
 def _hoops(points: Points, deviation_bound: DeviationBound) -> list[Any]:
-    """Return closed lines round the path, a few meters apart, at the deviation bound."""
     if deviation_bound.level <= 0.0:
         return []
     along = arc_lengths(points)
@@ -131,7 +126,7 @@ def _body(part: Part) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Round an array, a tuple of arrays or a number to the centimeter; keep a bool."""
+    """Round to the centimeter; keep a bool."""
     if isinstance(value, tuple):
         return [_plain(one) for one in value]
     if isinstance(value, np.ndarray):
@@ -140,7 +135,7 @@ def _plain(value: Any) -> Any:
 
 
 def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
-    """Return nested lists of rounded numbers, with null for values that are not finite."""
+    """Values that are not finite become null."""
     if values.ndim > 1:
         return [_rounded(row, digits) for row in values]
     return [round(float(v), digits) if math.isfinite(v) else None for v in values]

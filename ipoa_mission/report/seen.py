@@ -1,5 +1,3 @@
-"""Sample a flight's path with ground and obstacle distances, and find where it comes too close."""
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,7 +6,7 @@ import shapely
 
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths
@@ -21,9 +19,9 @@ LANDING_RADIUS = 1.0  # [m]
 
 @dataclass(frozen=True, eq=False)
 class Seen(Track):
-    """Samples of a track, with the distance over ground so far, `along` (n,) [m].
+    """Samples of a track, with the distance over ground `along` (n,) [m].
 
-    `ground` is the height of the ground below [m]. `apart` is the distance to the nearest obstacle [m], or infinite.
+    `ground` is the height below [m], `apart` the distance to the nearest obstacle [m], or infinite.
     """
 
     along: Vector
@@ -32,7 +30,7 @@ class Seen(Track):
 
 
 def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Seen:
-    """Sample a predicted or flown path at `samples` places, densely both where it is slow and where it is fast.
+    """Sample densely where a path is slow and where it is fast.
 
     A landing ends on the ground, which the time models ignore.
     """
@@ -55,7 +53,6 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Seen:
 
 
 def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
-    """Return the deviation bound that the scenario's confidence requires."""
     scenario = forecast.world
     chance = scenario.safety.chance
     return (
@@ -66,7 +63,7 @@ def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
 
 
 def outline_round(points: Points, level: float) -> list[Points]:
-    """Return the closed rings of the area within `level` [m] of a path, the outer one first; none for level 0."""
+    """Return closed rings within `level` [m], the outer one first."""
     if level <= 0.0:
         return []
     around = shapely.LineString(points[:, :2]).simplify(level / 10).buffer(level, quad_segs=4)
@@ -75,17 +72,14 @@ def outline_round(points: Points, level: float) -> list[Points]:
 
 @dataclass(frozen=True)
 class Danger:
-    """A place where the predicted path comes too close, in words; `touching`: the hull would collide."""
+    """`touching`: the hull would collide."""
 
     words: str
     touching: bool
 
 
 def dangers(course: Seen, scenario: Scenario) -> list[Danger]:
-    """Return where the predicted path comes too close, with cut corners and the return.
-
-    The ground counts only if the path goes into it, since every flight begins and ends there.
-    """
+    """Return where the path, a cut corner or the return comes too close; ground only where the path meets it."""
     met, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(course.points)
     if falls_short(nearest.distance, required):

@@ -1,30 +1,27 @@
-"""List the items of a mission as flown: their places, legs and times."""
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.planning.proof import Proof, prove
 
 MOVING = WAYPOINTS | {Command.NAV_TAKEOFF}
-MIN_HEADING_LENGTH = 0.5  # of a horizontal leg [m]
+MIN_HEADING_LENGTH = 0.5  # horizontal [m]
 
 
 @dataclass(frozen=True)
 class FlownItem:
-    """One item as flown: its `place`, or None, and the leg to it, for the table and the map.
+    """One item as flown, and the leg to it.
 
-    `way` is the leg as a polyline. `heading` is from its begin to its end [rad], clockwise from north (NaN: vertical).
-    `proof` has the clearances of the leg, or None if it is not between two waypoints.
+    `heading` is from begin to end [rad], clockwise from north (NaN: vertical). `proof`: between two waypoints.
     """
 
     item: Item
@@ -40,7 +37,6 @@ class FlownItem:
 
 
 def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
-    """Return every item in flight order, with the leg that leads to it."""
     scenario = forecast.world
     rows, airspace, flown = [], scenario.airspace, as_flown(forecast.mission)
     places = item_places(flown, scenario.frame, airspace.ground)
@@ -49,7 +45,7 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
     before, flying = np.zeros(3), False
     for time in forecast.estimate.items:
         item, place = flown.items[time.seq - 1], places[time.seq - 1]
-        if place is not None and item.command == Command.NAV_LAND:  # on the ground
+        if place is not None and item.command == Command.NAV_LAND:
             place[2] = airspace.ground(place[None, :])[0]
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))

@@ -1,22 +1,19 @@
-"""Compute the RTL paths that the views show at the cursor, for an RTL at that moment."""
+"""The RTL paths that the views show at the cursor."""
 
 from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.contingency import Contingency
 
-MAX_WAYS = 150  # one for each four seconds of ten minutes
+MAX_WAYS = 150  # each four seconds of ten minutes
 DECIMALS = 2
 
 
 def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
-    """Return `from` [s], `clear` and `points` (n, 3) [m] for moments of the flight, in time order.
-
-    Empty if the vehicle has no RTL, or if its path is unknown. Of several possible returns the first is shown.
-    """
+    """Return `from` [s], `clear` and `points` (n, 3) [m], in time order; the first of several returns."""
     if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
     contingencies = forecast.cached(Contingencies)

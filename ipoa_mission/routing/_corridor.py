@@ -1,4 +1,4 @@
-"""Compiled search for the fewest straight legs near a curve: a shortest path over all pairs that a leg may join."""
+"""Compiled search for the fewest straight legs near a curve."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-FIRST_LOOK = 16  # samples in the first search window for the end of a leg
+FIRST_LOOK = 16  # samples
 
 
 @njit(inline="always")
 def _strays(samples, i, j, start, end, most):
-    """Return the greatest distance of samples i+1..j from the leg `start`-`end` [m], or infinity above `most`."""
+    """Return the greatest distance of samples i+1..j from the leg [m]."""
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     square, farthest = max(x * x + y * y + z * z, 1e-12), 0.0
     for k in range(i + 1, j + 1):
@@ -31,9 +31,8 @@ def _strays(samples, i, j, start, end, most):
 def fewest_legs(samples, spots, last, tolerance):
     """Return the predecessor (n, sides, 2) of each of `spots` (n, sides, 3) near samples (n, 3).
 
-    Minimize the number of legs that leave the samples by at most `tolerance`, then the sum of squared deviations. A leg
-    from sample i ends at `last[i]` (n,) or before. The search window for its end grows by half each time. The search
-    stops after two windows without a fit, so a curve that returns later is not found.
+    Minimize the number of legs within `tolerance`, then the sum of squared deviations. A leg from sample i ends by
+    `last[i]` (n,). The search stops after two growing windows without a fit.
     """
     n, sides = spots.shape[:2]
     legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)
@@ -60,3 +59,26 @@ def fewest_legs(samples, spots, last, tolerance):
                 break
             first, end = end, min(end + (end - i) // 2, n)
     return before
+
+
+@njit(cache=True, error_model="numpy")
+def farthest(points, others):
+    """Return the directed Hausdorff distance from `points` (n, 3) to `others` (m, 3).
+
+    A point is dropped once another is nearer than the maximum so far (Taha and Hanbury 2015).
+    """
+    most, near = 0.0, 0
+    for p in range(len(points)):
+        x, y, z = points[p, 0], points[p, 1], points[p, 2]
+        least, nearest = math.inf, near
+        for k in range(2 * len(others)):
+            o = near + (k + 1) // 2 if k % 2 else near - k // 2
+            if not 0 <= o < len(others):
+                continue
+            square = (others[o, 0] - x) ** 2 + (others[o, 1] - y) ** 2 + (others[o, 2] - z) ** 2
+            if square < least:
+                least, nearest = square, o
+                if square <= most:
+                    break
+        most, near = max(most, least), nearest
+    return math.sqrt(most)

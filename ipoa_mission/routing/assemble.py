@@ -1,13 +1,10 @@
-"""Build the mission for a plan, with the waypoints that the scenario asks for.
-
-Modes of `scenario.route`: `even` resamples as the paper does, `corridor` uses the fewest straight legs. `spline` is one
-smooth curve (ArduPilot), `fastest` the quickest of these on this autopilot.
-"""
+"""Build the mission for a plan, with the waypoints that the scenario asks for."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.route_time import kinematics
@@ -19,18 +16,15 @@ from ipoa_mission.routing.fastest import SEARCH, fastest_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 
-HALVINGS = 6  # of the step or the tolerance, before a mode gives up
-NARROW = 2  # halvings after which the waypoints are close along the curve
-TURNED_LATE = 2.5  # acceptance radius at which PX4, flying slower, turns to the next waypoint [m]
+HALVINGS = 6  # before a mode gives up
+NARROW = 2  # halvings
+TURNED_LATE = 2.5  # acceptance radius of PX4 in slower flight [m]
 MODES = ("even", "corridor", "spline", "fastest")
 
 
 @dataclass(frozen=True)
 class Option:
-    """One choice of waypoints, with its flight from start to goal on this autopilot."""
-
     mode: str
     route: Route
     seconds: float
@@ -70,7 +64,7 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
 
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
-    """Return the route of one mode whose legs and predicted path keep the required clearance.
+    """Return the route of one mode that keeps the required clearance.
 
     Raises:
         NoRoute: no tried route does; `tried` holds the widest and a narrow one.
@@ -93,16 +87,15 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
 
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """Return the best quick route, or the best of all routes if it misses a limit by less than `promising` [m]."""
+    """Return the best quick route, or the best of all if it lacks less than `promising` [m]."""
     quick = _first_promised(_near_routes(plan, scenario))
     if not quick.is_promised and quick.slack < promising:
         return quick
-    whole = _first_promised(_routes(plan, scenario))  # another path, not a slower route, makes contingencies clear
+    whole = _first_promised(_routes(plan, scenario))
     return whole if whole.is_promised else max(quick, whole, key=lambda attempt: attempt.merit)
 
 
 def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
-    """Return the first attempt that is promised, or the one with the most slack."""
     seen = list[Attempt]()
     for attempt in attempts:
         seen.append(attempt)
@@ -112,7 +105,7 @@ def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
 
 
 def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    """Yield the route of the scenario's mode; if the fastest is not promised, also those of other modes."""
+    """Yield the scenario's mode, then other modes."""
     modes = [scenario.route.mode]
     if modes == ["fastest"]:
         modes += ["corridor", "even"]
@@ -123,11 +116,10 @@ def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
         except NoRoute as error:
             yield from (Attempt(plan, route, scenario) for route in error.tried)
             if mode == "fastest":
-                modes.remove("corridor")  # already tried as the fallback of `fastest`
+                modes.remove("corridor")  # the fallback of `fastest`
 
 
 def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
-    """Yield a few quick routes of the scenario's mode, without a check of their limits."""
     mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     wide, narrow = choose(width), choose(width / 2**NARROW)
@@ -179,7 +171,6 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
 
 
 def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
-    """Return why a route is not selected although it is quicker than `chosen`."""
     flown, tolerance = attempt.flown, attempt.scenario.route.tolerance
     if not is_clear:
         return "not clear"
@@ -196,20 +187,19 @@ def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:
-    """Return the least time [s] that any vehicle with these limits needs for the planned curve."""
+    """Return the least time [s] of any vehicle with these limits."""
     vehicle = scenario.vehicle
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
-    """Raise if the autopilot does not fly the waypoints of a mode."""
     if mode == "spline" and not autopilot.guidance.flies_splines:
         raise BadInput("expected even, corridor or fastest: only ArduPilot flies spline waypoints", place="route.mode")
 
 
 def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:
-    """Return a function from width [m] to a cleared route, and the width that the scenario asks for [m]."""
+    """Return a function from width [m] to a cleared route, and the asked width."""
     expect_mode(mode, scenario.vehicle.autopilot)
     via = scenario.via_points
 

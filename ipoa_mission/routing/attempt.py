@@ -1,4 +1,4 @@
-"""An attempt: a route along a plan, with its lazily computed forecast, proof and margins."""
+"""A route along a plan, with its forecast, proof and margins."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,8 +24,6 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A route along the curve of a plan, in the world of a scenario."""
-
     plan: Plan
     route: Route
     scenario: Scenario
@@ -35,7 +33,7 @@ class Attempt:
 
     @cached_property
     def draft(self) -> Forecast:
-        """Forecast the mission without its legs between home and the start."""
+        """Forecast without the legs between home and the start."""
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property
@@ -58,12 +56,10 @@ class Attempt:
 
     @property
     def forecast(self) -> Forecast:
-        """Forecast with the vehicle parameters and rally points that planned contingencies need."""
         return self._settled[0]
 
     @property
     def short(self) -> tuple[Shortfall, ...]:
-        """Return the clearance that planned contingencies still lack."""
         return self._settled[1]
 
     @property
@@ -72,7 +68,6 @@ class Attempt:
 
     @property
     def is_promised(self) -> bool:
-        """Return whether enough flights keep every limit on the way, without regard to contingencies."""
         return not self.whole.promise.forbidding
 
     @property
@@ -81,7 +76,7 @@ class Attempt:
 
     @property
     def slack(self) -> float:
-        """Return the least margin over all limits, on the way and in planned contingencies [m]."""
+        """Return the least margin over all limits and planned contingencies [m]."""
         kept = min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
         return min([kept, *(-one.missing for one in self.short)])
 
@@ -91,7 +86,6 @@ class Attempt:
 
     @cached_property
     def proof(self) -> Proof:
-        """Prove that the way between the waypoints keeps the limits, along straight legs or splines."""
         if not self.route.spline:
             return prove(self.route.points, self.scenario, spare=0.0)
         between = {index + 1 for index in items_of_waypoints(self.route)[1:]}
@@ -104,10 +98,7 @@ class Attempt:
 
     @cached_property
     def sketched(self) -> "Flown":
-        """Fly the mission without sensor noise and only to the goal: much quicker to compute for PX4.
-
-        The path is the same; noise adds some seconds.
-        """
+        """Fly without sensor noise and only to the goal: much quicker to compute for PX4."""
         mission = self.draft.given
         return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), sure=True)
 
@@ -116,9 +107,7 @@ class Attempt:
 class Flown:
     """The flight of an attempt by the time model, from over the start to the last waypoint.
 
-    `track` ends where the vehicle could stop. `overrun` is how far beyond the goal it could stop, braking from where
-    the goal counts as reached [m]. `late` is the 90 % quantile of the duration [s], `missed` the mean number of missed
-    waypoints.
+    It ends where the vehicle could stop, `overrun` [m] beyond the goal. `late`: 90 % quantile of the duration [s].
     """
 
     attempt: Attempt
@@ -138,13 +127,12 @@ class Flown:
 
     @property
     def slack(self) -> float:
-        """Return the least margin of the predicted path, of clearance, ground, ceiling and bounds [m]."""
         checks = prove(self.path, self.attempt.scenario).checks
         return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
 
     @property
     def keeps_limits(self) -> bool:
-        """Return whether the predicted path keeps its limits, and its deviation bound with the required probability."""
+        """Return whether the path keeps its limits, and its deviation bound often enough."""
         scenario = self.attempt.scenario
         return deviation_bound_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
 

@@ -1,30 +1,26 @@
-"""Split a mission too long for one battery into flights that each return home clear and with reserve.
-
-Each flight begins with the mission's take-off and resumes where the previous one turned home, with the speed and
-triggers in force there. All but the last return by RTL; the last ends as the mission does.
-"""
+"""Split a mission too long for one battery into flights that each return home clear and with reserve."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
 
-#: Commands at which a flight may turn home and another resume.
+# A flight may turn home or resume there.
 TURNS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
-#: Commands that lead elsewhere than to the next item.
+# These lead elsewhere than to the next item.
 JUMPS = frozenset({
     Command.DO_JUMP, Command.DO_JUMP_TAG, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
     Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
-#: Commands in force until another of their kind.
+# In force until another of their kind.
 STATES = frozenset({
     Command.DO_SET_CAM_TRIGG_DIST, Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI,
     Command.NAV_ROI, Command.DO_SET_ROI_NONE, Command.DO_MOUNT_CONTROL, Command.DO_GIMBAL_MANAGER_PITCHYAW,
@@ -37,11 +33,10 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
 
     Args:
         mission: a take-off, then waypoints, then its ending.
-        scenario: its battery, and the world in which each flight must be clear.
+        scenario: its battery and world.
 
     Returns:
-        The mission itself if one battery is enough, else its parts in order. Each resumes at the waypoint where the
-        previous one turned home.
+        The mission itself if one battery is enough, else its parts in order.
 
     Raises:
         BadInput: the scenario has no battery, or the vehicle's power is unknown.
@@ -62,7 +57,7 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
 
 
 def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
-    """Split a flight that is already forecast; return the parts with their forecasts.
+    """Return the forecasts of the parts.
 
     Raises:
         BadInput, NotEnoughBattery, MissionError: as `split`.
@@ -82,10 +77,9 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
 
 
 def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
-    """Return the greatest number up to `count` that fits, 0 if 1 does not; quick if `guess` is near.
+    """Return the greatest number up to `count` that fits; quick if `guess` is near.
 
-    Energy grows with the part of the mission flown before the return. Flights that each fly as much as they can are
-    therefore the fewest.
+    Energy grows with the part flown before the return: flights as long as possible are the fewest.
     """
     least, beyond, here, step = 0, count + 1, guess, 1
     while beyond - least > 1:
@@ -100,8 +94,6 @@ def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) ->
 
 
 class _Parts:
-    """The flights from one waypoint of a mission to a later one, numbered in order."""
-
     def __init__(self, whole: Forecast) -> None:
         self.whole, self.mission = whole, whole.given
         items = self.mission.items
@@ -114,10 +106,7 @@ class _Parts:
         self.last = len(self.turns)
 
     def longest(self, begin: int, guess: int) -> tuple[int, Forecast]:
-        """Return the farthest end of a flight from waypoint `begin`, and that flight.
-
-        The end is `last` at the mission's end. `guess`: expected number of waypoints.
-        """
+        """Return the farthest end of a flight from waypoint `begin`, and that flight."""
         straight = dict[int, Forecast]()
 
         def fits(waypoints: int) -> bool:
@@ -140,7 +129,6 @@ class _Parts:
         raise why
 
     def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Forecast:
-        """Forecast the flight from one waypoint to another and home, or to the mission's end with `last`."""
         items = self.mission.items
         until = len(items) if end == self.last else self.turns[end - 1] + 1
         taken = list(items[:until])
@@ -154,7 +142,7 @@ class _Parts:
         return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
 
     def _ways_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
-        """Yield ways to the resumed waypoint: straight, then as high as an RTL from there."""
+        """Yield ways to the resumed waypoint: straight, then as high as an RTL."""
         yield ()
         if begin > 0:
             frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home
@@ -171,7 +159,6 @@ def _refused(flight: Forecast) -> MissionError | None:
 
 
 def _in_force(before: Sequence[Item]) -> Iterator[Item]:
-    """Yield the last item of each kind that is still in force after `before`."""
     last = {item.command: n for n, item in enumerate(before) if item.command in STATES}
     yield from (before[n] for n in sorted(last.values()))
 

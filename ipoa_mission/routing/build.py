@@ -1,7 +1,8 @@
-"""Build a mission from a route: take off, set the speed, fly the waypoints, land."""
+"""Build a mission from a route."""
 
 import numpy as np
 
+from ipoa_mission.autopilot.guidance_profile import WaypointDefaults
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.itinerary.unknown import MAX_TURN_DEG, turn_deg
 from ipoa_mission.geometry import Points, Vector
@@ -23,20 +24,18 @@ from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
-from ipoa_mission.vehicles.guidance_profile import WaypointDefaults
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-#: Lowest take-off height above home [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
+# [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5
-VISITED = 0.5  # a waypoint this near to a via point counts as it [m]
-OVER_HOME = 0.5  # a route that begins this near to home begins with the take-off [m]
+VISITED = 0.5  # [m]
+OVER_HOME = 0.5  # begins with the take-off [m]
 
 
 def build_mission(route: Route, scenario: Scenario) -> Mission:
     """Build the mission of a route, with the scenario's speed, ending, fence and rally points.
 
-    If the straight way home is not clear, the mission first climbs over the goal. If it lands on high ground, vehicle
-    parameters make it slow down in time.
+    It climbs over the goal if the straight way home is not clear, and slows down in time for high ground.
 
     Raises:
         BadInput: the start is too low for a take-off to end there.
@@ -49,7 +48,7 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:
-    """Build the mission without a check of the ways from home to the start and back.
+    """Build the mission without a check of the ways from home and back.
 
     Raises:
         BadInput: the start is too low for a take-off to end there.
@@ -90,8 +89,8 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
-    """Return the index in `Mission.items` of the item that flies to each waypoint of the route."""
-    first = 0 if starts_over_home(route) else 2  # the take-off ends there, or a change of speed comes before it
+    """Return the item that flies to each waypoint."""
+    first = 0 if starts_over_home(route) else 2
     changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1
     return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))
 
@@ -102,7 +101,7 @@ def starts_over_home(route: Route) -> bool:
 
 def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
     if route.spline:
-        hairpin = turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0  # in motion its path is unknown
+        hairpin = turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0  # unknown in motion
         return spline_waypoint(place, height, 1.0 if hairpin else 0.0)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
     return waypoint(place, height, usual.hold, usual.radius if via.any() or route.radius == 0.0 else route.radius)
@@ -117,7 +116,7 @@ def _prove_departure(start: Vector, scenario: Scenario) -> None:
 
 
 def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
-    """Round places to the resolution of MAVLink: 1e-7 degrees and 1 mm."""
+    """Round to MAVLink's resolution: 1e-7 degrees and 1 mm."""
     return [
         Geodetic(round(float(lat), 7), round(float(lon), 7), round(float(alt), 3))
         for lat, lon, alt in zip(*frame.to_geodetic(points), strict=True)

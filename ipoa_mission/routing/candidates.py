@@ -1,37 +1,83 @@
-"""Generate routes along a curve that an autopilot may fly quickly.
-
-ArduCopter slows down for every straight leg, so it also gets splines along the gentlest line near the curve. PX4 slows
-down for every corner, so it gets waypoints with large acceptance radii.
-"""
+"""Generate routes along a curve that an autopilot may fly quickly."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from ipoa_mission.forecast.timing.route_time import kinematics
-from ipoa_mission.geometry import leg_lengths
+from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing.relax import relaxed
-from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, stations
+from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
-NEAREST = 0.1  # least distance between two waypoints [m]
+PLACE_SPACING = 3.0  # [m]
+MAX_PLACES = 200
+MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
+
+
+def relaxed(curve: Spline, room: float, via: Points) -> Points:
+    """Return places (n, 3) of the line with least bending within `room` [m] of the curve, through via points (m, 3)."""
+    count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
+    samples, stops = through(curve.sample(count + 1), via)
+    free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
+    if room <= 0 or len(free) == 0:
+        return samples
+    aside = lefts(samples)[:, :2]
+    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # curvature
+    system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
+    wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
+    moved = _least_squares(system, wanted, room)
+    samples[free, :2] += moved[:, None] * aside[free]
+    return samples
+
+
+def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
+    """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton.
+
+    Normal equations couple each x with two neighbors on either side only (Bertsekas 1982).
+    """
+    from ipoa_mission.planning.banded import solve_banded
+
+    hessian, toward = system.T @ system, system.T @ wanted
+    x, cost = np.zeros(len(toward)), 0.0
+    for _ in range(MAX_ROUNDS):
+        slope = hessian @ x - toward
+        free = np.nonzero(((x > -room) | (slope <= 0)) & ((x < room) | (slope >= 0)))[0]
+        band = np.zeros((3, len(free)))
+        for k in range(min(3, len(free))):
+            band[k, : len(free) - k] = hessian[free[k:], free[: len(free) - k]]
+        step = np.zeros_like(x)
+        step[free] = solve_banded(band, slope[free])[0]
+        for share in SHARES:
+            trial = np.clip(x - share * step, -room, room)
+            less = float(trial @ (hessian @ trial / 2 - toward))
+            if less < cost:
+                break
+        if less >= cost - ENOUGH * abs(cost):
+            break
+        x, cost = trial, less
+    return x
+
+
+NEAREST = 0.1  # between two waypoints [m]
 
 
 @dataclass(frozen=True)
 class RouteGrid:
-    """Grid of waypoint choices near a curve; `tolerance` is the greatest distance from it."""
+    """Waypoint choices within `tolerance`."""
 
-    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, for straight legs
-    aside_share: float = 0.6  # of that width, lateral offset of a waypoint from the curve
-    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # acceptance radii of PX4 [m]; 0: its parameter
+    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
+    aside_share: float = 0.6
+    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter
     spline_shares: tuple[float, ...] = (
         0.8,
         0.4,
         0.0,
-    )  # of the tolerance, lateral room of a spline's line
-    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # between spline waypoints [m]
+    )  # of the tolerance
+    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # [m]
     most_splines: int = 200
 
 
@@ -39,7 +85,6 @@ GRID = RouteGrid()
 
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
-    """Yield routes near the curve; their legs may still cut corners near obstacles."""
     guidance = scenario.vehicle.autopilot.guidance
     if guidance.flies_splines:
         yield from _splines(curve, scenario)

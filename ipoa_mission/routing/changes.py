@@ -1,4 +1,4 @@
-"""Changes of a scenario that may make it plannable, each tried at most once."""
+"""Changes of a scenario that may make it plannable."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -8,14 +8,14 @@ from ipoa_mission.errors import Remedy
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 
-SPEED_SHARES = (0.5, 0.25)  # of the cruise speed
-LEAST_SPEED = 0.5  # lowest cruise speed that is tried [m/s]
+SPEED_SHARES = (0.5, 0.25)
+LEAST_SPEED = 0.5  # [m/s]
 LOWER_CONFIDENCES = (0.9,)
 
 
 @dataclass(frozen=True, eq=False)
 class ChangeTrials:
-    """Plans of a scenario with each change; `planned` returns None for a scenario without a valid plan."""
+    """`planned` returns None without a valid plan."""
 
     scenario: Scenario
     planned: Callable[[Scenario], Attempt | None]

@@ -1,9 +1,4 @@
-"""Find the quickest waypoints along a curve for the autopilot that flies them.
-
-The same curve may take 47 or 208 s, depending only on its waypoints. The time model flies each candidate. Candidates
-whose *predicted* path leaves the corridor, comes too close or overruns the goal are dropped. The best are then improved
-waypoint by waypoint.
-"""
+"""Find the quickest waypoints along a curve for its autopilot."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -24,29 +19,25 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True)
 class RouteSearch:
-    """Effort and thresholds of the search for the quickest route."""
-
-    starts: int = 2  # routes with different numbers of waypoints to improve
-    most_behind: float = 1.06  # of the second start's time to the first's, at most
-    trials: int = 60  # of removing or moving a waypoint
-    legs: int = 2000  # flown in all trials, at most
-    patience: int = 25  # trials without gain before a step size is given up
-    step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, by which a waypoint moves
-    least_gain_s: float = 0.1  # least time that a change must save
-    equal_share: float = 0.005  # of the time, within which routes count as equally quick
-    most_overrun: float = 0.5  # greatest distance beyond the goal in which the vehicle brakes [m]
+    starts: int = 2  # routes to improve
+    most_behind: float = 1.06  # of the second start's time to the first's
+    trials: int = 60
+    legs: int = 2000  # in all trials
+    patience: int = 25  # trials without gain
+    step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
+    least_gain_s: float = 0.1
+    equal_share: float = 0.005  # of the time, of equally quick routes
+    most_overrun: float = 0.5  # [m]
 
 
 SEARCH = RouteSearch()
-TIGHT_PLACES = 0.5  # number among which the allowed chance is divided, if no route fits without extra room
+TIGHT_PLACES = 0.5  # if no route fits without extra room
 
 
 def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
-    """Return the quickest route whose predicted path stays within `route.tolerance` and keeps every limit.
+    """Return the quickest route within `route.tolerance` and every limit.
 
-    Time is the sum of the mean and the 90 % quantile. Among equally quick routes, prefer the fewest missed waypoints,
-    then the greatest margin. If no route fits, move waypoints clear with room for the deviation bound. Return None if
-    none fits.
+    Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT_PLACES))
@@ -60,10 +51,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
 
 
 def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
-    """Return the quickest valid routes with different numbers of waypoints, moved clear in `roomy`.
-
-    Clearing a route takes longer than flying it, so a route is cleared only when no other is quicker as drawn.
-    """
+    """Return the quickest valid routes with different numbers of waypoints; clear as few as possible."""
     waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
@@ -88,7 +76,6 @@ def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
 
 
 def _is_fit(attempt: Attempt) -> bool:
-    """Return whether the route and its predicted path keep the corridor and the limits, and stop at the goal."""
     flown = attempt.sketched
     return (
         flown.overrun <= SEARCH.most_overrun
@@ -116,10 +103,7 @@ def _improve(attempt: Attempt) -> Attempt:
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
-    """Yield the waypoints with one removed, or one moved laterally or along by `step` [m]; via points stay.
-
-    Waypoints in `tried` (as bytes) are skipped.
-    """
+    """Yield the waypoints with one removed or moved by `step` [m]."""
     free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
     for i in free:
         if (without := np.delete(points, i, axis=0)).tobytes() not in tried:

@@ -14,15 +14,11 @@ if TYPE_CHECKING:
 
 
 class WayHomeBlocked(MissionError):
-    """The straight way home of a mission that ends in RTL is not clear at any altitude."""
+    """The straight way home is not clear at any altitude."""
 
 
 def expect_way_home(attempt: "Attempt") -> None:
-    """Check that the return of a mission with planned contingencies is clear, as is the ground below if it may land.
-
-    Raises:
-        WayHomeBlocked: the way home is not clear.
-    """
+    """Raise WayHomeBlocked if a planned return is not clear, or the ground below if it may land."""
     scenario = attempt.scenario
     if scenario.safety.returns != "planned" or scenario.route.ending != "rtl" or leads_home(scenario):
         return
@@ -36,7 +32,7 @@ def expect_way_home(attempt: "Attempt") -> None:
 
 
 def by_way_of_the_goal(scenario: Scenario) -> Scenario:
-    """Return the scenario with its goal as a via point, and a new goal over home at the height of the start."""
+    """Return the scenario with its goal as a via point, and a new one over home."""
     over_home = Place(east=0.0, north=0.0, up=float(scenario.start_point[2]))
     return scenario.model_copy(update={"via": (*scenario.via, scenario.goal), "goal": over_home})
 

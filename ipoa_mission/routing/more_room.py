@@ -1,4 +1,4 @@
-"""Enlarge obstacles and tighten limits so that the flown path keeps the asked clearance."""
+"""Enlarge obstacles and tighten limits to keep the asked clearance."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -15,19 +15,18 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Cylinder, Obstacle
 
-GROWTH_FACTOR = 1.15  # factor on the missing distance
-GROWTH_MARGIN = 0.03  # added to the missing distance [m]
-NEAREST_MARGIN = 0.3  # obstacles within the nearest distance + missing + this are moved away from [m]
-SAMPLE_STEP = 0.5  # step along a curve [m]
-EVEN_BOUND = DeviationBound(1.0, 1.0, 1.0)  # equal in all directions
+GROWTH_FACTOR = 1.15  # of the missing distance
+GROWTH_MARGIN = 0.03  # to the missing distance [m]
+NEAREST_MARGIN = 0.3  # [m]
+SAMPLE_STEP = 0.5  # [m]
+EVEN_BOUND = DeviationBound(1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Needs:
     """Growth of obstacles (n,), and tightening of height limits and bounds [m].
 
-    `columns`: growth of the volume kept free below obstacles (n,), down to the ground; negative: none. `towers`: the
-    same above them, up to the highest bound.
+    `columns`: growth of the free volume below (n,); negative: none. `towers`: above.
     """
 
     growth: Vector
@@ -38,7 +37,6 @@ class Needs:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
-        """Return these needs plus those from an attempt's shortfalls."""
         promise, curve = attempt.promise, attempt.plan.curve
         short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.on_the_way}
         wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.on_the_way and one.limit == "obstacles"]
@@ -58,10 +56,7 @@ class Needs:
         )
 
     def room(self, roomy: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
-        """Return the problem with the room of `roomy` and these needs; with `gaps`, no gap is closed.
-
-        Places given by the scenario stay free.
-        """
+        """Return the problem with these needs added; with `gaps`, no gap is closed."""
         air = roomy.airspace
         bodies = tuple(
             _upright(air, wide, column, tower) if max(column, tower) >= 0.0 else body
@@ -79,9 +74,7 @@ class Needs:
 
 
 def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vector:
-    """Widen the volumes kept free below or above obstacles (n,) by what is missing; a new one is as wide as its
-    obstacle.
-    """
+    """Widen the free volumes (n,) by the missing distance."""
     number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
     wider = rooms.copy()
     for name, missing in {one.body: one.missing for one in short}.items():
@@ -91,7 +84,6 @@ def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vec
 
 
 def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obstacle:
-    """Return the body widened by the wider of both, extended down for a column and up for a tower."""
     (west, south, base), (east, north, top) = body.bounds
     floor = min(air.bounds.lower[2], base) if column >= 0.0 else base
     ceiling = max(air.bounds.upper[2], top) if tower >= 0.0 else top
@@ -103,7 +95,7 @@ def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obst
 
 
 def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
-    """Return the growth of obstacles (n,) that moves a path of `spots` (k, 3) away by `missing` [m]."""
+    """Return the growth (n,) that moves `spots` (k, 3) away by `missing` [m]."""
     bodies, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance
     reach = {body.name: n for n, body in enumerate(bodies)}
     away = np.full(len(bodies), np.inf)
@@ -114,13 +106,13 @@ def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) ->
 
 
 def approximation_needs(scenario: Scenario) -> Needs:
-    """Return the needs of the predicted path alone: straight legs approximate it."""
+    """Return the needs of straight legs, which approximate the path."""
     none = initial_needs(scenario)
     return replace(none, growth=none.growth + 2 * GROWTH_MARGIN, above=2 * GROWTH_MARGIN)
 
 
 def initial_needs(scenario: Scenario) -> Needs:
-    """Return no needs, or zero-width towers if the vehicle may land by choice and returns are planned."""
+    """Return no needs, or towers if the vehicle may land by choice."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
     lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)

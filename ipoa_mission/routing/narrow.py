@@ -1,4 +1,4 @@
-"""Find walls through all heights whose gaps are narrower than the deviation bound of a straight flight."""
+"""Find walls with gaps narrower than the deviation bound."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -6,8 +6,7 @@ from itertools import pairwise
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.tight_places import tight_places
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
@@ -18,8 +17,6 @@ from ipoa_mission.scenario.path_limits import place_names
 
 @dataclass(frozen=True)
 class Narrow:
-    """The widest gap between two named places, narrower than any flight's deviation bound."""
-
     gap: Closure
     leg: str
 
@@ -31,7 +28,7 @@ class Narrow:
 
 
 class TooNarrow(MissionError):
-    """Geometry alone shows that too few flights would keep the limits; `narrow` is the gap."""
+    """Geometry alone shows that too few flights would keep the limits."""
 
     def __init__(self, narrow: Narrow) -> None:
         super().__init__(narrow.words())
@@ -41,8 +38,6 @@ class TooNarrow(MissionError):
 def expect_wide(scenario: Scenario) -> None:
     """Raise if every way leads through a gap narrower than the least deviation bound.
 
-    `plan_path` reports gaps narrower than twice the required distance.
-
     Raises:
         TooNarrow: on a leg between given places.
     """
@@ -50,7 +45,7 @@ def expect_wide(scenario: Scenario) -> None:
     if chance is None or not scenario.airspace.obstacles:
         return
     if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
-        return  # less clearance is required around these
+        return  # less clearance is required there
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
     names = place_names(scenario.places)
@@ -62,11 +57,7 @@ def expect_wide(scenario: Scenario) -> None:
 
 
 def least_reach(law: DeviationLaw, chance: float) -> float:
-    """Return a lower bound on the extra distance that any flight needs next to an obstacle [m].
-
-    A flight misses a limit at least as often as the likeliest of its paths. Above and below a body, its sides may need
-    less.
-    """
+    """Return the least extra distance next to an obstacle [m]; less above and below it."""
     usual = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
     facing = min(1.0, min(usual) / law.level.distance(TYPICAL_CHANCE))
     reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]

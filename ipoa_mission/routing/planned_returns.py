@@ -1,7 +1,6 @@
-"""Choose a return altitude and rally points so that every contingency of a flight is clear.
+"""Choose a return altitude and rally points that make every contingency clear.
 
-A return altitude or rally points can make RTL clear. Braking, or a climb under an obstacle, needs another path or a
-lower speed. Values named in the scenario stay.
+Values named in the scenario stay.
 """
 
 import math
@@ -10,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.contingencies import (
     Contingencies,
@@ -31,17 +31,12 @@ from ipoa_mission.forecast.shortfalls import (
 from ipoa_mission.routing.rally import rally_sets
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.contingency import Contingency
 
-NAMED = 3  # obstacles named in a note on LAND
+NAMED = 3  # in a note on LAND
 
 
 def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
-    """Return the mission with the return altitude and rally points that leave its contingencies the most clearance.
-
-    Returns:
-        Its forecast, and the worst remaining shortfall of each body.
-    """
+    """Return the clearest forecast, and the worst remaining shortfall of each body."""
     ways = forecast.cached(ContingencyPaths)
     braking = list(shortfalls(ways, Contingency.HOLD, ways.assessments(Contingency.HOLD)))
     if Contingency.SMART_RTL in contingencies_of(forecast):
@@ -50,7 +45,7 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         braking += shortfalls(ways, Contingency.LAND, ways.assessments(Contingency.LAND))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
-    if braking:  # needs another path, as do turning back and climbing
+    if braking:  # needs another path
         return forecast, (*braking, *(one for one in returning(ways) if one.part < RETURNS))
     best, short = forecast, returning(ways)
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
@@ -61,7 +56,6 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
 
 
 def names_return_altitude(scenario: Scenario) -> bool:
-    """Return whether the scenario names the return altitude, by its older or newer parameter name."""
     book = scenario.vehicle.autopilot.book
     return book.return_height.name in book.by_old_names(scenario.vehicle.autopilot_parameters())
 
@@ -69,7 +63,7 @@ def names_return_altitude(scenario: Scenario) -> bool:
 def _with_rally_points(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
-    """Return the fewest rally points that make RTL clear with a slow landing, or the unchanged forecast."""
+    """Return the fewest rally points that make RTL clear with a slow landing."""
     for rally in rally_sets(ways.returning(forecast)):
         try:
             mission = slow_landings(replace(forecast.given, rally=rally), forecast.world)
@@ -83,7 +77,6 @@ def _with_rally_points(
 
 
 def why_not_planned(forecast: Forecast) -> str:
-    """Describe the worst stretch of a contingency that is not clear, as part of a sentence."""
     contingencies = forecast.cached(Contingencies)
     asked = [
         contingency
@@ -102,13 +95,11 @@ def why_not_planned(forecast: Forecast) -> str:
 
 
 def or_else(forecast: Forecast) -> str:
-    """Return the other remedies for the refusal, as part of a sentence."""
     returns = f"or {to_return_instead(forecast)}; " if lands_by_choice(forecast) else ""
     return f'{returns}or [safety] returns = "warn", to be warned only'
 
 
 def planned_returns(forecast: Forecast) -> Iterator[str]:
-    """Yield the return altitude and the rally points that the plan needs."""
     scenario, mission = forecast.world, forecast.mission
     name = mission.autopilot.book.return_height.name
     if name in forecast.given.parameters and not names_return_altitude(scenario):
@@ -126,7 +117,7 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
 
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
-    """Yield for how long a LAND on the spot may come down on an obstacle; such landings are not planned away."""
+    """Yield how long a LAND may come down on an obstacle."""
     ways = forecast.cached(ContingencyPaths)
     assessments = ways.assessments(Contingency.LAND)
     names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, assessments)))

@@ -1,27 +1,27 @@
-"""Place as few rally points as possible for returns that no altitude makes clear."""
+"""Place as few rally points as possible."""
 
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
 MAX_RALLY_POINTS = 4
-PLACE_STEP = 25.0  # spacing of landing places along the path [m]
-LATERAL_DISTANCES = (0.0, 15.0, 30.0)  # lateral distances of landing places from the path [m]
-LANDING_CLEARANCE = 2.0  # extra clearance around a landing place [m]
-SAMPLE_COUNT = 60  # instants of the flight at which candidates are compared
-LEAST_SEPARATION = 12.0  # least distance from home and between rally points [m]: PX4 ignores those within 10 m of home
+PLACE_STEP = 25.0  # along the path [m]
+LATERAL_DISTANCES = (0.0, 15.0, 30.0)  # from the path [m]
+LANDING_CLEARANCE = 2.0  # around a landing place [m]
+SAMPLE_COUNT = 60
+LEAST_SEPARATION = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
 
 
 def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
-    """Yield growing sets of rally points; each adds the one that makes most returns clear. The caller proves them."""
+    """Yield growing sets of rally points, not proved."""
     forecast = ways.forecast
     places = _with_room(ways, _places(forecast))
     if not len(places):
@@ -33,7 +33,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     home = np.zeros(3)
     goals = np.vstack([home, places])
     clear = _clear(ways, stopped, height, goals)
-    if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:  # its own return may only lead through air
+    if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
         own = int(np.searchsorted(times, forecast.promise.flight.way[1]))
         keep = clear[min(own, len(times) - 1)]
         keep[0] = True
@@ -50,13 +50,13 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
 
 
 def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
-    """Count the instants at which every chosen goal that may be the nearest is reached clear."""
+    """Count the instants at which all possible goals are clear."""
     near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * POSITION_ERROR
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
 def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
-    """Return whether level legs from over each stopping point (n, 3) to each goal (m, 3) are clear, (n, m)."""
+    """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
     near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + MAX_SPARE)
@@ -64,7 +64,7 @@ def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64],
 
 
 def _places(forecast: Forecast) -> Points:
-    """Return ground places along and next to the path (n, 3), apart from home and each other."""
+    """Return ground places along the path (n, 3)."""
     track = forecast.promise.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
@@ -83,7 +83,6 @@ def _places(forecast: Forecast) -> Points:
 
 
 def _with_room(ways: ContingencyPaths, places: Points) -> Points:
-    """Return the places within the bounds with no obstacle over or near the descent."""
     if not len(places):
         return places
     air = ways.roomy.airspace

@@ -1,26 +1,23 @@
-"""Repair a mission that would fail a check: raise its way home, slow its landing on high ground."""
+"""Repair a mission that would fail a check."""
 
 from collections.abc import Iterator
 from dataclasses import replace
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.checks.ground_check import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.checks.way_home import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.world.frame import Geodetic
 
 
 def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
-    """Return the mission with parameters that start the slow landing stretch in time over high ground.
-
-    Parameters stay if the slow stretch is long enough, if the scenario names one of them, or if ArduCopter has a range
-    finder.
+    """Return the mission with parameters for a slow landing over high ground, unless the scenario names one.
 
     Raises:
         Unsafe: no value within the firmware's documented range helps.
@@ -47,7 +44,6 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
 
 
 def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
-    """Yield the parameters that the vehicle needs for a slow landing."""
     mission, scenario = forecast.mission, forecast.world
     given, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
     wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in given}
@@ -62,9 +58,7 @@ def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
 def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     """Return the mission with a waypoint high over its last place, if that makes a blocked way home clear.
 
-    The waypoint has the lowest height, in steps of 5 m above home, at which the way home keeps the required clearance.
-    The climb must keep it too, within the bounds; otherwise the mission stays. A preceding spline waypoint gets a hold
-    of 1 s, because without it ArduCopter's curve dips before it rises.
+    A preceding spline waypoint gets a hold of 1 s: without it ArduCopter's curve dips.
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
@@ -87,7 +81,6 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
 
 
 def climb_for_way_home(mission: Mission) -> Iterator[str]:
-    """Yield a note if the mission climbs over its last place before the return."""
     match mission.items:
         case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:
             there = (last.latitude_deg, last.longitude_deg) == (before.latitude_deg, before.longitude_deg)

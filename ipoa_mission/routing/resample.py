@@ -1,8 +1,4 @@
-"""Place waypoints on or near a curve: pure geometry in metres.
-
-The vehicle flies straight legs between waypoints. `every` takes equal steps, as the paper does. `corridor` takes the
-fewest waypoints whose legs stay near the curve. Both include every via point.
-"""
+"""Place waypoints on or near a curve."""
 
 import math
 from functools import lru_cache
@@ -13,27 +9,21 @@ from ipoa_mission.forecast.timing import cubic
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
-SAMPLES = 240  # candidate places of corridor waypoints
-GREATEST_SPACING = 3.0  # greatest spacing of candidate places before they follow the bends [m]
-CHORD_SHARE = 0.1  # of the tolerance, for chords between candidate places
-COMPARING_STEP = 0.5  # at which a path is compared with a curve [m]
+SAMPLES = 240  # of corridor waypoints
+GREATEST_SPACING = 3.0  # before candidate places follow the bends [m]
+CHORD_SHARE = 0.1  # of the tolerance
+COMPARING_STEP = 0.5  # [m]
 ON_THE_CURVE = (0.0,)
 NO_PLACES = np.zeros((0, 3))
 
 
 def every(curve: Spline, spacing: float, via: Points = NO_PLACES) -> Points:
-    """Return waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3), as the paper does.
-
-    The nearest to each via point (m, 3) is moved onto it.
-    """
+    """Return waypoints at most `spacing` [m] apart, (k, 3), via points (m, 3) among them."""
     return through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
 
 
 def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
-    """Return waypoints on a line (n, 3), at most `spacing` [m] apart, with a last leg of `last` [m], (k, 3).
-
-    The nearest to each via point (m, 3) is moved onto it.
-    """
+    """Return waypoints at most `spacing` [m] apart, with a last leg of `last` [m]."""
     traveled = arc_lengths(line)
     before = traveled[-1] - last
     count = max(1 + len(via), math.ceil(before / spacing))
@@ -46,9 +36,8 @@ def corridor(
 ) -> Points:
     """Return the fewest waypoints (k, 3) whose straight legs stay within `tolerance` [m] of the curve.
 
-    Via points (m, 3) are among them. Other inner waypoints are offset laterally by one of `asides` [m, to the left]: an
-    offset outside a bend saves waypoints. The search is a shortest path over all pairs that a leg may join (Imai and
-    Iri 1986). Of equal numbers, the route with the least sum of squared deviations is taken.
+    They are offset by `asides` [m, to the left]. A shortest path over all pairs (Imai and Iri 1986), with the least sum
+    of squared deviations.
     """
     from ipoa_mission.routing._corridor import fewest_legs
 
@@ -65,18 +54,15 @@ def corridor(
 
 
 def _spots(curve: Spline, tolerance: float, most: int) -> Points:
-    """Return places of the curve that resolve all its bends, (n, 3): evenly spaced if `most` are enough."""
+    """Return places that resolve all bends, (n, 3)."""
     if curve.length > GREATEST_SPACING * most:
         return curve.points(curve.chords(CHORD_SHARE * tolerance))
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
 
 
 def deviation(path: Points, curve: Spline) -> float:
-    """Return the symmetric Hausdorff distance of a path of straight legs (n, 3) and a curve [m], to a few cm.
-
-    A path that leaves out a loop is as far as the loop is wide.
-    """
-    from ipoa_mission.routing._hausdorff import farthest
+    """Return the symmetric Hausdorff distance of straight legs and a curve [m]."""
+    from ipoa_mission.routing._corridor import farthest
 
     steps, samples = _steps(path), _dense(curve)
     spacing = curve.length / (len(samples) - 1)
@@ -85,7 +71,7 @@ def deviation(path: Points, curve: Spline) -> float:
 
 
 def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
-    """Move the sample nearest to each via point onto it, in order; return the samples and those indices."""
+    """Move the nearest sample to each via point; return samples and indices."""
     stops: list[int] = []
     for place, left in zip(via, range(len(via), 0, -1), strict=True):
         first = stops[-1] + 1 if stops else 1
@@ -96,7 +82,6 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
 
 
 def _steps(path: Points) -> Points:
-    """Return the corners of a path and points between them, at most 0.5 m apart."""
     traveled = arc_lengths(path)
     stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / COMPARING_STEP) + 1))
     return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
@@ -108,7 +93,7 @@ def _dense(curve: Spline) -> Points:
 
 
 def lefts(samples: Points) -> Points:
-    """Return level unit vectors to the left of the path at each sample, (n, 3); zero for a vertical path."""
+    """Return level unit vectors to the left of the path, (n, 3); zero if vertical."""
     ahead = np.gradient(samples[:, :2], axis=0)
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)

@@ -1,8 +1,4 @@
-"""A route: waypoints of a mission, moved until the legs between them keep the required clearance.
-
-Resampling cuts corners, so the legs are proved again. If a leg comes too near to an obstacle that the curve avoids, its
-waypoints move aside until the proof holds.
-"""
+"""A route: waypoints, moved until the legs between them keep the required clearance."""
 
 from dataclasses import dataclass
 
@@ -14,24 +10,23 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.world.airspace import Airspace
 
-PUSHES = 30  # rounds of moving waypoints
-OVERSHOOT = 0.01  # extra clearance of a moved leg [m]
-SLOPE_STEP = 1e-3  # finite-difference step for the gradient of the distance [m]
+PUSHES = 30
+OVERSHOOT = 0.01  # of a moved leg [m]
+SLOPE_STEP = 1e-3  # [m]
 
 
 class NoRoute(MissionError):
-    """No choice of waypoints keeps the required clearance between them; `tried` are some that do not."""
+    """No choice of waypoints keeps the required clearance; `tried` are some."""
 
     tried: "tuple[Route, ...]" = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """Waypoints (k, 3) from start to goal, flown in straight legs, or with `spline` in one smooth curve (ArduPilot).
+    """Waypoints (k, 3), flown in straight legs, or with `spline` in one curve (ArduPilot).
 
-    A spline ends in a straight leg, or with `brakes_on_curve` in a curve long enough to brake in (`braking_length`).
-    `radius` is PX4's acceptance radius [m]; 0: its parameter. The `slow` legs, counted from 0, are flown at
-    `slow_speed` [m/s], all others at the cruise speed.
+    A spline ends in a straight leg, or with `brakes_on_curve` in a curve of `braking_length`. `radius` is PX4's
+    acceptance radius [m]; 0: its parameter. The `slow` legs, from 0, are flown at `slow_speed` [m/s].
     """
 
     points: Points
@@ -51,16 +46,14 @@ class Route:
 
 
 def push_clear(waypoints: Points, task: PathTask) -> Points:
-    """Move waypoints (k, 3) aside where a leg between them keeps too little clearance; the ends stay.
+    """Move waypoints (k, 3) aside where a leg keeps too little clearance; the ends stay.
 
-    A curve bends around obstacles, so its chords cut in on that side. Each breach pushes the ends of its leg outwards
-    by the missing distance, weighted by their nearness. Legs that cannot be mended stay, and fail the proof that
-    follows.
+    Each breach pushes the ends of its leg by the missing distance, weighted by nearness.
     """
     moved = waypoints.copy()
     if not _broken(moved, task):
         return moved
-    moved_legs = set(range(len(moved) - 1))  # not proved since their last move
+    moved_legs = set(range(len(moved) - 1))  # since their last proof
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
             if leg not in moved_legs:
@@ -78,13 +71,12 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:
-    """Return the broken limits of straight legs that moving may repair."""
+    """Return the broken limits that moving may repair."""
     checks = prove(legs, task, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 
 def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None:
-    """Move the ends of one leg, in place, so that it keeps `check`."""
     place = np.array(check.nearest.place)
     ahead = waypoints[leg + 1] - waypoints[leg]
     share = float(np.clip((place - waypoints[leg]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
@@ -96,7 +88,6 @@ def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None
 
 
 def _outwards(place: Vector, limit: str, airspace: Airspace) -> Vector:
-    """Return the direction away from a limit at a place: up from the ground, else the gradient of the distance."""
     if limit == "ground":
         return np.array([0.0, 0.0, 1.0])
     distance = airspace.obstacle_distance if limit == "obstacles" else airspace.bounds.margin

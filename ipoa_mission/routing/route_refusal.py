@@ -1,4 +1,4 @@
-"""Explain why too few flights would keep the limits, where, and which tried change of the scenario helps."""
+"""Explain why too few flights would keep the limits."""
 
 import numpy as np
 
@@ -14,11 +14,11 @@ from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
-OPPOSITE = -0.5  # greatest cosine between the directions to the two sides of a gap
+OPPOSITE = -0.5  # cosine between the directions to both sides of a gap
 
 
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
-    """Return the error for the attempt nearest to the limits; `trials` tries changed scenarios."""
+    """Return the error for the nearest attempt."""
     promise = nearest.promise
     if nearest.short:
         helps, hint, remedies = _try_changes("", trials)
@@ -60,7 +60,6 @@ def _leg(nearest: Attempt, tightest: Kept) -> str:
 
 
 def _gap(tightest: Kept, airspace: Airspace) -> str:
-    """Describe what is too near at a place and the needed distance; for a gap, its two sides and width."""
     spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.kept
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
@@ -70,7 +69,7 @@ def _gap(tightest: Kept, airspace: Airspace) -> str:
 
 
 def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
-    """Return the level width [m] to the obstacle on the opposite side of a place, and its name or None."""
+    """Return the level width [m] to the opposite obstacle, and its name or None."""
     import shapely
 
     point = shapely.Point(spot[:2])
@@ -94,7 +93,7 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
 
 
 def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
-    """Try changes of the scenario in turn; return a description, a hint and the change that helps."""
+    """Return a description, a hint and the first change that helps."""
     tried = list[Remedy]()
     for change in trials.changes:
         if (found := trials.at(change)) is None:

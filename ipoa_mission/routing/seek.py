@@ -1,8 +1,4 @@
-"""Seek a path with room for the deviation bound: first around gaps, then through them.
-
-If flights along a path would come too near, the path is moved aside by the missing distance. If that fails, another way
-around and another seed are tried.
-"""
+"""Seek a path with room for the deviation bound: first around gaps, then through them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -26,20 +22,18 @@ from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
-#: Number of tight places among which the allowed chance is divided, whether gaps stay open, and share of the lowest
-#: given place's spare height that steep ground may require. Tried in this order until a route is safe: less room than
-#: surely needed is quicker and mostly enough.
+# Tight places, whether gaps stay open, and share of the lowest spare height. Less room is quicker and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
-HOPELESS_SLACK = -0.15  # slack below which only the quick routes are assessed [m]
-MAX_MOVES, MAX_VAIN_MOVES = 4, 2  # moves of a path at most, and in a row with little gain
-LEAST_GAIN = 0.01  # in slack of a move [m]
-MAX_SEARCHES = 6  # searches for a path at most
-REPEATED_SEARCHES = 1  # repeated searches after a path too near, with more room
-SEED_COUNT = 2  # tried in turn
+HOPELESS_SLACK = -0.15  # [m]
+MAX_MOVES, MAX_VAIN_MOVES = 4, 2  # of a path, and in a row with little gain
+LEAST_GAIN = 0.01  # of a move [m]
+MAX_SEARCHES = 6
+REPEATED_SEARCHES = 1  # with more room
+SEED_COUNT = 2
 
 
 class TooNear(NoPath):
-    """Paths exist, but too few flights would keep the limits on any; `nearest` is the best attempt."""
+    """Too few flights would keep the limits on any path."""
 
     def __init__(self, nearest: Attempt) -> None:
         super().__init__("too few flights would keep the limits")
@@ -64,7 +58,7 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
 
 
 def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
-    """Plan; raise WayHomeBlocked in addition to the errors of `plan_with_room`."""
+    """Raises WayHomeBlocked in addition."""
     trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
     try:
         return seek(scenario, seed, progress)
@@ -84,7 +78,7 @@ def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
 
 
 def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEARCHES) -> Attempt:
-    """Return the first attempt that holds, of at most `plans` paths in more and more room and then by another seed.
+    """Return the first attempt that holds, of at most `plans` paths.
 
     Raises:
         TooNear: no attempt holds.
@@ -114,7 +108,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEA
 
 @dataclass
 class _Room:
-    """A path task with extra room and its needs; `closed` once no path was found in it."""
+    """`closed` once it has no path."""
 
     world: PathTask
     needs: Needs
@@ -122,11 +116,7 @@ class _Room:
 
 
 def _rooms(scenario: Scenario) -> Iterator[_Room]:
-    """Yield the scenario with different room for the deviation bound; at last without any.
-
-    After a path that was too near, the same task with more room follows: another way around may have it. A task without
-    a path is not tried with more room.
-    """
+    """Yield different room for the deviation bound, at last none."""
     for room in _first_rooms(scenario):
         yield room
         latest, before = room, room.needs
@@ -157,15 +147,11 @@ def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
 
 
 def _as_printed(scenario: Scenario) -> bool:
-    """Return whether the path stays as the algorithm found it."""
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
 def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
-    """Return the best attempt after moving the plan aside while too few flights along it keep the limits.
-
-    Only a few quick routes of the scenario's mode are assessed first. The needs are recorded in `room`.
-    """
+    """Return the best attempt after moving the plan aside; record the needs in `room`."""
     latest = best = best_route(plan, scenario, HOPELESS_SLACK)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else MAX_MOVES):

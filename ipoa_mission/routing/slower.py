@@ -1,7 +1,6 @@
 """Fly single legs slower if flights at the cruise speed come too near.
 
-A lower speed makes no straight gap wider. In bends the vehicle cuts and overshoots less, so its deviation bound is
-narrower.
+No straight gap becomes wider.
 """
 
 from collections.abc import Iterator
@@ -10,19 +9,18 @@ from itertools import chain, count
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.changes import ChangeTrials, slower
 
-ROUNDS = 20  # of adding slow legs, at most
+ROUNDS = 20
 
 
 def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:
-    """Return an attempt that holds with some legs flown slower, from the nearest attempt or one at a lower speed."""
     changes = dict(slower(trials.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
     speeds = [speed for speed in speeds if speed < trials.scenario.vehicle.cruise_speed]
@@ -36,7 +34,7 @@ def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | Non
 
 
 def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
-    """Return the attempt with as few legs as necessary at this speed [m/s], or None."""
+    """Return the attempt with the fewest legs at this speed [m/s]."""
     every = frozenset(range(attempt.route.legs))
 
     def at(slow: frozenset[int]) -> Attempt:
@@ -53,7 +51,7 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
             if slow == every or slow == latest.route.slow:
                 return None
             latest = at(slow)
-        for leg in sorted(latest.route.slow, reverse=True):  # a bend needs the leg before it, seldom the one after
+        for leg in sorted(latest.route.slow, reverse=True):  # a bend needs the leg before it
             if latest.holds and (without := at(latest.route.slow - {leg})).holds:
                 latest = without
         return latest if latest.holds else None
@@ -72,13 +70,12 @@ def _too_near(attempt: Attempt) -> Iterator[int]:
 
 
 def _more(slow: frozenset[int], leg: int) -> int:
-    """Return the leg; if already slow, the leg before its stretch, or else the one after."""
     before = next(n for n in range(leg, -2, -1) if n not in slow)
     return before if before >= 0 else next(n for n in count(leg) if n not in slow)
 
 
 def slowed_stretches(forecast: Forecast) -> Iterator[str]:
-    """Yield which items are flown below the cruise speed, and which limit needs that."""
+    """Yield which items are flown slower, and the limit that needs it."""
     mission, cruise = forecast.mission, forecast.world.vehicle.cruise_speed
     stretches = list(_stretches(mission, cruise))
     if not stretches:
@@ -93,7 +90,7 @@ def slowed_stretches(forecast: Forecast) -> Iterator[str]:
 
 
 def _stretches(mission: Mission, cruise: float) -> Iterator[tuple[int, int, float]]:
-    """Yield the first item, the last item and the speed of each stretch below the cruise speed."""
+    """Yield first item, last item and speed of each slow stretch."""
     first = None
     speed = cruise
     for seq, item in enumerate(mission.items, 1):

@@ -1,5 +1,3 @@
-"""Define the scenario file, the only file that a user writes."""
-
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario, read_scenario
 

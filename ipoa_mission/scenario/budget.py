@@ -1,19 +1,15 @@
-"""Return a flight's energy and the battery."""
-
 from dataclasses import replace
 
+from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
-from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
-# Range of actual over predicted energy, nine flights in ten, by an airframe's figures. Rotors and drives may be a
-# quarter better or worse; flights came to 0.75 to 1 times (docs/lab/profiles.md).
+# Actual over predicted energy, nine flights in ten: 0.75 to 1 (docs/lab/profiles.md).
 BY_AIRFRAME = (0.75, 1.4)
 CURVE_TERMS = ("square", "cube", "climb", "descent")  # in addition to hover
-# With measured power in hover only.
 BY_HOVER = (0.85, 1.25)
 
 
@@ -25,10 +21,7 @@ def flight_energy(
     learned: LearnedVehicle | None = None,
     wind: Wind = CALM,
 ) -> Consumption | None:
-    """Return the energy of a whole flight, as `consumption` does; None without airframe and hover power.
-
-    `learned` takes precedence over the scenario's vehicle.
-    """
+    """Return a flight's energy; None without airframe and hover power."""
     vehicle = None if scenario is None else scenario.vehicle
     learned = learned or (None if vehicle is None else vehicle.learned)
     head_wind = vehicle.battery.head_wind if vehicle is not None and vehicle.battery is not None else 0.0

@@ -1,5 +1,3 @@
-"""Define cameras that look straight down."""
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -13,13 +11,7 @@ from ipoa_mission.scenario.section import Positive, Section
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera whose photos are wide across the track.
-
-    Attributes:
-        name: its name.
-        sensor: width and height of the sensor [mm].
-        focal_length: of the lens itself, not the 35 mm equivalent [mm].
-        pixels: width and height of a photo.
+    """A camera, photos wide across the track: `sensor` [mm], and true focal length [mm], not the 35 mm equivalent.
 
     Example:
         >>> camera = Camera("24 megapixels", (23.5, 15.6), 16.0, (6000, 4000))
@@ -34,18 +26,17 @@ class Camera:
     pixels: tuple[int, int]
 
     def footprint(self, height: float) -> tuple[float, float]:
-        """Return the footprint of a photo across and along the track [m]."""
+        """Return the footprint across and along [m]."""
         across, along = self.sensor
         return across * height / self.focal_length, along * height / self.focal_length
 
     def height_for(self, gsd_cm: float) -> float:
-        """Return the height at which a pixel covers `gsd_cm` on the ground [m]."""
+        """Return the height at which a pixel covers `gsd_cm` [m]."""
         pitch = max(side / count for side, count in zip(self.sensor, self.pixels, strict=True))
         return gsd_cm / 100 * self.focal_length / pitch
 
 
-# As QGroundControl lists them (CameraMetaData), with makers' figures: P1 and Mavic 3E by DJI's data sheets, A6000 by
-# Sony's.
+# QGroundControl's CameraMetaData, DJI's and Sony's data sheets
 CAMERAS: Mapping[str, Camera] = {
     camera.name: camera
     for camera in (
@@ -60,11 +51,6 @@ CAMERAS: Mapping[str, Camera] = {
 
 
 def camera_named(name: str) -> Camera:
-    """Return the camera of a name, in any case.
-
-    Raises:
-        BadInput: there is none.
-    """
     by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
     if (found := by_letters.get(name.casefold())) is not None:
         return found
@@ -91,8 +77,6 @@ class CameraSection(Section):
 
 
 class _OrName:
-    """Adds a plain name to the schema."""
-
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, handler(core_schema)]}
 

@@ -1,5 +1,3 @@
-"""Explain errors of a scenario: place, expected value, given value."""
-
 import difflib
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -9,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 
 from ipoa_mission.errors import BadInput, MissionError
 
-MOST_EXPLAINED = 20  # explaining a key is slow
+MOST_EXPLAINED = 20  # for speed
 
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
@@ -31,7 +29,6 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
 
 _CODES = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
 
-# By pydantic's type of error.
 _EXPECTED = {
     "greater_than": "a number greater than {gt:g}",
     "greater_than_equal": "a number of at least {ge:g}",
@@ -84,12 +81,12 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
 
 
 def _is_consequence(problem: Any) -> bool:
-    """Return whether a list is too short only since entries are invalid."""
+    """Return whether a list is too short only for invalid entries."""
     return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 
 def _place(location: Sequence[int | str], table: Any) -> str:
-    """Return `obstacles[0].radius` for ("obstacles", 0, "sphere", "radius"), without a union's tag."""
+    """Return `obstacles[0].radius` for ("obstacles", 0, "sphere", "radius")."""
     place, here = "", table
     for step in location:
         if isinstance(step, int):
@@ -125,7 +122,7 @@ def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
 
 
 def _resolved(node: Any, schema: Any, tag: str) -> Any:
-    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)  # an optional value
+    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)
     if "discriminator" in node:
         mapping = node["discriminator"]["mapping"]
         node = {"$ref": mapping[tag]} if tag in mapping else node

@@ -1,5 +1,3 @@
-"""Define sections that name map files."""
-
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
@@ -51,7 +49,6 @@ class BuildingsMap(MapFile):
     """Height of a wood or orchard without one [m]; 0 excludes them. Default: no flight may be near one."""
 
     def read(self, frame: LocalFrame, within: Box) -> Buildings:
-        """Return obstacles and passed-over features within a box."""
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
         if not (buildings.standing or buildings.elsewhere):
@@ -126,8 +123,8 @@ class ElevationTerrain(Section):
     def read(
         self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
     ) -> tuple[Grid, tuple[str, ...]]:
-        """Return the ground between two corners (east, north) [m] above home, and remarks."""
-        from ipoa_mission.maps.elevation import ElevationRules, local_grid  # SciPy's splines are slow to import
+        """Return the ground above home [m], and remarks."""
+        from ipoa_mission.maps.elevation import ElevationRules, local_grid  # slow import
 
         rules = ElevationRules(**self.model_dump(include={field.name for field in fields(ElevationRules)}))
         return local_grid(self.file, rules, frame, lower, upper)

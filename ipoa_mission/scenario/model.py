@@ -1,8 +1,3 @@
-"""Define the scenario and its world.
-
-The smallest valid one has `home`, `start` and `goal`.
-"""
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -12,6 +7,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
@@ -34,12 +30,11 @@ from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
 from ipoa_mission.scenario.site import NO_REACH, Reach
 from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection, with_survey
 from ipoa_mission.scenario.vehicle_section import VehicleSection
 from ipoa_mission.scenario.wind_section import WindSection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.unread import Unread
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, swap_hint
@@ -47,7 +42,6 @@ from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 CIRCUMFERENCE = 40_000_000.0  # of the Earth [m]
 CACHED = ("frame", "survey_area", "_surroundings", "from_starts")
-# Tables that define the world.
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
 
 
@@ -66,7 +60,7 @@ class RouteSection(Section):
     """`rtl`: return to home and land, after a climb over the goal if needed for clearance. `land`: land at the goal."""
 
 
-# Valid file names on every system.
+# Valid on every system.
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
@@ -164,7 +158,7 @@ class Scenario(Section):
             The scenario, with its maps read.
 
         Raises:
-            BadInput: with the place and the expected value; or a library is missing.
+            BadInput: with place and expected value; or a library is missing.
         """
         try:
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
@@ -189,17 +183,12 @@ class Scenario(Section):
         return copied
 
     def in_airspace(self, airspace: Airspace) -> "Scenario":
-        """Return a copy in another airspace."""
         copied = self.model_copy(update={})
         copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
 
     def with_wind_read(self) -> "Scenario":
-        """Return the scenario with the wind of its forecast, if any.
-
-        Raises:
-            BadInput, MissionError: as `read_wind`.
-        """
+        """Return the scenario with the wind of its forecast. Raises BadInput, MissionError."""
         if self.wind.file is None:
             return self
         from ipoa_mission.maps.winds import read_wind
@@ -212,26 +201,18 @@ class Scenario(Section):
         return self.model_copy(update={"wind": WindSection.of(wind)})
 
     def ignoring(self, codes: Iterable[str]) -> "Scenario":
-        """Return the scenario with these findings ignored, too.
-
-        Raises:
-            BadInput: a code is unknown, or may mean a crash.
-        """
+        """Ignore these findings, too. Raises BadInput if one may mean a crash."""
         more = tuple(sorted(expect_ignorable(codes) - self.safety.ignored))
         safety = self.safety.model_copy(update={"ignore": (*self.safety.ignore, *more)})
         return self.model_copy(update={"safety": safety}) if more else self
 
     def flown_by(self, autopilot: Autopilot) -> "Scenario":
-        """Return the scenario with this autopilot in its vehicle."""
         if autopilot is self.vehicle.autopilot:
             return self
         return self.model_copy(update={"vehicle": self.vehicle.flown_by(autopilot)})
 
     def why_elsewhere(self, home: Geodetic) -> BadInput | None:
-        """Return an error if `home` is far from this scenario's, else None.
-
-        Invalid positions are left to other checks.
-        """
+        """Return an error if `home` is far from this scenario's."""
         if not (abs(home.latitude_deg) <= 90 and abs(home.longitude_deg) <= 360):
             return None
         away = apart(home, self.frame.home)
@@ -244,25 +225,16 @@ class Scenario(Section):
         )
 
     def expect_here(self, home: Geodetic) -> None:
-        """Refuse a mission whose `home` is far away.
-
-        Raises:
-            BadInput: with the distance.
-        """
+        """Refuse a `home` far away. Raises BadInput."""
         if (elsewhere := self.why_elsewhere(home)) is not None:
             raise elsewhere
 
     def read_maps(self) -> None:
-        """Read the maps and build the world now.
-
-        Raises:
-            BadInput: with the map file and the place in it; or a library is missing.
-        """
+        """Read the maps now. Raises BadInput."""
         _ = self._surroundings
 
     @cached_property
     def frame(self) -> LocalFrame:
-        """Return the local frame at home."""
         return LocalFrame(self.home.geodetic())
 
     @cached_property
@@ -272,7 +244,7 @@ class Scenario(Section):
 
     @cached_property
     def goal_point(self) -> Vector:
-        """Return the end of the planned path, (3,) [m]."""
+        """Return its end, (3,) [m]."""
         return self._point(self.goal)
 
     @cached_property
@@ -287,32 +259,27 @@ class Scenario(Section):
 
     @cached_property
     def survey_area(self) -> Area | None:
-        """Return the area of the survey, or None.
-
-        Raises:
-            BadInput: the area is invalid.
-        """
+        """Raises BadInput."""
         return None if self.survey is None else self.survey.build(self.frame)
 
     @cached_property
     def from_starts(self) -> "dict[int, Scenario]":
-        """Return the copies from start places, cached by `at_start`."""
+        """Return the cache of `at_start`."""
         return {}
 
     @property
     def survey_reach(self) -> Reach:
-        """Return a survey's corners (n, 2), and its height above the ground [m]."""
+        """Return a survey's corners (n, 2), and its height [m]."""
         area = self.survey_area
         return NO_REACH if self.survey is None or area is None else self.survey.reach(area)
 
     @property
     def airspace(self) -> Airspace:
-        """Return bounds, terrain and obstacles in the local frame."""
         return self._surroundings.airspace
 
     @property
     def ground(self) -> Ground:
-        """Return the ground as an autopilot counts: from its start, on a round Earth."""
+        """Return the ground as an autopilot counts, from its start."""
         if isinstance(self.terrain, FlatTerrain):
             return LEVEL
         terrain = self.airspace.terrain
@@ -320,50 +287,43 @@ class Scenario(Section):
 
     @property
     def geofence(self) -> tuple[FenceSection, ...]:
-        """Return `fence`, then the flight area and no-fly zones of the maps."""
         return self._surroundings.geofence
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on assumptions, repairs and omissions."""
         wind = self.wind.forecast
         more = () if wind is None else (*wind.remarks, *(thing.words for thing in wind.unread))
         return (*self.vehicle.remarks, *self._surroundings.remarks, *more)
 
     @property
     def passed_over(self) -> tuple[PassedOver, ...]:
-        """Return map features that may be obstacles, and the first of the others."""
         return self._surroundings.passed_over
 
     @property
     def passed_counts(self) -> tuple[PassedCount, ...]:
-        """Return the counts of passed-over map features by reason."""
         return self._surroundings.passed_counts
 
     @property
     def unread(self) -> tuple[Unread, ...]:
-        """Return other unread parts of its files."""
         wind = self.wind.forecast
         return (*self._surroundings.unread, *(() if wind is None else wind.unread))
 
     @cached_property
     def places(self) -> Points:
-        """Return start, via points and goal, (k, 3) [m], without repeats."""
+        """Return start, via points and goal, (k, 3) [m]."""
         return without_repeats(self.start_point, self.via_points, self.goal_point)
 
     @property
     def unix_s(self) -> float | None:
-        """Return the take-off time [s since 1970], or None."""
+        """Return the take-off time [s since 1970]."""
         return None if self.time is None else self.time.timestamp()
 
     @property
     def radius(self) -> float:
-        """Return the radius of the hull [m]."""
         return self.vehicle.radius
 
     @cached_property
     def limits(self) -> Limits:
-        """Return the limits of the path."""
         planning, distance = self.planning, self.vehicle.radius + self.safety_distance
         angles = (planning.max_climb_angle_deg, planning.max_descent_angle_deg)
         climb, descent = (np.inf if angle is None else float(np.radians(angle)) for angle in angles)

@@ -1,5 +1,3 @@
-"""Write a first scenario, a commented TOML file, from answers or a map."""
-
 import json
 import math
 import os
@@ -14,6 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.errors import BadInput, NothingThere, TooFar, UnknownName
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
@@ -23,20 +22,16 @@ from ipoa_mission.maps.kinds import key_of_height
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.scenario_file import parse_scenario
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, swap_hint
 
-FREE_RADIUS = 12.0  # of a suggested place [m]
-LARGEST_OFFSET = 200.0  # of a suggested place from the middle of the map, along either axis [m]
+FREE_RADIUS = 12.0  # [m]
+LARGEST_OFFSET = 200.0  # from the map's middle [m]
 CANDIDATE_SPACING = 4.0  # [m]
 
 
 @dataclass(frozen=True)
 class Question:
-    """A question of `new_scenario`; `default` None needs an answer.
-
-    `check` raises BadInput, with `key` first in its message.
-    """
+    """A question; `default` None needs an answer. `check` raises BadInput, with `key` first."""
 
     key: str
     words: str
@@ -115,7 +110,6 @@ QUESTIONS = (
     ),
 )
 
-# By the key under [[maps]].
 HEIGHTS = (
     Question("line_height", "How high are power lines?", "metres, 0: no obstacle, or voltage", "voltage", _height),
     Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: no obstacle", "40", _height),
@@ -132,11 +126,7 @@ _COMMENTS = {
 
 
 def questions_about(buildings: Path | None) -> tuple[Question, ...]:
-    """Return the `HEIGHTS` that a map leaves open.
-
-    Raises:
-        BadInput: the map cannot be read.
-    """
+    """Return the `HEIGHTS` left open. Raises BadInput."""
     if buildings is None:
         return ()
     return tuple(question for question in HEIGHTS if question.key in _content_of(buildings).left_open)
@@ -184,12 +174,9 @@ def _content_of(path: Path) -> _MapContent:
 def new_scenario(
     answers: Mapping[str, str], target: Path, buildings: Path | None = None, elevation: Path | None = None
 ) -> str:
-    """Return a scenario file for `target`; `answers` by the keys of `QUESTIONS` and `questions_about` the map.
+    """Return a scenario file with paths relative to `target`. Raises BadInput.
 
-    Paths are relative to `target`. An elevation model (GeoTIFF, .hgt) can answer home's altitude.
-
-    Raises:
-        BadInput: an answer is invalid, missing, or of no question.
+    `answers`: by the keys of `QUESTIONS` and `questions_about`; an elevation model answers home's altitude.
     """
     of_map = questions_about(buildings)
     questions = {question.key: question for question in (*QUESTIONS, *of_map)}
@@ -248,11 +235,7 @@ def _parts() -> dict[str, str]:
 
 
 def check_goal(answers: Mapping[str, str]) -> None:
-    """Check that home and goal are near, once both are answered.
-
-    Raises:
-        BadInput: they are not; often latitude and longitude are swapped.
-    """
+    """Refuse a goal far from home: often degrees are swapped. Raises BadInput."""
     if "home" in answers and "goal" in answers:
         home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
         east, north, _ = LocalFrame(Geodetic(*home)).local(Geodetic(*goal))
@@ -262,11 +245,7 @@ def check_goal(answers: Mapping[str, str]) -> None:
 
 
 def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
-    """Suggest home and goal in free places among the buildings of a map.
-
-    Raises:
-        BadInput: there are no buildings, or no free place.
-    """
+    """Suggest free places for home and goal. Raises BadInput."""
     if buildings is None:
         return {}
     return {
@@ -276,18 +255,14 @@ def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
 
 
 def suggest_altitude(elevation: Path, home: str) -> str:
-    """Return the altitude of `home` by an elevation model.
-
-    Raises:
-        BadInput: home is invalid, or outside the model.
-    """
-    from ipoa_mission.maps.elevation import ground_altitude  # SciPy's splines are slow to import
+    """Raises BadInput."""
+    from ipoa_mission.maps.elevation import ground_altitude  # slow import
 
     return f"{ground_altitude(elevation, *_place('home', home)):.1f}"
 
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return places (latitude, longitude) south-west and north-east of the buildings' middle."""
+    """Return places south-west and north-east [deg]."""
     content = _content_of(path)
     if not content.features:
         raise NothingThere("expected buildings, but it has no features", place=path)
@@ -314,7 +289,6 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _quoted(path: Path, target: Path) -> str:
-    """Return a relative path as a TOML string with slashes."""
     return json.dumps(Path(os.path.relpath(path, target.parent)).as_posix(), ensure_ascii=False)
 
 

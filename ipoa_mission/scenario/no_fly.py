@@ -1,5 +1,3 @@
-"""Convert no-fly zones of maps to obstacles."""
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +13,7 @@ from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
-UNLIMITED_HEIGHT = 10_000.0  # above any return [m]
+UNLIMITED_HEIGHT = 10_000.0  # [m]
 MARGIN = 100.0  # around the bounds [m]
 GROUND_LINES = 33  # each way
 
@@ -27,10 +25,7 @@ def no_fly_prisms(
     terrain: Terrain,
     frame: LocalFrame,
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
-    """Return the zones as obstacles, beyond the bounds where they have no end.
-
-    A zone with limits below the ground counts as unlimited, and is reported.
-    """
+    """Return the zones as obstacles. One with limits below the ground is unlimited, and reported."""
     prisms, unread = list[Obstacle](), list[Unread]()
     for section, zone in no_fly:
         if not zone_near(zone, corners):
@@ -74,7 +69,7 @@ def _ends(
 
 
 def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
-    """Return least and greatest height of the ground in a box; of a grid, at all nodes in and around it."""
+    """Return least and greatest height; of a grid, at its nodes."""
     if isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
         origin = np.array([terrain.east, terrain.north])
@@ -87,13 +82,13 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
 
 
 def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    """Return heights of the ground on a lattice in a box, (n,) [m]."""
+    """Return heights on a lattice, (n,) [m]."""
     east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
 def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
-    """Return which boxes (n, 4) west, south, east, north are within `reach` of a box."""
+    """Return which boxes (n, 4) are within `reach`."""
     boxes = boxes.reshape(-1, 4)
     return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
 

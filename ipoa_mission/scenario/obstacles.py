@@ -1,8 +1,3 @@
-"""Define obstacles drawn by hand, and build them.
-
-On the ground `up` and `base` are omitted.
-"""
-
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
@@ -123,7 +118,6 @@ ObstacleSection: TypeAlias = Annotated[
 
 
 def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
-    """Return lower and upper end: from the lowest ground to `height` above the highest."""
     if base is not None:
         return base, base + height
     heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))

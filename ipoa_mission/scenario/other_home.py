@@ -1,7 +1,4 @@
-"""Move a scenario's home to a start place of its survey.
-
-Everything else keeps its place on the Earth, so values in metres from home are converted.
-"""
+"""Move home to a start place; meters from home are converted."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -27,15 +24,14 @@ from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 
-START_TOLERANCE = 1.0  # distance of a mission's home from a start place [m]
+START_TOLERANCE = 1.0  # [m]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
-# Conversion of places (n, 2) [m] between homes.
+# of places (n, 2) [m]
 Move: TypeAlias = Callable[[Points], Points]
 
 
 def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
-    """Return the scenario from the start place at a mission's home, if there is one."""
     away = _away(scenario, home)
     if not away or min(away) > START_TOLERANCE or apart(home, scenario.frame.home) <= START_TOLERANCE:
         return scenario
@@ -43,7 +39,6 @@ def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
 
 
 def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
-    """Return the scenario from the start place nearest to a place."""
     away = _away(scenario, there)
     return at_start(scenario, int(np.argmin(away))) if away else scenario
 
@@ -54,13 +49,7 @@ def _away(scenario: Scenario, there: Geodetic) -> list[float]:
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    """Return the scenario from start place `n`, cached for each world.
-
-
-    Raises:
-        BadInput: no flight may begin there, or the terrain is defined from home only.
-        MissionError: a library is missing.
-    """
+    """Return the scenario from start place `n`, cached. Raises BadInput, MissionError."""
     assert scenario.survey is not None
     assert scenario.survey.starts is not None
     if scenario.survey.starts[n] == (0.0, 0.0):
@@ -154,7 +143,6 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
 
 
 def _moved(one: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
-    """Return a table in degrees, with heights and headings from the other home."""
     changes, at = dict[str, Any](), (0.0, 0.0)
     if isinstance(one, Horizontal):
         at = one.east_north(old)

@@ -1,8 +1,4 @@
-"""Define the limits of a path.
-
-Start, goal and via points may be lower than the least height, since the vehicle takes off and lands vertically. Around
-them the required height is theirs, in a circle to climb out at 1 in 2 or at the climb limit.
-"""
+"""Start, goal and via points may be low: the required height is theirs in a circle around."""
 
 from dataclasses import dataclass, replace
 
@@ -11,14 +7,14 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Airspace
 
-SLACK = 0.01  # of a low place [m]
+SLACK = 0.01  # [m]
 CLIMB_OUT = 0.5  # height over distance
 SAME_PLACE_DISTANCE = 1e-3  # [m]
 
 
 @dataclass(frozen=True)
 class LowZone:
-    """A circle with a lower required height above ground [m]."""
+    """A circle with a lower required height [m]."""
 
     east: float
     north: float
@@ -31,7 +27,7 @@ class Limits:
     """The limits of a path.
 
     Attributes:
-        obstacle_distance: least distance to an obstacle [m].
+        obstacle_distance: least [m].
         height_above_ground: least height [m].
         ceiling_above_ground: greatest height [m]; infinite: no limit.
         climb_angle: steepest climb above the horizontal [rad]; infinite: no limit.
@@ -60,9 +56,9 @@ class Limits:
         return required
 
     def tightened(self, above: float, below: float, places: Points, airspace: Airspace) -> "Limits":
-        """Return limits with the floor of an `airspace` raised by `above` [m], its ceiling lowered by `below` [m].
+        """Raise the floor of an `airspace` by `above` [m] and lower its ceiling by `below` [m].
 
-        `places` (k, 3) remain valid, and the ceiling is never below the floor.
+        `places` (k, 3) remain valid; the ceiling is never below the floor.
         """
         least, ceiling = self.height_above_ground + above, self.ceiling_above_ground
         return replace(
@@ -74,7 +70,7 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    """Return start, via points and goal, (k, 3), without successive repeats."""
+    """Return start, via points and goal, (k, 3)."""
     stops = [start]
     for place in via:
         if np.linalg.norm(place - stops[-1]) > SAME_PLACE_DISTANCE:
@@ -89,7 +85,7 @@ def place_names(places: Points) -> list[str]:
 
 
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
-    """Return circles around places (k, 3) lower than `least` [m]; `angle` limits the climb."""
+    """Return circles around places (k, 3) below `least` [m]."""
     heights = spots[:, 2] - airspace.ground(spots)
     slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
     return tuple(

@@ -1,9 +1,3 @@
-"""Define home, places, terrain, fences and bounds.
-
-Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`latitude_deg`, `longitude_deg`,
-`altitude_amsl`). Things on the ground omit their height.
-"""
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
@@ -18,7 +12,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-LEAST_DROP = 0.01  # negligible curvature drop [m]
+LEAST_DROP = 0.01  # of curvature [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
@@ -111,7 +105,7 @@ class FlatTerrain(Section):
     """Height of the ground [m above home]."""
 
     def build(self, home: Geodetic, reach: float) -> Terrain:
-        """Build the terrain up to `reach` from home [m], flat if the Earth's curvature is negligible."""
+        """Build the terrain up to `reach` from home [m]."""
         ground = SeaLevel.around(home, self.height, reach)
         return ground if ground.drop > LEAST_DROP else Flat(self.height)
 

@@ -1,9 +1,7 @@
-"""Define profiles of settings; explicit values take precedence."""
-
 from collections.abc import Mapping
 from typing import Any
 
-# Measured in docs/lab/profiles.md: few waypoints, hence few stops, save most time and energy.
+# docs/lab/profiles.md: few stops save most time and energy.
 PROFILES: Mapping[str, Mapping[str, Any]] = {
     "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
     "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},

@@ -36,5 +36,5 @@ class SafetySection(Section):
 
     @property
     def chance(self) -> float | None:
-        """Return the accepted probability of less clearance; None for the predicted path only."""
+        """Return the accepted probability of less clearance."""
         return None if self.confidence == "nominal" else 1.0 - self.confidence

@@ -1,5 +1,3 @@
-"""Read a scenario file; errors name file, place and expected value."""
-
 import re
 import tomllib
 from pathlib import Path
@@ -15,7 +13,7 @@ from ipoa_mission.scenario.model import Scenario
 LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
 _COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$")  # a decimal comma
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
-# Tokens: multi-line strings, comments, keys of too many parts, the rest.
+# Multi-line strings, comments, keys of too many parts, the rest.
 _WORDS = re.compile(
     rf'''"""(?:\\.|[^\\"]|"(?!""))*+(?:"""|\Z)|\'{{3}}(?:[^\']|\'(?!\'\'))*+(?:\'{{3}}|\Z)|\#[^\n]*+|'''
     rf"(?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{LONGEST_KEY}}})|{_PART}",
@@ -27,7 +25,7 @@ def read_scenario(path: str | Path) -> Scenario:
     """Read a scenario from a TOML file, with all its maps.
 
     Args:
-        path: of the file; its name is the default name.
+        path: its name is the default name.
 
     Returns:
         The scenario.
@@ -44,29 +42,17 @@ def read_scenario(path: str | Path) -> Scenario:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return a scenario's table.
-
-    Raises:
-        BadInput: the file cannot be read, or a line is invalid.
-    """
+    """Raises BadInput."""
     return parse_toml(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """Return the scenario in a TOML text; files are relative to `path`.
-
-    Raises:
-        BadInput, MissionError: as `read_scenario`.
-    """
+    """Return the scenario; files are relative to `path`. Raises BadInput, MissionError."""
     return scenario_of(parse_toml(text, path), path)
 
 
 def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
-    """Return the scenario in a table; files are relative to `path`.
-
-    Raises:
-        BadInput, MissionError: as `read_scenario`.
-    """
+    """Return the scenario; files are relative to `path`. Raises BadInput, MissionError."""
     try:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
@@ -75,17 +61,13 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
         scenario.read_maps()
     except BadInput as error:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
-            raise  # the map names itself
+            raise
         raise error.at(path) from error
     return scenario.with_wind_read()
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """Parse a TOML text; errors name `path`.
-
-    Raises:
-        BadInput: with the line.
-    """
+    """Parse a text; errors name `path`. Raises BadInput."""
     for word in _WORDS.finditer(text):
         if word["long"]:
             line = text.count("\n", 0, word.start()) + 1

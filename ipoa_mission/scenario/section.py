@@ -1,5 +1,3 @@
-"""Define the base of all tables: no unknown keys, finite values, immutable."""
-
 import ast
 import inspect
 from collections.abc import Iterator, Mapping
@@ -28,7 +26,7 @@ class Section(BaseModel):
         return schema
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return a copy with some values replaced, unchecked, without cached values."""
+        """Return a copy, unchecked, without cached values."""
         copied = super().model_copy(update=update, deep=deep)
         for name in copied.__dict__.keys() - type(self).model_fields.keys():
             del copied.__dict__[name]
@@ -52,7 +50,7 @@ def _no_truth(value: Any) -> Any:
 
 
 def existing_file(what: str) -> AfterValidator:
-    """Resolve a path relative to the scenario file, or report a missing `what`."""
+    """Resolve a path relative to the scenario file."""
 
     def resolve(value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, Path):
@@ -65,7 +63,7 @@ def existing_file(what: str) -> AfterValidator:
     return AfterValidator(resolve)
 
 
-NUMBER = BeforeValidator(_no_truth)  # after the limits, so that the schema keeps them
+NUMBER = BeforeValidator(_no_truth)
 Positive = Annotated[float, Field(gt=0), NUMBER]
 NotNegative = Annotated[float, Field(ge=0), NUMBER]
 Latitude = Annotated[float, Field(ge=-90, le=90), NUMBER]

@@ -1,5 +1,3 @@
-"""Define the cost of a path, and the search for it."""
-
 from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field, model_validator

@@ -8,14 +8,12 @@ from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.place_sections import BoundsSection, FenceSection, Place, TerrainSection
 from ipoa_mission.world.frame import LocalFrame
 
-# Corners (n, 2), and greatest height above the ground [m], of a survey.
+# corners (n, 2), greatest height above ground [m]
 Reach: TypeAlias = tuple[NDArray[np.float64], float]
 NO_REACH: Reach = (np.zeros((0, 2)), 0.0)
 
 
 class Layout(Protocol):
-    """The parts of a scenario that define its world."""
-
     start: Place
     goal: Place
     via: tuple[Place, ...]
@@ -34,6 +32,4 @@ class Layout(Protocol):
         ...
 
     @property
-    def survey_reach(self) -> Reach:
-        """Return corners (n, 2), and height above the ground [m]."""
-        ...
+    def survey_reach(self) -> Reach: ...

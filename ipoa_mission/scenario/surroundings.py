@@ -1,8 +1,4 @@
-"""Build a scenario's world from its sections and maps.
-
-Maps may extend far beyond the flight. An open side of `bounds` encloses places, drawn obstacles, and near map features.
-"""
-
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,24 +9,74 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput, NotCovered
+from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.maps.standing import Standing, raise_buildings
-from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
 from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain
 from ipoa_mission.scenario.site import Layout
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
-from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
+
+HOME = shapely.Point(0.0, 0.0)
+SEGMENTS = 16  # per quarter circle
+
+
+def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
+    """Return the intersection of inclusions, which also satisfies PX4's union. Raises BadInput."""
+    shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
+    if not shapes:
+        return None
+    common = shapely.intersection_all(shapes)
+    if common.geom_type != "Polygon" or common.is_empty:
+        raise BadInput("expected inclusions that have one area in common", code="fence-empty", place="fence")
+    if (distance := common.distance(HOME)) > 0:
+        words = f"expected home inside of it, not {distance:.1f} m outside"
+        raise BadInput(words, code="home-outside-fence", place="fence")
+    return common
+
+
+def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, top: float) -> tuple[Obstacle, ...]:
+    """Return the exclusions. Raises BadInput."""
+    obstacles: list[Obstacle] = []
+    for i, fence in enumerate(fences):
+        if fence.inclusion:
+            continue
+        name = f"fence[{i}]"
+        shape = _shape(fence, frame, name)
+        if shape.contains(HOME):
+            raise BadInput("expected home outside of an exclusion", code="home-outside-fence", place=name)
+        if fence.center is not None and fence.radius is not None:
+            obstacles.append(RoundZone(name, *fence.center.east_north(frame), fence.radius, base, top))
+        else:
+            corners = shapely.get_coordinates(shape.exterior)[:-1]
+            obstacles.append(Zone(name, tuple((float(x), float(y)) for x, y in corners), (), base, top))
+    return tuple(obstacles)
+
+
+def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
+    if fence.center is not None and fence.radius is not None:
+        return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=SEGMENTS)
+    corners = np.array(fence.polygon or fence.polygon_geodetic)
+    if fence.polygon_geodetic is not None:
+        latitude, longitude = corners.T
+        corners = frame.to_local(latitude, longitude, np.full(len(corners), frame.home.altitude))[:, :2]
+    shape = shapely.Polygon(corners)
+    if not shape.is_valid or math.isclose(shape.area, 0.0):
+        reason = shapely.is_valid_reason(shape).split("[")[0].lower()
+        raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)
+    return shape
+
 
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
@@ -39,10 +85,7 @@ COVER_TOLERANCE = 1e-6  # [m]
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A scenario's world, geofence, and other map content.
-
-    `passed_over` holds possible obstacles and some others, `passed_counts` counts all.
-    """
+    """`passed_over` holds some features, `passed_counts` all."""
 
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
@@ -54,8 +97,6 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _Zones:
-    """The content of zone maps; `remarks` by map number."""
-
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
     area_fenced: bool
@@ -65,11 +106,7 @@ class _Zones:
 
 
 def surroundings_of(scenario: Layout) -> Surroundings:
-    """Return the world of a scenario.
-
-    Raises:
-        BadInput: with the map file and the place in it; or a library is missing.
-    """
+    """Return a scenario's world. Raises BadInput."""
     with many_objects():
         return _surroundings_of(scenario)
 
@@ -133,10 +170,7 @@ def _read_zones(scenario: Layout) -> _Zones:
 def _read_buildings(
     scenario: Layout, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
-    """Return buildings near the flight, by map number, and the horizontal bounds.
-
-    The bounds depend on the buildings: maps are read for likely bounds, and again if these grow.
-    """
+    """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
     def read(within: Box) -> dict[int, Buildings]:
         sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
@@ -203,14 +237,14 @@ def _things(scenario: Layout) -> Box:
 
 
 def _reach(scenario: Layout) -> float:
-    """Return the distance at which map features extend the bounds [m]."""
+    """Return the reach of map features [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
     scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
-    """Return the corners (2,) of the bounds, given boxes (n, 4) of map obstacles."""
+    """Return the corners (2,) of the bounds, given boxes (n, 4)."""
     if area is not None:
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
@@ -269,7 +303,7 @@ def _terrain(
 
 
 def _expect_cover(grid: Grid, corners: Box) -> None:
-    """Refuse a grid that ends more than half its spacing inside the bounds."""
+    """Refuse a grid over half its spacing too small."""
     first = np.array([grid.east, grid.north])
     last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2

@@ -1,5 +1,3 @@
-"""Define `[survey]`, and build its area."""
-
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,16 +16,16 @@ from ipoa_mission.maps.planar import MapExtent, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.site import Reach
-from ipoa_mission.survey.area import LEAST_M2, Area
+from ipoa_mission.scenario.survey_area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.union import union_of
 
-BAND = 0.15  # share by which it may fly higher over uneven ground
+BAND = 0.15  # share of height over uneven ground
 WORDS = ("best", "crosshatch")
-MITRE_LIMIT = 2.0  # of a corridor, in half widths
+MITRE_LIMIT = 2.0  # half widths
 SAME_START_DISTANCE = 2.0  # [m]
 USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # [m]
-LOWEST_START = 10.0  # above ground over home, before the height is known [m]
+LOWEST_START = 10.0  # above home, before the height is known [m]
 
 
 def _an_overlap(share: float) -> float:
@@ -152,7 +150,7 @@ class SurveySection(Section):
 
     @property
     def height(self) -> float:
-        """Return the height above the ground, the greatest one with `gsd_cm` [m]."""
+        """Return the height above the ground, the greatest with `gsd_cm` [m]."""
         if self.height_above_ground is not None:
             return self.height_above_ground
         camera = self.taken_by
@@ -161,12 +159,12 @@ class SurveySection(Section):
         return camera.height_for(self.gsd_cm)
 
     def reach(self, area: Area) -> Reach:
-        """Return the corners (n, 2) with turns and starts, and the greatest height above the ground [m]."""
+        """Return the corners (n, 2), and the greatest height [m]."""
         corners = shapely.get_coordinates(shapely.box(*area.shape.buffer(self.turns_outside).bounds))
         return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
     def spacing(self, height: float) -> float:
-        """Return the distance between lines at this least height [m]."""
+        """Return the distance between lines [m]."""
         camera = self.taken_by
         if self.line_spacing is not None or camera is None:
             assert self.line_spacing is not None
@@ -174,16 +172,12 @@ class SurveySection(Section):
         return camera.footprint(height)[0] * (1.0 - _given(self.side_overlap))
 
     def trigger(self, height: float) -> float | None:
-        """Return the distance between photos at this least height [m], or None."""
+        """Return the distance between photos [m], or None."""
         camera = self.taken_by
         return None if camera is None else camera.footprint(height)[1] * (1.0 - _given(self.front_overlap))
 
     def build(self, frame: LocalFrame) -> Area:
-        """Return the area in the local plane.
-
-        Raises:
-            BadInput: with the map or key, and the place in it.
-        """
+        """Return the area in the local plane. Raises BadInput."""
         if self.line is not None:
             corridor = _corridor(np.array(self.line), self.width or 0.0, "survey.line")
             return _expect_here(Area(shapely.MultiPolygon([corridor])), "survey.line")
@@ -193,7 +187,7 @@ class SurveySection(Section):
         return _expect_here(_mapped(self.area, self.width, frame), str(self.area))
 
     def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
-        """Return the center lines of corridors, (n, 2) each."""
+        """Return center lines, (n, 2) each."""
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:
@@ -219,7 +213,7 @@ def _drawn(polygon: Any) -> Area:
     parts = [[polygon]] if depth == 2 else [polygon] if depth == 3 else polygon
     try:
         return Area.of(parts, "survey.polygon")
-    except BadInput as error:  # match the place to the brackets given
+    except BadInput as error:
         all_brackets = "survey.polygon" + "[0]" * (4 - depth)
         error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
         error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
@@ -251,7 +245,6 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
-    """Yield polygons and lines of a map, each with its place, in the local plane."""
     features = read_features(path, Around.of(frame))
     about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -276,16 +269,12 @@ def _corridor(line: Points, width: float, place: str) -> Any:
 
 
 def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """Add defaults of a survey: begin and end over home at its height.
-
-    Raises:
-        ValueError: `start` or `goal` is given, although the survey has start places.
-    """
+    """Add defaults of a survey. Raises ValueError."""
     if not isinstance(table.get("survey"), Mapping | SurveySection):
         return dict(table)
     try:
         section = SurveySection.model_validate(table["survey"], context=context)
-    except ValidationError:  # reported by the reader of the key
+    except ValidationError:
         height = LOWEST_START
     else:
         height = section.height

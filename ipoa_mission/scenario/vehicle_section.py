@@ -1,5 +1,3 @@
-"""Define the vehicle: autopilot, speeds, airframe and battery."""
-
 import math
 from typing import Annotated, Any
 
@@ -16,15 +14,15 @@ from pydantic import (
     model_validator,
 )
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
+from ipoa_mission.autopilot.energy.consumption import Battery
+from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel
+from ipoa_mission.autopilot.known_parameters import expect_own, translated
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, default_autopilot, registered
-from ipoa_mission.vehicles.energy.consumption import Battery
-from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel
-from ipoa_mission.vehicles.known_parameters import expect_own, translated
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.parameters import SINGLE_MAX, Parameters
-from ipoa_mission.vehicles.version import Version
 
 ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,15}$", to_upper=True)]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
@@ -72,7 +70,7 @@ class AirframeSection(Section):
         )
 
 
-COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and share of the capacity
+COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, share of the capacity
 
 
 class BatterySection(Section):
@@ -175,7 +173,7 @@ class VehicleSection(Section):
 
     @property
     def learned(self) -> LearnedVehicle | None:
-        """Return the figures learned from flights, if the command line names a file."""
+        """Return the figures of the command line's file."""
         return self._learned
 
     def learned_as(self, vehicle: LearnedVehicle) -> "VehicleSection":
@@ -185,7 +183,6 @@ class VehicleSection(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on parameters that were converted or not read."""
         return self._remarks
 
     def remarked(self, words: tuple[str, ...]) -> "VehicleSection":

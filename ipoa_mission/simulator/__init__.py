@@ -1,1 +1,1 @@
-"""The built-in autopilot: answers and flies as PX4 or as ArduPilot."""
+"""The built-in autopilot, which flies as PX4 or as ArduPilot."""

@@ -1,16 +1,27 @@
-"""Simulate the messages and the flight of PX4 or ArduPilot, without I/O; the time is an argument."""
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame, VehicleCommand
+from ipoa_mission.autopilot.parameters import REAL32, Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.events import mission_event
-from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
+from ipoa_mission.link.messages import (
+    CRITICAL,
+    CommandResult,
+    Message,
+    MissionType,
+    ParamRequestList,
+    ParamRequestRead,
+    ParamSet,
+    ParamValue,
+)
+from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.link.wire import degrees
-from ipoa_mission.mission.commands import Command, Frame, VehicleCommand
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
 from ipoa_mission.simulator.conditions import USUAL, Conditions
@@ -18,16 +29,13 @@ from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.judgement import infeasibility
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.simulator.parameter_server import ParameterServer
 from ipoa_mission.simulator.simulated_flight import FlightMode, SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 
-ERROR_LEVELS = 0x63  # of an event: INFO for the log, ERROR for ground stations
+ERROR_LEVELS = 0x63  # of an event
 FLYING_STEP_S = 0.02
 AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
-#: Message that each command older than REQUEST_MESSAGE asks for.
+#: For each command older than REQUEST_MESSAGE.
 OLD_REQUESTS: Mapping[int, int] = {
     VehicleCommand.GET_HOME_POSITION: HOME_POSITION,
     VehicleCommand.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
@@ -36,7 +44,7 @@ OLD_REQUESTS: Mapping[int, int] = {
 
 
 class BuiltInAutopilot(Commander):
-    """Simulate one vehicle, without I/O."""
+    """Simulate one vehicle, without I/O; the time is an argument."""
 
     def __init__(
         self,
@@ -52,12 +60,10 @@ class BuiltInAutopilot(Commander):
 
         Args:
             family: the autopilot that it imitates.
-            home: where it is.
             parameters: replace the autopilot's defaults.
-            cold: powered up now, without a position at first; else powered up long ago.
-            nak_at: number of an item that it refuses; such a vehicle takes no mission as a file.
+            cold: powered up now, without a position at first.
+            nak_at: number of an item that it refuses; it takes no mission as a file.
             seed: of the sensors' errors.
-            conditions: wind, ground, vehicle and firmware version.
         """
         profile = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
@@ -69,8 +75,6 @@ class BuiltInAutopilot(Commander):
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = streams.Schedule(profile.streams, profile.fixed_streams)
         self._commands = _commands(self)
-
-    # --- interface ------------------------------------------------------------------------------------------------
 
     def receive(self, message: Message, source: Target, now: float) -> None:
         self.tick(now)
@@ -105,11 +109,9 @@ class BuiltInAutopilot(Commander):
         self._report_changes()
 
     def transfers_with(self, client: Target) -> bool:
-        """Return whether a list or a file is in transfer with `client`."""
         return self.transfers.is_under_way(client) or self._files.is_open(client)
 
     def tick(self, now: float) -> None:
-        """Advance the flight, the transfers and the streams to `now`."""
         self._now = max(self._now, now)
         self.transfers.booted = self._age >= self.profile.start_up.listens_s
         self.flight.advance(self._now)
@@ -122,19 +124,18 @@ class BuiltInAutopilot(Commander):
                 self._say(message, EVERYONE)
 
     def outgoing(self) -> list[tuple[Message, Target]]:
-        """Return and forget the messages to send, each with its target."""
+        """Return and forget the messages to send."""
         messages, self._outbox = self._outbox, []
         return messages
 
     @property
     def deadline(self) -> float:
-        """Return when `tick` is next needed."""
         flying = self._now + FLYING_STEP_S if self.flight.armed else math.inf
         return min(flying, self._schedule.deadline, self.transfers.deadline)
 
     @property
     def awaits_somebody(self) -> bool:
-        """Return whether it waits for a client within a time limit: in a transfer, or armed before take-off."""
+        """Return whether it waits for a client: in a transfer, or armed before take-off."""
         return self.transfers.deadline < math.inf or self._will_stop_motors
 
     def _listed(self, kind: int) -> None:
@@ -147,7 +148,7 @@ class BuiltInAutopilot(Commander):
         if self.profile.autopilot.protocol_profile.judges_later and items:
             self._unflyable = infeasibility(self.profile.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
-            self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
+            self._text(CRITICAL, f"{self._unflyable.words}\t")  # an event says the same
             number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
             self._say(m.Event(number, ERROR_LEVELS, arguments), EVERYONE)
         self._flown = () if self._unflyable else tuple(items)
@@ -180,7 +181,7 @@ class BuiltInAutopilot(Commander):
         self._outbox += words
 
     def _group(self, number: int) -> frozenset[str]:
-        """Return the messages of a MAV_DATA_STREAM; 0 is all."""
+        """0 is all."""
         groups = self.profile.stream_groups
         return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
 
@@ -221,3 +222,53 @@ def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[fl
         ),
         VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
     }
+
+
+#: ArduPilot's PARAM_VALUE.param_index of a named request.
+BY_NAME = 65535
+
+
+class ParameterServer:
+    def __init__(self, autopilot: Autopilot, given: Mapping[str, float], version: Version | None = None) -> None:
+        self._autopilot = autopilot
+        set_up = autopilot.book.set_up
+        self._types = {**autopilot.book.types, **{name: kind for name, (_, kind) in set_up.items()}}
+        declared = {name: value for name, (value, _) in set_up.items()}
+        own = {**autopilot.book.moving, **autopilot.defaults_of(version)}
+        self.values = {**declared, **own, **autopilot.book.others, **given}
+
+    def answers(self, message: Message) -> list[ParamValue] | None:
+        """None for other messages."""
+        names = sorted(self.values)
+        match message:
+            case ParamRequestList():
+                return [self._value(name, index, len(names)) for index, name in enumerate(names)]
+            case ParamRequestRead(_, index) if 0 <= index < len(names):
+                return [self._value(names[index], index, len(names))]
+            case ParamRequestRead(name, -1):
+                return self._named(name, names)
+            case ParamSet(name, value, kind):
+                self._set(name, value, kind)
+                return self._named(name, names)
+            case ParamRequestRead():
+                return []
+        return None
+
+    def _set(self, name: str, value: float, kind: int) -> None:
+        """Convert or ignore another type."""
+        own = self._types.get(name, REAL32)
+        if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
+            return
+        number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
+        if math.isfinite(number):
+            self.values[name] = number if own == REAL32 else float(round(number))
+
+    def _named(self, name: str, names: list[str]) -> list[ParamValue]:
+        if name not in self.values:
+            return []
+        index = BY_NAME if self._autopilot.protocol_profile.parameters_by_name else names.index(name)
+        return [self._value(name, index, len(names))]
+
+    def _value(self, name: str, index: int, count: int) -> ParamValue:
+        kind = self._types.get(name, REAL32)
+        return ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)

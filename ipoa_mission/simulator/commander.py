@@ -1,26 +1,21 @@
-"""Execute commands of the built-in autopilot: arming, modes, mission start, current item."""
-
 import math
 from collections.abc import Sequence
 
+from ipoa_mission.autopilot.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
-from ipoa_mission.mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
 from ipoa_mission.simulator.reporting import Reporting
 from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState
 
-GUIDED = 4  # ArduCopter's mode for take-off by command
+GUIDED = 4  # for take-off by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1
-ARMED_IN_AUTO = 1  # bit of AUTO_OPTIONS: arming in AUTO is allowed
+ARMED_IN_AUTO = 1  # bit of AUTO_OPTIONS
 ACCEPTED, DENIED, UNSUPPORTED = CommandResult.ACCEPTED, CommandResult.DENIED, CommandResult.UNSUPPORTED
 FAILED = CommandResult.FAILED
 
 
 class Commander(Reporting):
-    """Change the vehicle's state by commands, and return the result of each."""
-
     def arm(self, wish: float) -> CommandResult:
-        """Execute command 400: arm or disarm."""
         if wish not in (0.0, 1.0):
             return UNSUPPORTED
         if wish == 0.0:
@@ -59,7 +54,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _notice_disarming(self) -> None:
-        """Report a landing that stopped the motors, or stop them after the disarm delay."""
+        """Report a landing that stopped the motors, or stop them after a delay."""
         if self._armed_s is None:
             return
         if not self.flight.armed:
@@ -71,7 +66,6 @@ class Commander(Reporting):
 
     @property
     def _will_stop_motors(self) -> bool:
-        """Return whether it is armed on the ground, where the disarm delay applies."""
         return self._is_standing() and self._parameters[self.profile.disarm_delay] > 0.0
 
     def _notice_height(self) -> None:
@@ -95,7 +89,7 @@ class Commander(Reporting):
                 self._run()
 
     def _run(self) -> None:
-        """Continue ArduPilot's mission from its current item, in flight or on the ground."""
+        """Continue ArduPilot's mission, in flight or on the ground."""
         if self._flown:
             self._has_begun = self._runs = True
             self._say_begun()
@@ -114,7 +108,7 @@ class Commander(Reporting):
             self._text(INFO, f"Climb to {above:.1f} meters above home\t")
 
     def start_mission(self, params: Sequence[float]) -> CommandResult:
-        """Execute command 300: fly the mission; PX4 starts at the given item and arms by itself."""
+        """Command 300: PX4 starts at the given item and arms by itself."""
         if self.profile.mission_arms:
             if not self._flown:
                 self._text(CRITICAL, "Mission start denied! No valid mission\t")
@@ -140,13 +134,13 @@ class Commander(Reporting):
         return result
 
     def _has_takeoff_first(self) -> bool:
-        """Return whether the first command that moves the vehicle is a take-off; DO items and delays may precede it."""
+        """DO items and delays may precede the take-off."""
         first = 0 if self.flight.mission_state is MissionState.COMPLETE else self.flight.current
         ahead = (item.command for item in self._flown[first:] if item.command < LAST_NAV)
         return next((one for one in ahead if one not in MAY_PRECEDE_TAKEOFF), None) in TAKEOFFS
 
     def set_mode(self, params: Sequence[float]) -> CommandResult:
-        """Execute command 176: `params` hold PX4's main and sub mode, or ArduPilot's mode number."""
+        """Command 176: PX4's main and sub mode, or ArduPilot's mode number."""
         main, sub = whole(params[1]), whole(params[2])
         return self._set_mode(self.profile.autopilot.modes.ordered(main, sub))
 
@@ -170,7 +164,7 @@ class Commander(Reporting):
             self._idle_mode = custom_mode
             self.flight.hold()
             if mode is FlightMode.MISSION and self.profile.runs_on_ground:
-                self._run()  # on the ground only MISSION_START goes on from here
+                self._run()  # on the ground only MISSION_START continues
             elif mode is FlightMode.MISSION and self.flight.armed:
                 self._start()
         elif mode is FlightMode.MISSION:
@@ -182,7 +176,6 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _refuses_mode(self, custom_mode: int) -> CommandResult | None:
-        """Return an armed vehicle's refusal of a mode that it cannot fly; None if it can."""
         name = self.profile.autopilot.modes.name(custom_mode)
         is_mission = custom_mode == self._mission_mode
         if not self.profile.refuses_modes:
@@ -228,7 +221,7 @@ class Commander(Reporting):
         return self._set_mode(self.profile.modes[mode])
 
     def pause(self, goes_on: float) -> CommandResult:
-        """Execute command 193, which only ArduPilot takes: stay in AUTO, and stop on the way to a waypoint."""
+        """Command 193: ArduPilot stays in AUTO, and stops on the way to a waypoint."""
         if not self.profile.autopilot.protocol_profile.pauses_in_mission:
             return UNSUPPORTED
         if goes_on >= 0.5:
@@ -244,7 +237,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def climb(self, height: float) -> CommandResult:
-        """Execute command 22: ArduPilot climbs in GUIDED to a height above home, PX4 in take-off mode to one AMSL."""
+        """Command 22: ArduPilot climbs in GUIDED to a height above home, PX4 to one AMSL."""
         if self.profile.takeoff_mode is not None:
             return self._rise(height)
         if self.mode != GUIDED or not self._is_standing() or not 0.0 < height < math.inf:
@@ -253,7 +246,6 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _rise(self, altitude: float) -> CommandResult:
-        """Change to PX4's take-off mode, which climbs when armed."""
         self.flight.hold()
         self._idle_mode = self.profile.takeoff_mode or 0
         self._rise_to = altitude
@@ -274,7 +266,7 @@ class Commander(Reporting):
         self._rise_to = math.nan
 
     def reposition(self, params: Sequence[float]) -> CommandResult:
-        """Execute command 192, which only PX4 takes: hold, and in flight go there; altitude AMSL in every frame."""
+        """Command 192 of PX4: hold, or go there; altitude AMSL in every frame."""
         if not self.profile.repositions or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return UNSUPPORTED
         self.obey(FlightMode.HOLD)
@@ -283,13 +275,13 @@ class Commander(Reporting):
         return ACCEPTED
 
     def check(self) -> CommandResult:
-        """Execute command 401: report why arming is refused; PX4 reports it by events."""
+        """Command 401; PX4 answers by events."""
         if self.profile.reports_prearm and (reason := self._arming_refusal()):
             self._text(CRITICAL, f"PreArm: {reason}")
         return ACCEPTED
 
     def reboot(self, how: float) -> CommandResult:
-        """Execute command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
+        """Command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
         if not self.profile.reboots:
             return DENIED if how else ACCEPTED
         if how != 1.0:
@@ -304,5 +296,5 @@ class Commander(Reporting):
 
 
 def whole(value: float) -> int:
-    """Return a parameter of a command as an integer; -1 if it is none."""
+    """Return -1 if it is no integer."""
     return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1

@@ -1,19 +1,17 @@
-"""Define wind, ground and vehicle of a simulated flight, and the interface of a simulated vehicle."""
-
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from ipoa_mission.vehicles.learned import LearnedVehicle
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.learned import LearnedVehicle
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """Hold the wind, the ground's height above home [m], and the vehicle.
+    """Ground is the height above home [m].
 
-    `vehicle`: properties learned from logs; None: those of the simulators. `version`: None: the newest measured.
+    `vehicle`: properties learned from logs. `version`: None: the newest measured.
     """
 
     wind: Wind = CALM
@@ -29,9 +27,8 @@ Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
 
 class SimulatedVehicle:
-    """Simulate the motion of a vehicle.
-
-    Position [m] and velocity [m/s] are east, north, up; lean is the level acceleration g tan(angle) [m/s^2]; yaw [rad].
+    """Position [m] and velocity [m/s] are east, north, up; lean is the level acceleration g tan(angle) [m/s^2]; yaw
+    [rad].
     """
 
     def __init__(self, conditions: Conditions = USUAL) -> None:
@@ -44,10 +41,8 @@ class SimulatedVehicle:
 
     @property
     def place(self) -> Triple:
-        """Return east, north, up [m]."""
         return self.x, self.y, self.z
 
     @property
     def motion(self) -> Triple:
-        """Return east, north, up [m/s]."""
         return self.vx, self.vy, self.vz

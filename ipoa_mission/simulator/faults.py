@@ -1,5 +1,3 @@
-"""Simulate a bad link, reproducibly: lose, double, delay and reorder frames."""
-
 import heapq
 import math
 import random
@@ -10,15 +8,15 @@ from ipoa_mission.errors import BadInput
 
 @dataclass(frozen=True)
 class Faults:
-    """Set the faults of a link, which apply to each frame in each direction.
+    """Faults of a link, for each frame in each direction.
 
     Attributes:
         loss: probability that a frame is lost.
         duplicate: probability that it arrives twice.
         delay_s: one-way delay [s].
         reorder: probability that it is held back.
-        reorder_s: longest time that it is held back [s].
-        nak_at: the number on the wire of an item that the vehicle refuses.
+        reorder_s: longest time of that [s].
+        nak_at: the number of an item that the vehicle refuses.
 
     Raises:
         BadInput: a probability is not from 0 to 1, or a time not from 0 to 60 s.
@@ -49,7 +47,7 @@ class Faults:
 
 
 class BadPipe:
-    """Simulate one direction of a bad link; the same seed gives the same faults."""
+    """One direction; the same seed gives the same faults."""
 
     MOST_HELD = 100_000
 

@@ -1,4 +1,4 @@
-"""Serve MAVFTP: the mission as a file (ArduPilot only) and the checksums of the three lists; refuse all else."""
+"""MAVFTP: ArduPilot's mission file, and the checksums of the lists."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ LONGEST_BURST = 100  # messages
 
 @dataclass
 class FileSession:
-    """Hold a client's open file, and the last answer, which a repeated request gets again."""
+    """A repeated request gets the last answer again."""
 
     reading: bytes | None = None
     writing: bytearray | None = None
@@ -26,10 +26,7 @@ class FileSession:
 
 
 class FileService:
-    """Answer MAVFTP requests.
-
-    `listed` returns the current mission; `replace` takes a new one, and returns False if it refuses it.
-    """
+    """`replace` returns False if it refuses a mission."""
 
     def __init__(
         self,
@@ -45,7 +42,6 @@ class FileService:
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
-        """Return the reply to a request: one message or a burst."""
         question = unpack(message)
         session = self._sessions.setdefault(client, FileSession())
         while len(self._sessions) > MOST_CLIENTS:
@@ -95,7 +91,6 @@ class FileService:
         return _ack(question, len(session.reading).to_bytes(4, "little"))
 
     def _sum_up(self, question: FileMessage) -> FileMessage:
-        """Return the checksum of a list as it is now."""
         name = question.data.rstrip(b"\0")
         kind = next((kind for kind, path in LIST_FILES.items() if path.encode() == name), None)
         if not self._offered or kind is None:
@@ -114,7 +109,7 @@ class FileService:
 
 
 def _burst(question: FileMessage, content: bytes) -> tuple[FileMessage, ...]:
-    """Return a file from an offset on in pieces, then the end-of-file error."""
+    """End with the end-of-file error."""
     size = min(question.size or LONGEST_DATA, LONGEST_DATA)
     starts = range(question.offset, len(content), size)[:LONGEST_BURST]
     if not starts:

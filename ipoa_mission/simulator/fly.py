@@ -1,7 +1,9 @@
-"""Fly a mission on the built-in autopilot over MAVLink bytes, on a virtual clock."""
+"""Fly a mission over MAVLink bytes, on a virtual clock."""
 
 from pathlib import Path
 
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
@@ -17,8 +19,6 @@ from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.mock_server import PERFECT
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -33,17 +33,17 @@ def fly(
     uploading: Progress = silent,
     flying: Progress = silent,
 ) -> FlightRecord:
-    """Upload a mission to the built-in autopilot that it was made for, and fly it on a virtual clock.
+    """Upload a mission to the built-in autopilot, and fly it on a virtual clock.
 
     The mission is not checked before. The same arguments give the same bytes.
 
     Args:
         mission: to fly.
-        parameters: the vehicle's; they override those of the mission.
+        parameters: override those of the mission.
         wind: during the flight.
         seed: of the random numbers.
         faults: of the link.
-        log: path of a `.tlog` of all frames.
+        log: path of a `.tlog`.
         uploading: receives the progress of the upload.
         flying: receives the progress of the flight.
 
@@ -72,7 +72,7 @@ def fly_forecast(
     uploading: Progress = silent,
     flying: Progress = silent,
 ) -> FlightRecord:
-    """Fly a forecast's mission in its wind and over its ground."""
+    """Fly in the forecast's wind and over its ground."""
     with board(forecast, seed, faults, log) as vehicle:
         vehicle.upload(forecast.mission, uploading, checked=False)
         vehicle.prepare()
@@ -81,7 +81,6 @@ def fly_forecast(
 
 
 def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
-    """Connect to a simulated vehicle at the mission's home, in the forecast's wind and over its ground."""
     mission = forecast.mission
     autopilot = BuiltInAutopilot(
         mission.autopilot,

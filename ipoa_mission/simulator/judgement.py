@@ -1,21 +1,20 @@
-"""Return a firmware's result for one item of a list, and its verdict on a stored mission."""
+"""A firmware's results for items and missions."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.messages import MissionType, Result
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import values_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
 def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:
-    """Return the firmware's result for an item of a list of `count` items."""
     about = firmware, item.command, item.frame, values_of(item)
     match kind:
         case MissionType.FENCE:
@@ -29,7 +28,7 @@ def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count
 
 @dataclass(frozen=True)
 class Infeasible:
-    """Describe why PX4 does not fly a mission: its text, and the arguments of its event `navigator_mis_` + `event`."""
+    """`event`: without `navigator_mis_`."""
 
     words: str
     event: str
@@ -39,7 +38,7 @@ class Infeasible:
 def infeasibility(
     firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> Infeasible | None:
-    """Return PX4's verdict on a stored mission; None if it can be flown."""
+    """Return PX4's verdict; None if it can be flown."""
     radius = parameters["NAV_MC_ALT_RAD"]
     needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)

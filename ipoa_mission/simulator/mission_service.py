@@ -1,13 +1,11 @@
-"""Serve the three mission lists of the built-in autopilot with a firmware's behavior.
-
-The behavior was measured (see `mock_profile`) or follows the firmware's source.
-"""
+"""Serve the three mission lists, as measured (see `mock_profile`) or by the firmware's source."""
 
 import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
@@ -28,7 +26,6 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
-from ipoa_mission.mission.commands import PLAIN_FRAME
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import home_item
@@ -40,8 +37,7 @@ from ipoa_mission.world.frame import Geodetic
 INT_FRAMES = {int(plain): int(whole) for whole, plain in PLAIN_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
-#: Results of items whose `current` makes them a command, for a vehicle that is not in guided mode: 2 ("go there
-#: now") is refused, 3 ("change altitude") is accepted without effect.
+#: Orders in `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
 ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 
@@ -55,7 +51,7 @@ class Incoming:
 
 
 class MissionService:
-    """Answer the mission protocol; `say` sends a message to a target, `changed` is called with each replaced list."""
+    """`say` sends a message, `changed` gets each replaced list."""
 
     def __init__(
         self,
@@ -78,12 +74,10 @@ class MissionService:
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
-        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # list and its number as reported, by kind
-
-    # --- receiving ----------------------------------------------------------------------------------------------
+        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # by kind
 
     def receive(self, message: Message, client: Target, now: float) -> bool:
-        """Process a message; return whether it belongs to the mission protocol."""
+        """Return whether a message belongs to the mission protocol."""
         match message:
             case Count(count, kind):
                 self._begin(count, kind, client, now)
@@ -127,14 +121,13 @@ class MissionService:
         )
 
     def listed(self, kind: int) -> tuple[Item, ...]:
-        """Return a list as a download gives it: ArduPilot's mission begins with its home."""
         items = self.stores[MissionType(kind)].items
         if kind == MissionType.MISSION and self._habits.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
-        """Replace the mission by the items of a file, if no item is refused."""
+        """Return False if an item is refused."""
         kind = MissionType.MISSION
         results = [judge(self._habits.autopilot, self._habits.firmware, item, kind, len(items)) for item in items]
         if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
@@ -147,8 +140,6 @@ class MissionService:
         self.stores[kind].commit()
         self._changed(kind)
         return True
-
-    # --- uploads ----------------------------------------------------------------------------------------------------
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
@@ -276,8 +267,6 @@ class MissionService:
         for message in incoming.exchange.outgoing():
             self._say(message, incoming.client)
 
-    # --- downloads --------------------------------------------------------------------------------------------------
-
     def _list(self, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
             self._say(Ack(Result.UNSUPPORTED, kind), client)
@@ -294,7 +283,7 @@ class MissionService:
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
-        """Return a list with the flags and frames that this firmware reports."""
+        """Apply the flags and frames that this firmware reports."""
         items = self.listed(kind)
         if kind not in self._habits.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)
@@ -303,7 +292,6 @@ class MissionService:
         return items
 
     def list_id(self, kind: int) -> int:
-        """Return the number that PX4 reports for a stored list."""
         items = self.stores[MissionType(kind)].items
         if not items or not self._habits.reports_list_id:
             return 0
@@ -323,7 +311,7 @@ class MissionService:
             self._read_one(seq, kind, message.legacy, client)
 
     def _read_one(self, seq: int, kind: int, legacy: bool, client: Target) -> None:
-        """Send an item as it is now, even if the list changed after the request for it."""
+        """Send an item as it is now, even if the list has changed."""
         items = self._read_back(kind)
         if seq < len(items):
             self._say(ItemAt(seq, items[seq], kind), client)
@@ -346,8 +334,6 @@ class MissionService:
         if exchange.finished:
             self._readers.pop(reader, None)
 
-    # --- other messages ---------------------------------------------------------------------------------------------
-
     def _clear(self, kind: int, client: Target) -> None:
         kinds = KINDS if kind == MissionType.ALL else tuple(one for one in KINDS if one == kind)
         if kind not in KINDS and not self._habits.clears_all:
@@ -365,7 +351,7 @@ class MissionService:
         self._say(Ack(Result.ACCEPTED, kind), client)
 
     def _slot(self, kind: int) -> int:
-        """Return the key of the transfers that exclude each other: all, or those of one list."""
+        """Return the key of transfers that exclude each other."""
         return kind if self._habits.separate_lists else 0
 
     def _reply(self, answer: Answer, kind: int, client: Target, words: str = "") -> None:

@@ -1,20 +1,17 @@
-"""Describe the measured behavior of ArduCopter 4.7 and PX4 1.17 in the mission service, as data.
-
-`vehicles.firmware_tables` defines what each version takes and stores, `vehicles.refusal` why it refuses an item.
-"""
+"""Measured behavior of ArduCopter 4.7 and PX4 1.17 in the mission service."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.firmware_tables import NO_VERSION
+from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.simulator.simulated_flight import FlightMode
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.firmware_tables import NO_VERSION
-from ipoa_mission.vehicles.firmware_tables import Firmware as Tables
-from ipoa_mission.vehicles.version import Version
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
@@ -22,7 +19,7 @@ BYTEWISE, FTP = 16, 32
 
 
 class Answer(Enum):
-    """Name a firmware's reaction to a message in the middle of an upload."""
+    """To a message in the middle of an upload."""
 
     SILENCE = "silence"
     TEXT = "words only"
@@ -33,84 +30,84 @@ class Answer(Enum):
 
 @dataclass(frozen=True)
 class StartUp:
-    """Hold seconds from power-up until it takes lists, has an origin, has steady sensors, and has a position."""
+    """From power-up until it takes lists, has an origin, steady sensors, a position [s]."""
 
     listens_s: float
     origin_s: float
     steady_s: float
     position_s: float
-    unsteady: str  # reason against arming until then
+    unsteady: str  # reason against arming
     unplaced: str
-    no_mission: str  # reason against arming in the mission mode without a mission
+    no_mission: str  # reason against arming in mission mode
 
 
 @dataclass(frozen=True, kw_only=True)
 class MockProfile:
-    """Describe one firmware's behavior; a default means that it lacks the feature."""
+    """A default means that the firmware lacks the feature."""
 
     autopilot: Autopilot
-    protocol_profile: RequestStyle  # request form
-    patience: Patience  # times of repeats and giving up
-    timeout_result: int | None = None  # MISSION_ACK after a timeout
+    protocol_profile: RequestStyle
+    patience: Patience
+    timeout_result: int | None = None
     timeout_text: str
-    truncating: frozenset[int] = frozenset()  # lists whose old items are dropped at COUNT
-    separate_lists: bool = False  # the three lists are transferred independently
-    reads_item_by_item: bool = False  # each MISSION_REQUEST returns the item as it is then; else the list is frozen
+    truncating: frozenset[int] = frozenset()  # lists cleared at COUNT
+    separate_lists: bool = False  # in transfers
+    reads_item_by_item: bool = False  # else the list is frozen
     count_from_stranger: Answer
-    count_again: Answer  # after the first item was received
+    count_again: Answer  # after the first item
     read_during_upload: Answer
     clear_during_upload: Answer
     obeys_cancel: bool = False
-    stray_item: Answer  # no transfer in progress
+    stray_item: Answer
     wrong_list: Answer  # item of another list
     confirms_last_item_again: bool = False
     partial_lists: bool = False
     knows_command_224: bool = False
-    reached_repeats: int = 0  # repeats of MISSION_ITEM_REACHED
-    reached_slot_s: float  # an item done within this time of another is not reported
-    takes_orders_as_items: bool = False  # items with current 2 ("go there now") or 3 ("change altitude")
-    clears_all: bool = False  # MISSION_CLEAR_ALL of type 255 or of an unknown type
-    stored_text: Mapping[int, str] = field(default_factory=dict)  # text after a list is stored
-    flags_kept: frozenset[int]  # lists whose autocontinue reads back as 1, else 0
-    int_frames: bool = False  # frames read back with `_INT`
-    reports_list_id: bool = False  # MISSION_ACK and MISSION_CURRENT carry the list's id
-    no_total: int  # MISSION_CURRENT.total without a mission
-    missing_takeoff_text: str | None = None  # text at the start of a mission without take-off on the ground
-    no_item_text: str | None = None  # text after MISSION_SET_CURRENT of a missing item
-    runs_on_ground: bool = False  # in mission mode the mission advances on the ground, too
-    flight_texts: bool = False  # texts report start, climb height and landing
-    restores_mode: bool = False  # after return or landing the earlier mode comes back
+    reached_repeats: int = 0  # of MISSION_ITEM_REACHED
+    reached_slot_s: float  # an item done within it is not reported
+    takes_orders_as_items: bool = False  # current 2 or 3
+    clears_all: bool = False  # type 255, or unknown
+    stored_text: Mapping[int, str] = field(default_factory=dict)  # after a list is stored
+    flags_kept: frozenset[int]  # lists whose autocontinue reads back as 1
+    int_frames: bool = False  # read back with `_INT`
+    reports_list_id: bool = False  # in MISSION_ACK and MISSION_CURRENT
+    no_total: int  # MISSION_CURRENT.total
+    missing_takeoff_text: str | None = None  # at the start on the ground
+    no_item_text: str | None = None
+    runs_on_ground: bool = False  # the mission advances on the ground
+    flight_texts: bool = False  # at start, climb height and landing
+    restores_mode: bool = False  # after return or landing
     no_such_mode_text: str | None = None
-    refuses_modes: bool = False  # an armed vehicle refuses a mode that it cannot fly, with the reason
-    repositions: bool = False  # takes DO_REPOSITION
+    refuses_modes: bool = False  # when armed, with the reason
+    repositions: bool = False  # DO_REPOSITION
     reboots: bool = False
-    switches_fence: bool = False  # takes DO_FENCE_ENABLE as a command
+    switches_fence: bool = False  # DO_FENCE_ENABLE as a command
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
     first_mode: int  # after power-up
-    placed_modes: frozenset[int]  # modes that need a position
+    placed_modes: frozenset[int]
     armable_modes: frozenset[int]
-    takeoff_mode: int | None = None  # mode of the take-off command, left at the top
-    mission_arms: bool = False  # MISSION_START arms
-    reports_prearm: bool = False  # SYS_STATUS reports the pre-arm check, texts report its failures
-    prearm_every_s: float = 0.0  # interval of the checks: their reported result may be this old [s]
-    refused_arming: int  # COMMAND_ACK of a refused arming, or disarming in flight
+    takeoff_mode: int | None = None  # of the take-off command, left at the top
+    mission_arms: bool = False  # by MISSION_START
+    reports_prearm: bool = False
+    prearm_every_s: float = 0.0  # the reported result may be this old [s]
+    refused_arming: int  # also of disarming in flight
     arm_texts: tuple[str, str, str, str]  # armed, disarmed by command, by landing, by timeout
-    disarm_delay: str  # parameter of the time until it disarms on the ground [s]
-    mode_acks: int = 1  # COMMAND_ACKs of one DO_SET_MODE
-    acks_first: bool = False  # COMMAND_ACK precedes the requested message
-    heartbeat_on_change: bool = False  # sends HEARTBEAT when the mode changes
-    streams: Mapping[str, float]  # default streams and their intervals [s]
-    fixed_streams: frozenset[str] = frozenset()  # streams with a fixed rate
-    no_such_stream: int  # COMMAND_ACK of an interval for an unknown message
-    no_such_message: int  # COMMAND_ACK of a request for an unknown message
-    no_such_interval: tuple[int, int]  # MESSAGE_INTERVAL of an unknown message, and its COMMAND_ACK
-    base_mode: int  # HEARTBEAT.base_mode while disarmed
-    capabilities: int  # AUTOPILOT_VERSION: bits of MAV_PROTOCOL_CAPABILITY that are simulated
-    protocol: tuple[int, int, int] | None = None  # PROTOCOL_VERSION, if known: in use, least, greatest
+    disarm_delay: str  # parameter [s]
+    mode_acks: int = 1  # of one DO_SET_MODE
+    acks_first: bool = False  # before the requested message
+    heartbeat_on_change: bool = False  # of mode
+    streams: Mapping[str, float]  # default intervals [s]
+    fixed_streams: frozenset[str] = frozenset()  # with a fixed rate
+    no_such_stream: int  # COMMAND_ACK
+    no_such_message: int  # COMMAND_ACK
+    no_such_interval: tuple[int, int]  # MESSAGE_INTERVAL and COMMAND_ACK
+    base_mode: int  # disarmed
+    capabilities: int  # simulated bits of MAV_PROTOCOL_CAPABILITY
+    protocol: tuple[int, int, int] | None = None  # PROTOCOL_VERSION: in use, least, greatest
     stream_groups: Mapping[int, frozenset[str]] = field(default_factory=dict)
     """Messages of each MAV_DATA_STREAM of REQUEST_DATA_STREAM."""
-    version: Version = NO_VERSION  # as reported
+    version: Version = NO_VERSION
 
     @property
     def firmware(self) -> Tables:
@@ -127,11 +124,11 @@ class MockProfile:
 
 
 def asks_every(seconds: float, give_up_s: float) -> Patience:
-    """Return a patience that repeats every `seconds` and gives up after `give_up_s` [s]."""
+    """Repeat every `seconds` and give up after `give_up_s` [s]."""
     retries = round(give_up_s / seconds) - 1
     return Patience(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
 
 
 def mock_profile(autopilot: Autopilot, version: Version | None = None) -> MockProfile:
-    """Return the profile of a version: its own tables, all else as measured; None: the newest measured."""
+    """Return a version's tables, all else as measured; None: the newest."""
     return replace(autopilot.part(MockProfile), version=version or autopilot.newest)

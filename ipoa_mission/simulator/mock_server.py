@@ -1,4 +1,4 @@
-"""Serve the built-in autopilot behind a channel, in real time or faster (`ipoa-mission mock`)."""
+"""Serve the built-in autopilot in real time or faster."""
 
 import logging
 import math
@@ -13,9 +13,9 @@ from ipoa_mission.simulator.station import Station
 
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
-GREATEST_LAG_S = 1.0  # greatest lag of the autopilot's clock
-MOST_FRAMES_HZ = 2000.0  # to one peer: more overrun a ground station's socket while it is busy
-MOST_AT_ONCE = 100  # frames; Linux keeps 277 small ones by default in an unread socket
+GREATEST_LAG_S = 1.0  # of the autopilot's clock
+MOST_FRAMES_HZ = 2000.0  # to a peer: more overrun a ground station's socket
+MOST_AT_ONCE = 100  # frames; Linux keeps 277 small ones in an unread socket
 REPORTED_LAG_S = 10.0
 log = logging.getLogger(__name__)
 MOST_PIPES = 32
@@ -31,11 +31,7 @@ def serve(
     signer: Signer | None = None,
     until: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Run `autopilot` at `url` until `until` returns true (asked ten times a second), or Ctrl-C.
-
-    Raises:
-        BadInput, LinkDown: the link cannot be opened.
-    """
+    """Run until `until` returns true (asked ten times a second), or Ctrl-C; raise BadInput or LinkDown."""
     if not 0.01 <= speedup <= 1000.0:
         raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
     channel = open_channel(url)
@@ -47,10 +43,9 @@ def serve(
 
 
 class Server:
-    """Serve one station behind one channel, with a clock that runs up to `speedup` times as fast as real time.
+    """Serve one station with a clock up to `speedup` times as fast as real time.
 
-    The clock runs in real time while the autopilot waits for a client, which does not run faster.
-    It is slowed down before it sends more than a ground station reads.
+    The clock is real while the autopilot waits for a client, and slower before it sends more than a client reads.
     """
 
     def __init__(
@@ -63,7 +58,7 @@ class Server:
         self._seed = seed
         self._real_s = channel.now()
         self._virtual_s = 0.0
-        self._unread = 0.0  # frames sent above the allowed rate
+        self._unread = 0.0  # frames above the allowed rate
         self._lost_s = 0.0
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}
@@ -97,16 +92,15 @@ class Server:
 
     @property
     def _hurry(self) -> float:
-        """Return the present speed of the clock, relative to real time."""
+        """Return the present speed, relative to real time."""
         return min(self._speedup, 1.0) if self._is_ahead or self._station.awaits_somebody else self._speedup
 
     @property
     def _is_ahead(self) -> bool:
-        """Return whether more was sent than a ground station can have read."""
         return self._unread > MOST_AT_ONCE
 
     def _go_on(self, now: float, hurry: float) -> None:
-        """Advance the clock; let it lag if the machine is too slow for the speed."""
+        """Advance the clock; let it lag on a slow machine."""
         passed_s = now - self._real_s
         self._real_s = now
         self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)

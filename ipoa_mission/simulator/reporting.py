@@ -1,23 +1,23 @@
-"""Report the state of the built-in autopilot: streams, and messages at events."""
+"""Streams, and messages at events."""
 
 import math
 from collections.abc import Mapping
 
+from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.messages import INFO, Message, MissionType
-from ipoa_mission.mission.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.judgement import Infeasible
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState, SimulatedFlight
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.parameters import Parameters
 
-#: ArduCopter's names of mission items in its text at their start.
+#: In ArduCopter's text at the start of an item.
 _NAMES: Mapping[int, str] = {
     Command.NAV_WAYPOINT: "WP",
     Command.NAV_SPLINE_WAYPOINT: "SplineWP",
@@ -39,12 +39,10 @@ _NAMES: Mapping[int, str] = {
     Command.DO_JUMP: "Jump",
     Command.JUMP_TAG: "Tag",
 }
-#: Items whose end is reported as text: places flown to.
 REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
 
 
 def begun(seq: int, command: int) -> str:
-    """Return ArduCopter's text at the start of item `seq`."""
     return f"Mission: {seq} {_NAMES.get(command, '?')}"
 
 
@@ -54,8 +52,6 @@ TEXT_BYTES = 50  # of a STATUSTEXT
 
 
 class Reporting:
-    """Hold the state of a simulated vehicle, and report it."""
-
     def __init__(
         self,
         profile: MockProfile,
@@ -64,7 +60,6 @@ class Reporting:
         parameters: Parameters,
         powered_s: float,
     ) -> None:
-        """Create a vehicle that was powered up at `powered_s` [s]."""
         self.profile = profile
         self.flight = flight
         self.transfers = transfers
@@ -73,16 +68,16 @@ class Reporting:
         self._now = 0.0
         self._powered_s = powered_s
         self._told_reached = 0
-        self._last_reached = m.Reached(0), 0  # and its remaining repeats
+        self._last_reached = m.Reached(0), 0
         self._told_mode = profile.first_mode
         self._told_current = -1
         self._unflyable: Infeasible | None = None
-        self._flown: tuple[Item, ...] = ()  # items of the flight: without home, and only a complete mission
-        self._idle_mode = profile.first_mode  # mode without a command
-        self._mode_before = profile.first_mode  # PX4: mode before a return or landing
+        self._flown: tuple[Item, ...] = ()  # without home, and only a complete mission
+        self._idle_mode = profile.first_mode  # without a command
+        self._mode_before = profile.first_mode  # PX4: before a return or landing
         self._armed_s: float | None = None
         self._checked = -math.inf, False  # time and result of the last pre-arm check
-        self._rise_to = math.nan  # PX4: take-off altitude AMSL; NaN: from its parameter
+        self._rise_to = math.nan  # PX4: AMSL; NaN: from its parameter
         self._has_begun = self._runs = False  # ArduPilot: has a current item, and advances
 
     @property
@@ -102,7 +97,6 @@ class Reporting:
         return self.profile.autopilot.counts_home
 
     def _arming_refusal(self) -> str:
-        """Return why it cannot be armed in its present mode; empty if it can."""
         start_up = self.profile.start_up
         if self._age < start_up.steady_s:
             return start_up.unsteady
@@ -115,7 +109,7 @@ class Reporting:
         return ""
 
     def _passed_checks(self) -> bool:
-        """Return the result of the last pre-arm check, which may precede the last change of mode."""
+        """The last check may precede the last change of mode."""
         checked_s, _ = self._checked
         if self._now - checked_s >= self.profile.prearm_every_s:
             self._checked = self._now, not self._arming_refusal()
@@ -130,13 +124,11 @@ class Reporting:
         at = self.flight.current
         return self.profile.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
-    # --- unrequested messages ---------------------------------------------------------------------------------------
-
     def _say(self, message: Message, to: Target) -> None:
         self._outbox.append((message, to))
 
     def _text(self, severity: int, text: str) -> None:
-        """Send a text, split where it exceeds one message."""
+        """Split a text that exceeds one message."""
         for chunk, start in enumerate(range(0, len(text), TEXT_BYTES)):
             self._say(m.Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk), EVERYONE)
 
@@ -202,7 +194,7 @@ class Reporting:
         return m.Current(self.flight.current, total, int(state), mode, number)
 
     def _report_changes(self) -> None:
-        """Send what this firmware does not leave to its streams: an item reached, another current item or mode."""
+        """Send what this firmware does not leave to its streams."""
         reached = self.flight.reached
         if len(reached) < self._told_reached:
             self._told_reached = 0

@@ -1,7 +1,6 @@
-"""Simulate a flight of the built-in autopilot through a mission.
+"""A pilot that decides as PX4 or ArduPilot does steers a body under gravity, air and thrust.
 
-A body under gravity, air and thrust is steered by a pilot that decides as PX4 or ArduPilot does.
-Deterministic and without a clock: `advance(to_s)` integrates up to that simulated second.
+Deterministic and without a clock: `advance` integrates.
 """
 
 import math
@@ -12,50 +11,46 @@ from typing import Protocol
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import USUAL, Conditions, SimulatedVehicle
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, ItemDone, MissionState, Situation
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 __all__ = ["FlightMode", "ItemDone", "MissionState", "SimulatedFlight"]
 
 
 class Pilot(Protocol):
-    """Steer a vehicle as an autopilot does."""
-
     def enter(self) -> None:
-        """Follow a commanded change of mode or current item."""
+        """Follow a new mode or current item."""
 
     def replaced(self, before: tuple[Item, ...]) -> None:
         """Continue after the mission was replaced in flight."""
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and hold there."""
+        """Take off to a height above home [m], and hold."""
 
     @property
     def rising(self) -> bool:
-        """Return whether it still climbs to there."""
+        """Return whether it still climbs."""
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly to a place and hold there; NaN: the present target, height or default speed."""
+        """Fly there and hold; NaN: the present target, height or default speed."""
 
     def step(self) -> None: ...
 
 
 @dataclass(frozen=True)
 class Pilots:
-    """Create the pilot of an autopilot for a body; `rng` gives the errors of its sensors."""
+    """`rng` gives the errors of the sensors."""
 
     pilot: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], Pilot]
 
 
 class SimulatedFlight:
-    """Simulate one vehicle, which begins on the ground at its home."""
-
     def __init__(
         self,
         autopilot: Autopilot,
@@ -64,7 +59,7 @@ class SimulatedFlight:
         conditions: Conditions = USUAL,
         seed: int = 0,
     ) -> None:
-        """Create the vehicle; `parameters` are read again at each arming, `seed` is of the sensors' errors."""
+        """`parameters` are read again at each arming, `seed` is of the sensors' errors."""
         self.autopilot = autopilot
         self.home = home
         self.frame = LocalFrame(home)
@@ -75,16 +70,13 @@ class SimulatedFlight:
         self._shown: tuple[object, Geodetic] = None, home
         self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
-    # --- state --------------------------------------------------------------------------------------------------------
-
     @property
     def parameters(self) -> Parameters:
-        """Return all parameters; ArduCopter's by their names before 4.7."""
+        """ArduCopter's by their names before 4.7."""
         return self.autopilot.complete(self._given, self._body.conditions.version)
 
     @property
     def time_s(self) -> float:
-        """Return the simulated time since power-up [s]."""
         return self._now.time_s
 
     @property
@@ -113,17 +105,17 @@ class SimulatedFlight:
 
     @property
     def local(self) -> Vector:
-        """Return east, north, up of home, (3,) [m]."""
+        """East, north, up of home, (3,) [m]."""
         return np.array(self._body.place)
 
     @property
     def velocity(self) -> Vector:
-        """Return east, north, up, (3,) [m/s]."""
+        """East, north, up, (3,) [m/s]."""
         return np.array(self._body.motion)
 
     @property
     def position(self) -> Geodetic:
-        """Return the position; its altitude AMSL ignores the Earth's curvature, as autopilots do."""
+        """The altitude AMSL ignores the Earth's curvature, as autopilots do."""
         place = self._body.place
         if place != self._shown[0]:  # several streams show one place
             there = self.frame.geodetic(np.array([*place[:2], 0.0]))
@@ -132,25 +124,23 @@ class SimulatedFlight:
 
     @property
     def yaw(self) -> float:
-        """Return the heading, clockwise from north [rad]."""
+        """Clockwise from north [rad]."""
         return self._body.yaw
 
     @property
     def pitch(self) -> float:
-        """Return the pitch, positive nose up [rad]."""
+        """Positive nose up [rad]."""
         east, north = self._body.lean_x, self._body.lean_y
         return -math.atan2(east * math.sin(self.yaw) + north * math.cos(self.yaw), GRAVITY)
 
     @property
     def roll(self) -> float:
-        """Return the roll, positive right side down [rad]."""
+        """Positive right side down [rad]."""
         east, north = self._body.lean_x, self._body.lean_y
         return math.atan2(east * math.cos(self.yaw) - north * math.sin(self.yaw), GRAVITY)
 
-    # --- commands ---------------------------------------------------------------------------------------------------
-
     def load(self, items: tuple[Item, ...]) -> None:
-        """Take a new mission without home (empty: the mission is cleared); in flight the current index stays."""
+        """Without home, maybe empty; in flight the current index stays."""
         now, before = self._now, self._now.program.items
         if items == before:
             return
@@ -168,7 +158,7 @@ class SimulatedFlight:
             now.mission = MissionState.NOT_STARTED if self.landed else MissionState.PAUSED
 
     def know_rally(self, items: tuple[Item, ...]) -> None:
-        """Take new rally points as items with heights above home, for later returns."""
+        """Heights above home, for later returns."""
         at = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
         self._now.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
 
@@ -188,7 +178,7 @@ class SimulatedFlight:
         self._now.disarm()
 
     def start(self) -> None:
-        """Enter the mission mode; nothing moves before arming."""
+        """Nothing moves before arming."""
         now = self._now
         if not now.program.items:
             return
@@ -204,7 +194,7 @@ class SimulatedFlight:
         self._enter(FlightMode.HOLD)
 
     def set_current(self, index: int) -> None:
-        """Continue with item `index`; raise ValueError if there is none."""
+        """Raise ValueError if there is none."""
         now = self._now
         if not 0 <= index < len(now.program):
             raise ValueError(f"index: expected 0 to {len(now.program) - 1}, not {index}")
@@ -215,24 +205,23 @@ class SimulatedFlight:
             now.mission = MissionState.PAUSED
 
     def rewind(self) -> None:
-        """Set the mission, which is not flown now, back to its first item."""
+        """The mission must not be flown now."""
         self._now.current = 0
         self._now.program.jumped.clear()
         if self._now.program.items:
             self._now.mission = MissionState.NOT_STARTED
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and hold there."""
+        """Take off to a height above home [m], and hold."""
         self._now.mode = FlightMode.HOLD
         self._pilot.climb(height)
 
     @property
     def rising(self) -> bool:
-        """Return whether it still climbs to its take-off height."""
         return self._pilot.rising
 
     def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
-        """Fly to a place and hold there; NaN: the present target, height or default speed."""
+        """Fly there and hold; NaN: the present target, height or default speed."""
         self._now.mode = FlightMode.HOLD
         east = north = math.nan
         if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
@@ -246,7 +235,6 @@ class SimulatedFlight:
         self._enter(FlightMode.LAND)
 
     def advance(self, to_s: float) -> None:
-        """Integrate up to a simulated time [s]."""
         now = self._now
         while now.time_s + STEP_S <= to_s + 1e-9:
             self._pilot.step()

@@ -1,24 +1,20 @@
-"""Hold the state of a flight that both autopilots use: mode, mission progress, items done."""
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Place, Program
-from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME
 
-STEP_S = 0.02  # integration step
-#: Commands that take time; all others are done at once.
+STEP_S = 0.02  # [s]
+#: All others are done at once.
 NAVIGATED = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
 VTOL = frozenset({Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND})
 
 
 class MissionState(IntEnum):
-    """List MAVLink's MISSION_STATE."""
-
     UNKNOWN = 0
     NO_MISSION = 1
     NOT_STARTED = 2
@@ -36,7 +32,7 @@ class FlightMode(IntEnum):
 
 @dataclass(frozen=True)
 class ItemDone:
-    """Record that item `index` was done at `time_s`; `announced`: this autopilot sends MISSION_ITEM_REACHED for it."""
+    """`announced`: by MISSION_ITEM_REACHED."""
 
     index: int
     time_s: float
@@ -45,7 +41,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """Hold the changing state of a flight; the pilot and `SimulatedFlight` both write to it."""
+    """The pilot and `SimulatedFlight` both write to it."""
 
     program: Program
     time_s: float = 0.0
@@ -59,7 +55,7 @@ class Situation:
     rally: tuple[Place, ...] = ()
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
-        """Return the target of a return from `here`: home, or a rally point with its height."""
+        """Return home, or a rally point with its height."""
         program = self.program
         n = program.autopilot.return_route(parameters, here, self.rally, version=program.version).rally
         return HOME if n is None else self.rally[n]
@@ -68,10 +64,7 @@ class Situation:
         self.reached.append(ItemDone(index, self.time_s, announced))
 
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
-        """Advance from item `behind` to the next one that is flown, and return it; None at the end.
-
-        Items between them are done at once.
-        """
+        """Do the items after `behind` up to the next flown one, and return that; None at the end."""
         at: int | None = behind
         moved = NAVIGATED | (VTOL if self.program.autopilot.guidance.flies_vtol_items else frozenset())
         for _ in range(MAX_ACTIONS):

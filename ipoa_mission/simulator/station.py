@@ -1,5 +1,3 @@
-"""Encode the built-in autopilot's messages as MAVLink bytes for several ground stations."""
-
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.loopback import EPOCH_S
@@ -10,10 +8,10 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
 
 class Station:
-    """Serve ground stations as a `FarEnd`: answers go to the sender, streams to all stations heard.
+    """Answers go to the sender, streams to all stations heard.
 
-    All stations with the same ids are answered. While one of them transfers a list or a file, transfer messages of the
-    others are ignored.
+    Stations with the same ids are all answered. While one of them transfers, transfer messages of the others are
+    ignored.
     """
 
     def __init__(
@@ -26,7 +24,7 @@ class Station:
         self._now = 0.0
 
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
-        """Process bytes; ignore what is no frame, is not signed with our key, or is not for us."""
+        """Ignore bytes that are no frame, are not signed with our key, or are for others."""
         self._now = now
         framer = self._routes.framer(peer)
         for frame in framer.datagram(data) if self._datagrams else framer.feed(data):
@@ -50,7 +48,7 @@ class Station:
         self.autopilot.tick(now)
 
     def outgoing(self) -> list[tuple[bytes, Peer | None]]:
-        """Return the frames to send and their peers; None: the peer that the channel was opened for."""
+        """None: the peer that the channel was opened for."""
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
@@ -69,5 +67,4 @@ class Station:
 
     @property
     def awaits_somebody(self) -> bool:
-        """Return whether the autopilot waits for a client within a time limit."""
         return self.autopilot.awaits_somebody

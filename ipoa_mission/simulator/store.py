@@ -1,13 +1,13 @@
-"""Store one of a vehicle's three lists, replaced as a whole after a transfer or item by item."""
+"""A vehicle's list, replaced as a whole or item by item."""
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 
 
 class Store:
-    """Hold a list; `truncating`: a transfer drops the old items at its start, and a failed one leaves a mixture."""
+    """`truncating`: drop the old items at a transfer's start; a failed one leaves a mixture."""
 
     def __init__(self, autopilot: Autopilot, version: Version, truncating: bool) -> None:
         self._autopilot, self._version = autopilot, version
@@ -21,7 +21,6 @@ class Store:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        """Store item `seq`; items come in order."""
         (kept,) = as_stored((item,), self._autopilot, self._version)
         if self._truncating:
             self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
@@ -30,7 +29,7 @@ class Store:
 
     @property
     def staged(self) -> tuple[Item, ...]:
-        """Return the list as it is after a complete transfer."""
+        """Return the list after a complete transfer."""
         return self.items if self._truncating else tuple(self._incoming)
 
     def commit(self) -> None:

@@ -1,5 +1,3 @@
-"""Schedule telemetry streams (command 511), and encode a flight's telemetry."""
-
 import math
 from collections.abc import Callable, Mapping, Set
 from dataclasses import astuple
@@ -32,13 +30,10 @@ SENSORS = GYRO | ACCEL | MAG | PRESSURE | GPS | GEOFENCE | AHRS | BATTERY
 
 
 class Schedule:
-    """Schedule the streams.
-
-    Every listener has its own rates, or the firmware's defaults. A message goes to all at the highest rate wanted.
-    """
+    """Every listener has its own rates; a message goes to all at the highest one."""
 
     def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
-        """Create a schedule; `usual`: default streams and intervals [s]; `fixed`: streams of constant interval."""
+        """`usual`: default intervals [s]; `fixed`: streams of constant interval."""
         self._usual = usual
         self._fixed = fixed
         self._wishes: dict[Target, dict[str, float]] = {}
@@ -52,7 +47,7 @@ class Schedule:
             self._wishes[listener] = {}
 
     def set_interval(self, number: int, interval_us: float, now: float, listener: Target) -> bool:
-        """Execute command 511: -1 stops a stream, 0 restores its default; return whether the stream exists."""
+        """Command 511: -1 stops a stream, 0 restores its default; return whether it exists."""
         name = message_name(number)
         if name is None or name not in KNOWN_MESSAGES or name in self._fixed or math.isnan(interval_us):
             return False
@@ -66,7 +61,7 @@ class Schedule:
         return True
 
     def set_rate(self, names: Set[str], rate_hz: int, now: float, listener: Target) -> None:
-        """Execute REQUEST_DATA_STREAM for a group of messages: rate [Hz], rounded to whole milliseconds; 0 stops it."""
+        """REQUEST_DATA_STREAM in whole milliseconds; 0 stops the group."""
         self.hear(listener)
         interval_ms = 0 if rate_hz == 0 else 1000 // rate_hz
         for name in names:
@@ -74,14 +69,13 @@ class Schedule:
             self._settle(name, now)
 
     def _settle(self, name: str, now: float) -> None:
-        """Set the interval of a stream to the shortest one wanted."""
         before = self._intervals.get(name, math.inf)
         self._intervals[name] = min(self._interval(name, one) for one in self._wishes)
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
 
     def interval_us(self, number: int, listener: Target) -> int | None:
-        """Return the answer to command 510 [us]; -1: the stream is off; None: no such stream."""
+        """Command 510 [us]; -1: off; None: no such stream."""
         name = message_name(number)
         if name is None or name not in KNOWN_MESSAGES:
             return None
@@ -133,7 +127,6 @@ def _hud(flight: SimulatedFlight, now: float) -> Hud:
     return Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
 
 
-#: Streams that need only the flight; heartbeat, status and mission need the autopilot.
 FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
     "GLOBAL_POSITION_INT": position,
     "LOCAL_POSITION_NED": _local,
@@ -149,12 +142,12 @@ FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
 
 
 def status(is_ready: bool, reports_prearm: bool) -> SystemStatus:
-    """Return SYS_STATUS with healthy sensors; a passed pre-arm check is healthy, on PX4 without being present."""
+    """A passed pre-arm check is healthy, on PX4 without being present."""
     bits = SENSORS | (PREARM if reports_prearm else 0)
     return SystemStatus(bits, bits, SENSORS | (PREARM if is_ready else 0))
 
 
-#: Messages available as a stream or on request.
+#: As a stream or on request.
 KNOWN_MESSAGES = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
 
 

@@ -1,4 +1,4 @@
-"""Define the server's messages to the page. Heights are metres above home unless noted."""
+"""Messages to the page. Heights are meters above home unless noted."""
 
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -14,7 +14,7 @@ from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage,
 
 
 class Document(PageMessage):
-    """The open file. `scenario` is its table, empty where the text cannot be read."""
+    """The open file. `scenario`: its table, empty where the text cannot be read."""
 
     kind: Literal["document"] = "document"
     of: Literal["scenario", "mission"] = "scenario"
@@ -41,10 +41,7 @@ class Fence(PageMessage):
 
 
 class Trouble(PageMessage):
-    """A request or a step that failed. `of` names the step; `message` has one error a line.
-
-    `of_home`: one of the errors is about home. `fences` are drawn from the text if it is no valid scenario.
-    """
+    """A failed step `of` the server; `message` has one error a line. `fences`: drawn from an invalid text."""
 
     kind: Literal["trouble"] = "trouble"
     of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
@@ -57,10 +54,7 @@ class Trouble(PageMessage):
 
 
 class Body(PageMessage):
-    """An obstacle or a zone; `path` if the scenario draws it. `rings`: outer one, then holes.
-
-    `doubt`: the map gives no height; a flight near it is refused.
-    """
+    """`rings`: outer one, then holes; `doubt`: its height is unknown, flights near it are refused."""
 
     name: str
     path: Path | None
@@ -80,17 +74,14 @@ class Spot(PageMessage):
 
 
 class Terrace(PageMessage):
-    """Ground at least at height `up` [m]: polygons as rings, the outer one first."""
+    """Ground at least at `up` [m]: polygons as rings, the outer one first."""
 
     up: float
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class Tiles(PageMessage):
-    """Map tiles below the scenario; `address` has {z}, {x} and {y}, and is relative if it names no host.
-
-    `vector`: the tiles are vector tiles with the `layers`, as far as their names are known.
-    """
+    """Map tiles; `address` has {z}, {x} and {y}, and is relative if it names no host. `layers`: of vector tiles."""
 
     kind: Literal["tiles"] = "tiles"
     address: str
@@ -102,7 +93,7 @@ class Tiles(PageMessage):
 
 
 class Heights(PageMessage):
-    """The ground on a grid, row by row from the south-west corner: `step` [deg], `up` above home [m]."""
+    """The ground row by row from the south-west corner: `step` [deg], `up` above home [m]."""
 
     corner: LngLat
     step: LngLat
@@ -111,10 +102,7 @@ class Heights(PageMessage):
 
 
 class World(PageMessage):
-    """A scenario on the map; `box` is west, south, east, north of the flight's bounds.
-
-    `degree_m`: metres per degree of longitude and of latitude at home.
-    """
+    """`box`: west, south, east, north of the bounds. `degree_m`: meters per degree of longitude and latitude."""
 
     kind: Literal["world"] = "world"
     revision: int
@@ -134,10 +122,7 @@ class World(PageMessage):
 
 
 class Sketch(PageMessage):
-    """A coarse first path, which the proved plan replaces; `others` are other ways round.
-
-    `number` is that of the drag it answers, None for the document.
-    """
+    """A coarse first path; `others`: other ways round. `number`: of the drag it answers, None for the document."""
 
     kind: Literal["sketch"] = "sketch"
     revision: int
@@ -161,10 +146,7 @@ class Progress(PageMessage):
 
 
 class Course(PageMessage):
-    """Samples of the predicted flight: time [s], distance over ground [m], speed [m/s], ground height [m].
-
-    `returns_at` is the sample at which a final return begins.
-    """
+    """Samples of the predicted flight: time [s], distance over ground [m], speed [m/s], ground height [m]."""
 
     line: MapLine
     times: tuple[float, ...]
@@ -176,7 +158,7 @@ class Course(PageMessage):
 
 
 class Binding(PageMessage):
-    """A constraint that binds at the course's sample `at`: a near obstacle, or what limits the speed."""
+    """A constraint that binds at sample `at`."""
 
     what: Literal["near", "slow", "danger"]
     words: str
@@ -184,7 +166,7 @@ class Binding(PageMessage):
 
 
 class Beside(PageMessage):
-    """An obstacle or a zone below or lateral to the course, its heights and distances along the course [m]."""
+    """An obstacle or zone near the course, its heights and distances along [m]."""
 
     name: str
     look: Literal["below", "beside", "zone"]
@@ -195,10 +177,7 @@ class Beside(PageMessage):
 
 
 class Stop(PageMessage):
-    """An item of the mission, numbered as by `show`, and the sample of the course at which it is done.
-
-    `place`, `up` and `above_ground` are None for an item without a position.
-    """
+    """An item, numbered as by `show`, and the sample at which it is done; None: without a position."""
 
     seq: int
     at: int
@@ -211,8 +190,6 @@ class Stop(PageMessage):
 
 
 class Choice(PageMessage):
-    """A mode of choosing waypoints, and its result."""
-
     mode: str
     waypoints: int
     seconds: float
@@ -222,8 +199,6 @@ class Choice(PageMessage):
 
 
 class Limit(PageMessage):
-    """One limit that the proof checked, in `unit`."""
-
     limit: str
     words: str
     found: float
@@ -233,7 +208,7 @@ class Limit(PageMessage):
 
 
 class Homeward(PageMessage):
-    """The return path if RTL is ordered from `from_s` on; the first of several possible ones."""
+    """The return path if RTL is ordered from `from_s` on; the first of several."""
 
     from_s: float
     clear: bool
@@ -241,10 +216,9 @@ class Homeward(PageMessage):
 
 
 class Plan(PageMessage):
-    """The proved plan. `warnings` matter before the flight; `remarks` are further notes.
+    """The proved plan; of a mission only `kept` is proved.
 
-    `proof` is a digest of mission and promise, which a start must name. `of` a mission: the forecast of an open
-    mission, where only `kept` is proved.
+    `warnings` matter before the flight. `proof`: digest of mission and promise, which a start must name.
     """
 
     kind: Literal["plan"] = "plan"
@@ -278,8 +252,6 @@ class Plan(PageMessage):
 
 
 class SurveyPart(PageMessage):
-    """One flight of a survey: its file, its numbers of lines and photos, and its plan."""
-
     file: str
     lines: int
     photos: int
@@ -287,7 +259,7 @@ class SurveyPart(PageMessage):
 
 
 class PlannedSurvey(PageMessage):
-    """The proved flights of a survey, without the parts already `flown` in these logs."""
+    """The proved flights, without the parts already `flown` in these logs."""
 
     kind: Literal["survey"] = "survey"
     revision: int

@@ -1,5 +1,3 @@
-"""Change a survey's area in a scenario: draw it, and move, add and remove corners."""
-
 from collections.abc import Iterator, MutableMapping
 from typing import Any
 
@@ -13,10 +11,10 @@ from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapAre
 from ipoa_mission.studio.vocabulary import Path
 from ipoa_mission.world.frame import LocalFrame
 
-DEFAULT_WIDTH = 40.0  # default width of a corridor [m]
+DEFAULT_WIDTH = 40.0  # [m]
 LEAST_CORNERS = {"polygon": 3, "line": 2}
-REPLACED_KEYS = ("start", "goal", "via")  # keys of a scenario that a survey replaces
-SHAPE_KEYS = ("polygon", "line", "area", "width")  # keys that define the area
+REPLACED_KEYS = ("start", "goal", "via")
+SHAPE_KEYS = ("polygon", "line", "area", "width")
 
 
 def is_of_area(path: Path) -> bool:
@@ -24,7 +22,7 @@ def is_of_area(path: Path) -> bool:
 
 
 def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
-    """Yield the rings of `survey.polygon` with their paths, at any nesting depth, outer ring first."""
+    """Yield the rings of `survey.polygon` with their paths, at any depth, outer ring first."""
     depth = depth_of(polygon)
     if depth == 2:
         yield ("survey", "polygon"), polygon
@@ -58,11 +56,7 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
 
 
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
-    """Remove a corner, a hole, or one of several areas.
-
-    Raises:
-        BadInput: the area would be empty.
-    """
+    """Remove a corner, a hole, or an area. Raises BadInput if nothing is left."""
     polygon = document["survey"].get("polygon")
     ring_paths = {ring_path for ring_path, _ in parts_of(polygon)} if polygon is not None else {("survey", "line")}
     if path[:-1] in ring_paths:
@@ -74,7 +68,7 @@ def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
             ring[-1] = tomlkit.item(list(ring[0])) if at == 0 else ring[-1]
         return
     here, last = _at(document, path[:-1]), path[-1]
-    if len(path) == 4 and last == 0:  # without its outline a polygon is removed whole
+    if len(path) == 4 and last == 0:
         here, last = _at(document, path[:-2]), path[-2]
     if len(path) < 3 or len(here) < 2 or (len(path) == 3 and last == 0 and path in ring_paths):
         raise InvalidRing("expected some area to be left", hint="remove the survey")
@@ -86,7 +80,6 @@ def move_area(document: MutableMapping[str, Any], path: Path, move: Move) -> Non
 
 
 def move_survey(survey: MutableMapping[str, Any], move: Move) -> None:
-    """Move the parts of a survey that are in metres from home."""
     for key in ("polygon", "line", "entry", "exit", "starts"):
         if key in survey:
             _move_nested(survey[key], move)
@@ -107,7 +100,7 @@ def _at(document: Any, path: Path) -> Any:
 
 
 def _corner(document: Any, path: Path) -> tuple[Any, int, tuple[int, ...]]:
-    """Return a corner's ring, its index, and the index of its duplicate in a closed ring."""
+    """Return a corner's ring, its index, and that of its duplicate in a closed ring."""
     ring, at = _at(document, path[:-1]), int(path[-1])
     is_closed = path[1] == "polygon" and len(ring) > 3 and list(ring[0]) == list(ring[-1])
     return ring, at, ((len(ring) - 1,) if at == 0 else (0,) if at == len(ring) - 1 else ()) if is_closed else ()

@@ -1,5 +1,3 @@
-"""Show a survey's area on the map, and name its parts."""
-
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
@@ -22,9 +20,9 @@ LABELS = {"gsd_cm": "ground sampling distance", "direction_deg": "direction", "a
 
 
 def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) -> SurveyArea:
-    """Return a scenario's drawn area, valid or not; an area of a map only from a valid scenario."""
+    """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
     rings = list[AreaRing]()
-    with suppress(KeyError, TypeError, ValueError, IndexError):  # reading the scenario reports these errors
+    with suppress(KeyError, TypeError, ValueError, IndexError):
         rings = list(_drawn(table["survey"], frame_of(dict(table))))
     if not rings and scenario is not None and scenario.survey_area is not None:
         rings = list(_mapped(scenario))
@@ -68,7 +66,7 @@ def _name(part: int, ring: int, parts: int) -> str:
 
 
 def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
-    """Replace paths of a survey's rings, corners and values by their labels on the map and in the form.
+    """Replace paths by their labels on the page.
 
     >>> field = [[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]], [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]]
     >>> in_words("survey.polygon[1][2]: expected a number", {"survey": {"polygon": field}})

@@ -1,8 +1,4 @@
-"""Find or build the page: wheels and source distributions contain it; a clone builds it with npm.
-
-The bundled libraries (MapLibre, Preact) are not in git. npm fetches them by the lock file; their licenses lie next to
-the page. A digest of the sources, written next to the page, identifies a build.
-"""
+"""Find the built page, or build it with npm in a clone; a digest of the sources identifies a build."""
 
 import hashlib
 import os
@@ -18,22 +14,15 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import copies
 
 WEB = Path(__file__).parent / "web"
-#: Sources of the page outside its own folder.
 SHARED = (Path("report", "assets", "palette.css"), Path("report", "assets", "ways.css"))
 SOURCES = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
-MADE = "messages.d.ts"  # types of the program's own messages, for an editor
+MADE = "messages.d.ts"
 STEPS = (("ci", "--omit=dev", "--no-audit", "--no-fund"), ("run", "build"))
 DIGEST = "sources.sha256"
 
 
 def built_page(tell: Callable[[str], None]) -> Path:
-    """Return the page's folder; build it first if needed, which takes seconds and the npm registry.
-
-    `tell` reports a build.
-
-    Raises:
-        MissionError: the page is neither built nor can be built.
-    """
+    """Return the page's folder; build it first if needed. Raises MissionError."""
     wanted, kept = sources_digest(WEB), _cache() / "studio" / "web"
     for web in (WEB, kept, *copies("studio/web")):
         if _digest(web) == wanted:
@@ -48,11 +37,7 @@ def has_page(web: Path) -> bool:
 
 
 def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None:
-    """Build the page into the folder `target`; a clone keeps npm's downloads.
-
-    Raises:
-        MissionError: there is no npm, or the build failed, with its last lines.
-    """
+    """Build the page into `target`. Raises MissionError with npm's last lines."""
     program = npm()
     tell("building the studio's page once (npm ci, npm run build)")
     with tempfile.TemporaryDirectory(prefix="studio-") as folder:
@@ -72,11 +57,7 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
 
 
 def npm() -> str:
-    """Return npm on the path, or installed by a package in this Python.
-
-    Raises:
-        MissionError: there is no npm.
-    """
+    """Return npm on the path, or of a package in this Python. Raises MissionError."""
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
     found = shutil.which("npm", path=folders)
     if found is None:

@@ -1,4 +1,4 @@
-"""Define the server's messages on contingencies. Times are seconds from arming."""
+"""Messages on contingencies. Times are seconds from arming."""
 
 from typing import Literal
 
@@ -7,10 +7,7 @@ from ipoa_mission.studio.vocabulary import Number, PageMessage
 
 
 class StripStretch(PageMessage):
-    """A stretch of the flight with one outcome of a contingency; distances along are in [m].
-
-    `words`: its destination, whether it is clear, the share kept, and the share required.
-    """
+    """A stretch with one outcome; distances along [m]. `words`: destination, share kept and required."""
 
     look: GradeLook
     from_s: float
@@ -21,10 +18,7 @@ class StripStretch(PageMessage):
 
 
 class StripCost(PageMessage):
-    """Time [s] and energy [Wh] of a contingency that begins at a time, each at least and at most.
-
-    It lands with the share `lands` of the battery, between `least` and `most`; None without a battery.
-    """
+    """Time [s] and energy [Wh], each at least and at most; landing share of the battery, None without one."""
 
     at_s: float
     seconds: tuple[float, float]
@@ -35,7 +29,7 @@ class StripCost(PageMessage):
 
 
 class StripBar(PageMessage):
-    """One contingency over the whole flight; between two `costs` interpolate."""
+    """Interpolate between `costs`."""
 
     ending: str
     stretches: tuple[StripStretch, ...]
@@ -43,10 +37,7 @@ class StripBar(PageMessage):
 
 
 class StripOfEndings(PageMessage):
-    """The outcomes of all contingencies, of one flight of a survey (from 0); no bar where unknown.
-
-    It follows its plan, first without `costs`. `reserve`: the share of the battery that must be left.
-    """
+    """Outcomes of one flight of a survey (from 0), first without `costs`; `reserve`: share that must be left."""
 
     kind: Literal["endings"] = "endings"
     revision: int

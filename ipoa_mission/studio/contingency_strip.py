@@ -1,11 +1,10 @@
-"""Build the strip of contingencies under the page's profile, with their costs."""
-
 import math
 from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
 from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
@@ -17,13 +16,12 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.studio.view import without_folders
-from ipoa_mission.vehicles.contingency import Contingency
 
-INITIAL_SAMPLES, SAMPLE_LIMIT = 16, 24  # computed costs of a contingency, at first and at most
+INITIAL_SAMPLES, SAMPLE_LIMIT = 16, 24  # computed costs
 
 
 def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripOfEndings]:
-    """Yield the strip at once, and again with costs: each cost takes a simulated flight."""
+    """Yield the strip at once, and again with costs, which take simulated flights."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
     strip = StripOfEndings(
@@ -73,7 +71,7 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
 
 
 def _taken(contingency: Contingency, endings: Contingencies) -> dict[float, Taken]:
-    """Return costs at some times, with more samples at jumps, as where a return begins to climb first."""
+    """Return costs at some times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = endings.in_air
     evenly = np.linspace(begin, end, min(INITIAL_SAMPLES, 2 + math.floor((end - begin) / STEP_S))).tolist()
     found = {time: taken for time in evenly if (taken := endings.takes(contingency, time)) is not None}

@@ -1,34 +1,28 @@
-"""Keep files dropped on the page next to the scenario, and find their use."""
-
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.maps.map_reader import READERS
-from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.studio.edits import parse_table
 from ipoa_mission.studio.requests import Change, Put, Shift
 from ipoa_mission.world.frame import REACH, Geodetic, apart
 
-LARGEST = 200_000_000  # of a file [bytes]
-LONGEST = 200  # of its name without the suffix [bytes]
+LARGEST = 200_000_000  # [bytes]
+LONGEST = 200  # without the suffix [bytes]
 MODELS = (".tif", ".tiff", ".hgt")
 LOGS = (".tlog", ".bin", ".ulg")
-KEPT_SUFFIXES = (*READERS, *MODELS, *MISSIONS, *LOGS)  # suffixes of files kept next to a scenario
+KEPT_SUFFIXES = (*READERS, *MODELS, *MISSIONS, *LOGS)
 PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
 def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT_SUFFIXES) -> Path:
-    """Write a dropped file next to the scenario; never overwrite, but choose another name.
-
-    Raises:
-        BadInput: the kind of file is of no use, or it cannot be written.
-    """
+    """Write a dropped file next to the scenario, never over another. Raises BadInput."""
     plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
     if not plain or plain.startswith(".") or suffix not in suffixes:
@@ -43,28 +37,20 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
 
 
 def log_named(name: str) -> str:
-    """Return the bare name of a kept log.
-
-    Raises:
-        BadInput: the name is not that of a log.
-    """
+    """Return the bare name of a kept log. Raises BadInput."""
     if Path(name).suffix.lower() not in LOGS:
         raise WrongSuffix(f"expected a log of a flight: {', '.join(LOGS)}", place=Path(name).name)
     return Path(name).name
 
 
 def _plain(name: str) -> str:
-    """Return the bare name, valid on any system: no folders, printable, limited in length."""
+    """Return the bare name, valid on any system."""
     path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
     return path.stem.encode()[:LONGEST].decode(errors="ignore") + path.suffix
 
 
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
-    """Return the use of a kept file: a `map`, an `elevation` model, a `log`, or a `mission` with its `changes`.
-
-    Raises:
-        BadInput: the mission is not valid.
-    """
+    """Return a `map`, `elevation` model, `log`, or `mission` with its `changes`. Raises BadInput."""
     suffix = file.suffix.lower()
     if suffix in MISSIONS:
         changes = changes_of(read_mission(file), scenario)
@@ -74,11 +60,7 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
 
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:
-    """Return the changes that give a scenario a mission's home, places and fence; obstacles stay in place.
-
-    Raises:
-        BadInput: the mission has fewer than two places, or is far from the scenario's map.
-    """
+    """Return changes to a mission's home, places and fence; obstacles stay. Raises BadInput."""
     items = [item for item in mission.items if item.has_position and item.command in PLACES]
     if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
         items.pop()

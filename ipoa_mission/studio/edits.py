@@ -15,16 +15,11 @@ from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapAr
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-FAR_DISTANCE = 20_000.0  # if home moves farther, everything in metres moves along [m]
-RINGS = ("footprint", "polygon")  # keys of corners; with the suffix `_geodetic` they are [latitude, longitude]
+FAR_DISTANCE = 20_000.0  # beyond, everything in meters moves with home [m]
+RINGS = ("footprint", "polygon")  # with the suffix `_geodetic` they are [latitude, longitude]
 
 
 def parse_table(text: str) -> tomlkit.TOMLDocument:
-    """Parse a text as a table that keeps its formatting.
-
-    Raises:
-        BadInput: it is not TOML.
-    """
     try:
         return tomlkit.parse(text)
     except (TOMLKitError, ValueError, RecursionError) as error:
@@ -32,14 +27,11 @@ def parse_table(text: str) -> tomlkit.TOMLDocument:
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:
-    """Return the text with these changes, in order.
+    """Return the text with these changes. Raises BadInput.
 
     >>> from ipoa_mission.studio.requests import Put
     >>> changed("safety_distance = 2.0  # of the hull\\n", [Put(path=("safety_distance",), value=3.0)])
     'safety_distance = 3.0  # of the hull\\n'
-
-    Raises:
-        BadInput: the text is not TOML, or has nothing at a path.
     """
     document = parse_table(text)
     apply_changes(document, changes)
@@ -47,11 +39,7 @@ def changed(text: str, changes: Iterable[Change]) -> str:
 
 
 def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change]) -> None:
-    """Apply changes to a table in place, either one that keeps its formatting or a plain one.
-
-    Raises:
-        BadInput: there is nothing at a path.
-    """
+    """Apply changes to a table in place, formatted or plain. Raises BadInput."""
     for change in changes:
         try:
             _apply(document, change)
@@ -142,7 +130,7 @@ def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:
 
 
 def _uses_degrees(document: Any) -> bool:
-    """Return whether the goal is in latitude and longitude, as added places should be then."""
+    """Return whether the goal is in degrees, as added places should be then."""
     return "latitude_deg" in document.get("goal", {})
 
 
@@ -153,9 +141,6 @@ def _placed(table: dict[str, Any], place: LngLat, frame: LocalFrame, in_degrees:
         where = dict(zip(("east", "north"), local_of(frame, place), strict=True))
     kind = {"kind": table.pop("kind")} if "kind" in table else {}
     return kind | where | table
-
-
-# --- moving what has places -------------------------------------------------------------------------------------------
 
 
 def _move(table: Any, local: Move, geodetic: Move | None) -> None:
@@ -181,10 +166,7 @@ def _move_ring(ring: Any, move: Move) -> None:
 
 
 def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
-    """Move home alone: rewrite places in metres from home, so that they stay on the map.
-
-    Beyond `FAR_DISTANCE` places in metres move along with home.
-    """
+    """Move home alone, so that places in meters stay on the map; beyond `FAR_DISTANCE` they move along."""
     old, home = frame_of(document), document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
         home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
@@ -201,7 +183,7 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
 
 
 def _shift_boxes(document: Any, local: Move) -> None:
-    """Move bounds and height grids, which are parallel to the axes."""
+    """Move bounds and height grids, parallel to the axes."""
     east, north = local(0.0, 0.0)
     bounds = document.get("bounds", {})
     for key, by in (("east", east), ("north", north)):

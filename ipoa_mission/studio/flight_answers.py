@@ -1,4 +1,4 @@
-"""Define the server's messages on a flight. Heights are metres above home."""
+"""Messages on a flight. Heights are meters above home."""
 
 from typing import Literal
 
@@ -6,7 +6,7 @@ from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, Pa
 
 
 class Loaded(PageMessage):
-    """The mission is on a vehicle and was read back equal. A start must name these values."""
+    """The mission was read back equal. A start must name these values."""
 
     kind: Literal["loaded"] = "loaded"
     revision: int
@@ -20,10 +20,7 @@ class Loaded(PageMessage):
 
 
 class OrderThen(PageMessage):
-    """The effect of an order if given now, and its duration if known.
-
-    `clear`: None if not checked.
-    """
+    """The effect of an order if given now; `clear` None: not checked."""
 
     what: InFlight
     clear: bool | None
@@ -32,10 +29,7 @@ class OrderThen(PageMessage):
 
 
 class Reserve(PageMessage):
-    """The battery as the vehicle reports it, as shares: `left` now, and `planned` to be left now.
-
-    It lands with `lands`, between `least` and `most`, where `required` must be left; None without a forecast.
-    """
+    """Shares of the battery: `left` and `planned` now; `lands`, `least` to `most`: at landing."""
 
     left: float
     planned: Number = None
@@ -46,10 +40,7 @@ class Reserve(PageMessage):
 
 
 class Seen(PageMessage):
-    """The vehicle's reported state; `expected_s` is the estimated time of the last item done.
-
-    `held`: it holds its position. `said`: its latest messages, newest first. `deviations`: from the forecast.
-    """
+    """The reported state; `expected_s`: estimate of the last item done. `said`: latest messages, newest first."""
 
     kind: Literal["seen"] = "seen"
     time_s: float
@@ -69,7 +60,7 @@ class Seen(PageMessage):
 
 
 class Landed(PageMessage):
-    """The flight is over; `ordered`: the page's order by which it landed."""
+    """The flight is over; `ordered`: the order by which it landed."""
 
     kind: Literal["landed"] = "landed"
     completed: bool
@@ -81,7 +72,7 @@ class Landed(PageMessage):
 
 
 class State(PageMessage):
-    """The flight's phase, in words and for the page's logic. `lost_s`: duration of a lost link [s]."""
+    """The flight's phase. `lost_s`: duration of a lost link [s]."""
 
     kind: Literal["state"] = "state"
     phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
@@ -90,8 +81,6 @@ class State(PageMessage):
 
 
 class HeardLink(PageMessage):
-    """A link, and the system heard on it; None with a reason in `words`."""
-
     link: str
     system: int | None
     words: str
@@ -103,7 +92,7 @@ class Heard(PageMessage):
 
 
 class FlownItem(PageMessage):
-    """An item of a logged flight: estimated and flown time since the item before [s], and when it was done [s]."""
+    """Estimated and flown time since the item before [s], and when it was done [s]."""
 
     seq: int
     estimated_s: float

@@ -1,4 +1,4 @@
-"""Fly a session's plans: hand a plan to the pilot process, and start it once a page has named it."""
+"""Hand a plan to the pilot process; start it once a page has named it."""
 
 import asyncio
 import shutil
@@ -22,8 +22,6 @@ PILOT = "ipoa_mission.studio.flight_worker"
 
 
 class FlightDesk:
-    """Handle one flight at a time, on the built-in autopilot or on a vehicle."""
-
     def __init__(self, document: Document, tell: Callable[[PageMessage | dict[str, Any]], None]) -> None:
         self._document = document
         self._tell = tell
@@ -34,33 +32,21 @@ class FlightDesk:
         self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # readable by this user only
 
     def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
-        """Upload the plan (first step); `hand_over` writes it to a file. The log gets this name.
-
-        Raises:
-            MissionError: a flight is under way.
-        """
+        """Upload the plan (first step); `hand_over` writes it to a file. Raises MissionError."""
         if self.is_busy:
             raise MissionError("a flight is under way", hint="let it end, or stop watching it", code="flight-under-way")
         self._loaded, self._is_over = None, False
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
-        """Report the systems heard on possible links.
-
-        Raises:
-            MissionError: a flight is under way.
-        """
+        """Report the systems heard. Raises MissionError."""
         if self.is_busy:
             words = "a flight is under way: no other link can be heard"
             raise MissionError(words, hint="let it end", code="flight-under-way")
         self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
-        """Arm and fly (second step).
-
-        Raises:
-            MissionError: another mission or none is loaded, or the scenario has changed since.
-        """
+        """Arm and fly (second step), if nothing has changed. Raises MissionError."""
         if self._loaded is None:
             raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
         if self._loaded["revision"] != self._document.revision:
@@ -76,11 +62,6 @@ class FlightDesk:
         await self._process.send(request.model_dump(mode="json"))
 
     async def order(self, request: Order) -> None:
-        """Send the vehicle in flight an order.
-
-        Raises:
-            MissionError: no vehicle flies.
-        """
         if not self._flies:
             words = f"no {WORDS[request.what]}: nothing flies"
             raise MissionError(words, hint="start a flight first", code="not-in-the-air")
@@ -91,7 +72,7 @@ class FlightDesk:
         return self._task is not None and not self._task.done() and not self._is_over
 
     def abandon(self) -> None:
-        """Stop watching: what is not started is not started; a vehicle in the air flies on."""
+        """Stop watching; a vehicle in the air flies on."""
         if self._task is not None:
             self._task.cancel()
         self._loaded = None
@@ -110,7 +91,7 @@ class FlightDesk:
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         file, document = self._folder / "flight.pickle", self._document
         log = unused(document.path.with_name(f"{name}.tlog"))
-        revision = document.revision  # the file is of this revision, even if the document changes meanwhile
+        revision = document.revision  # of this revision, even if the document changes
         self._tell(State(phase="uploading", words="getting the plan"))
         if not await hand_over(file):
             self._tell(State(phase="idle", words=""))

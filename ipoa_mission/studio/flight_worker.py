@@ -1,7 +1,4 @@
-"""Upload and fly for the studio: `python -m ipoa_mission.studio.flight_worker`.
-
-It arms only after the page has named the same vehicle, mission and proof.
-"""
+"""Upload and fly; arms only after the page has named the same vehicle, mission and proof."""
 
 import queue
 from collections.abc import Callable, Iterator
@@ -24,20 +21,19 @@ from ipoa_mission.studio.handed import HandedOver
 from ipoa_mission.studio.harness import Answer, Order, work
 from ipoa_mission.studio.watch import Watch
 
-LISTEN_S = 1.5  # per link; an autopilot's heartbeat comes once a second
+LISTEN_S = 1.5  # per link; heartbeats come once a second
 USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
 
 
 class FlightWorker:
-    """Fly one mission at a time; the queue `beside` holds the page's messages meanwhile."""
+    """Fly one mission at a time; the queue `beside` holds the page's messages."""
 
     def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
         self._beside = beside
 
     def fly(self, order: Order, answer: Answer) -> None:
-        """Upload, wait for the second step, fly, and report."""
         while not self._beside.empty():
-            self._beside.get()  # left over from an earlier flight
+            self._beside.get()  # left over
         handed, log = HandedOver.take(Path(order["file"])), Path(order["log"])
         try:
             self._fly(handed, order, log, answer)
@@ -86,7 +82,7 @@ class FlightWorker:
         answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
-        """Wait until the page starts this very flight. Poll, since a thread that waits for ever cannot be cancelled."""
+        """Poll until the page starts this very flight: a thread that waits for ever cannot be cancelled."""
         start: Order | None = None
         while start is None:
             with suppress(queue.Empty):
@@ -107,7 +103,7 @@ def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
 def _upload(
     forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """Upload the mission, reporting each stage; return the forecast for its parameters, and remarks."""
+    """Upload the mission; return the forecast for its parameters, and remarks."""
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
@@ -122,10 +118,7 @@ def _upload(
 def _flown(
     forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
 ) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
-    """Fly to the end; the built-in autopilot, which has no clock, runs `speedup` times as fast as real.
-
-    `beside` holds the page's orders. Also return the order by which it landed.
-    """
+    """Fly; also return the order by which it landed. `speedup`: of the built-in autopilot, which has no clock."""
 
     watching: list[Watch] = []
 
@@ -143,13 +136,12 @@ def _flown(
     def remark(words: str) -> None:
         answer(State(phase="preparing", words=words))
 
-    vehicle.conformance.ends_held = False  # the page gives the next order
+    vehicle.conformance.ends_held = False
     record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
     return record, watching[0].obeyed
 
 
 def listen(order: Order, answer: Answer) -> None:
-    """Listen to all links, and to the one that the user wrote."""
     links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:57600" for port in serial_ports())])
     answer(Heard(links=tuple(row for link in links if link for row in _heard_on(link))))
 

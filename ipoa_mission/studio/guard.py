@@ -1,7 +1,6 @@
-"""Admit only the page served by this studio, on this machine, with the token of its address.
+"""Admit only the page served by this studio, with the token of its address.
 
-Another page in the same browser cannot read the token; its requests carry its own origin. A host name that was
-redirected to this machine (DNS rebinding) does not match.
+Another page in the browser cannot read the token, and has its own origin. DNS rebinding fails by the host name.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,7 +9,6 @@ from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-#: Scripts, styles, images and connections come from this server only; no framing, no forms to elsewhere.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
     "connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -19,7 +17,7 @@ POLICY = (
 
 
 def policy_for(origin: str | None) -> str:
-    """Return the policy, extended by images of the tile server that the user named."""
+    """Return the policy, with images of the user's tile server."""
     if origin is None:
         return POLICY
     return POLICY.replace("img-src 'self'", f"img-src 'self' {origin}").replace(
@@ -38,10 +36,7 @@ HEADERS = {
 
 
 class Guard:
-    """Wrap an application: refuse foreign requests, and send security headers.
-
-    `knows` returns whether the first part of an address is a valid token.
-    """
+    """Refuse foreign requests, and send security headers; `knows` checks a token."""
 
     def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
         self._app = app
@@ -51,7 +46,6 @@ class Guard:
         self._policy = policy
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or answer 403 without any content."""
         if scope["type"] not in ("http", "websocket"):
             return await self._app(scope, receive, send)
         if not self._allowed(scope):

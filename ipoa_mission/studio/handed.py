@@ -1,5 +1,3 @@
-"""Hand a mission, its forecast and a digest from the planner process to the pilot process."""
-
 import hashlib
 import json
 import pickle
@@ -9,16 +7,16 @@ from pathlib import Path
 
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.survey.survey_flight import Survey
 
 UNKNOWN = "no scenario gives the obstacles: neither clearance nor contingencies were checked"
 
 
 @dataclass(frozen=True)
 class HandedOver:
-    """A mission that may be flown. `remarks` are for the user, who starts it by its `proof`."""
+    """A mission that may be flown; the user starts it by its `proof`."""
 
     name: str
     forecast: Forecast
@@ -26,7 +24,6 @@ class HandedOver:
     remarks: tuple[str, ...] = ()
 
     def write(self, file: Path) -> None:
-        """Write to a file in a folder of this user only."""
         file.write_bytes(pickle.dumps(self))
 
     @classmethod
@@ -42,13 +39,13 @@ def planned_over(flight: Flight) -> HandedOver:
 
 
 def survey_over(survey: Survey, n: int) -> HandedOver:
-    """Return flight `n` of a survey; its digest covers the proof of all flights."""
+    """Return flight `n` of a survey; its digest covers all flights."""
     forecast = survey.flights[n]
     return HandedOver(survey.names[n], forecast, _digest(forecast.mission, [n, survey.summary()]))
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:
-    """Return a mission of a file without errors, with the parameters that were checked."""
+    """Return a checked mission of a file."""
     mission, scenario = forecast.mission, forecast.scenario
     told = tuple(finding.message for finding in warnings)
     about = [None if scenario is None else scenario.name, *told, forecast.estimate.total_s]
@@ -57,7 +54,7 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
 
 
 def proof_digest(flight: Flight) -> str:
-    """Return ten hexadecimal digits of the mission, its proof and its promise."""
+    """Return ten hexadecimal digits of mission, proof and promise."""
     return _digest(flight.mission, flight.summary())
 
 

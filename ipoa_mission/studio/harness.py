@@ -1,7 +1,7 @@
-"""Run a worker process of the studio, which may be slow, be cancelled, or crash without the server.
+"""Run a worker process that may be slow, be cancelled, or crash without the server.
 
-Standard input and output carry one JSON object a line. A job is `{"id", "job", ...}`; an answer is `{"id", "answer"}`,
-and the end `{"id", "done": true}`. `{"cancel": id}` cancels a job; any other line goes to the running job.
+One JSON object a line: a job `{"id", "job", ...}`, answers `{"id", "answer"}`, the end `{"id", "done": true}`.
+`{"cancel": id}` cancels; other lines go to the running job.
 """
 
 import _thread
@@ -25,7 +25,7 @@ Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 
 
 class JobCancelled(BaseException):
-    """The job was cancelled. It is a BaseException, so that no `except Exception` of a library catches it."""
+    """A BaseException, so that no library catches it."""
 
 
 class Harness:
@@ -41,7 +41,6 @@ class Harness:
         self._lock = threading.Lock()
 
     def listen(self, lines: Iterable[str]) -> None:
-        """Read orders until the end of input, then cancel the running job."""
         for line in lines:
             order = json.loads(line)
             if "cancel" in order:
@@ -92,7 +91,7 @@ class Harness:
 def work(make_jobs: Callable[[queue.SimpleQueue[Order]], Mapping[str, tuple[Job, Subject]]]) -> None:
     """Work for the parent process; `make_jobs` gets the queue of lines for the running job."""
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep a library's prints out of the answers
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a library's prints are no answers
     lock = threading.Lock()
 
     def tell(message: Order) -> None:

@@ -1,16 +1,14 @@
-"""Label param1 to param7 of mission items, with units: own labels for common ones, else MAVLink's."""
-
 import re
 from collections.abc import Iterator, Mapping
 
+from ipoa_mission.autopilot.commands import Command, short_name
+from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.link.definitions import params_in_words
-from ipoa_mission.mission.commands import Command, short_name
 from ipoa_mission.studio.mission_answers import ItemField, ItemKind
-from ipoa_mission.vehicles.firmware_tables import Firmware
 
-LONGEST = 32  # of a label [letters]
+LONGEST = 32  # letters
 HOLD, HEADING = ("Stay for", "s"), ("Heading there", "°, empty: its own")
-#: Label and unit of each param by command; other params of these commands are shown if not zero.
+#: Label and unit by command; other params are shown if not zero.
 OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
     Command.NAV_WAYPOINT: {1: HOLD, 2: ("Acceptance radius", "m"), 4: HEADING},
     Command.NAV_SPLINE_WAYPOINT: {1: HOLD},
@@ -44,7 +42,7 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
 
 
 def kinds_of(firmware: Firmware) -> tuple[ItemKind, ...]:
-    """Return a firmware's mission commands, moving ones first, each with its fields."""
+    """Return the firmware's mission commands, moving ones first."""
     lists = firmware.fence.keys() | firmware.rally.keys()
     taken = sorted((firmware.placed.keys() | firmware.plain.keys()) - lists)
     return tuple(kind_of(command, command in firmware.placed) for command in taken)

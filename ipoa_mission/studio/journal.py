@@ -1,6 +1,6 @@
-"""Keep the edits of a text in a file next to it, for undo after a restart or a crash.
+"""Keep a text's edits in a file next to it, for undo after a restart or a crash.
 
-Each line is a JSON object: first the initial text, then one splice per edit, and marks for undo, redo and save.
+Each line is a JSON object: the initial text, then splices, and marks for undo, redo and save.
 """
 
 import json
@@ -12,14 +12,13 @@ from typing import Any
 from ipoa_mission.files import write_atomically
 
 SUFFIX = ".studio"
-EDIT_LIMIT = 400  # edits kept when a journal is opened
-LONGEST = 20_000_000  # [bytes]; a larger journal is rewritten
+EDIT_LIMIT = 400  # kept when opened
+LONGEST = 20_000_000  # [bytes]; larger ones are rewritten
 
 
 @dataclass(frozen=True)
 class Splice:
-    """Replace the characters `removed` at `start` by `inserted`.
-
+    """
     >>> splice_between("goal = 1", "goal = 2", "goal moved")
     Splice(start=7, removed='1', inserted='2', label='goal moved')
     """
@@ -48,7 +47,7 @@ def _alike(one: str, other: str) -> int:
 
 @dataclass
 class Journal:
-    """The current text, the text last `saved` or read, and the edits, of which the first `done` are applied."""
+    """The text, that last `saved` or read, and the edits, of which the first `done` are applied."""
 
     path: Path
     text: str
@@ -58,10 +57,7 @@ class Journal:
 
     @classmethod
     def open(cls, path: Path, on_disk: str) -> "Journal":
-        """Open the journal of a file with the text `on_disk`, or begin one.
-
-        Changes by another program become one more edit, so that nothing is lost.
-        """
+        """Open a file's journal, or begin one. Changes by another program become an edit."""
         journal = _replayed(path) or cls(path, on_disk, on_disk)
         if journal.done > EDIT_LIMIT:
             journal._rewrite()
@@ -96,7 +92,7 @@ class Journal:
         self._append({"saved": self.done})
 
     def take_from_disk(self, text: str) -> None:
-        """Take a text that another program wrote, as an edit that can be undone."""
+        """Take another program's text as an edit that can be undone."""
         self.write(text, "changed by another program")
         self.mark_saved()
 

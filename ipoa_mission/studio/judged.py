@@ -1,10 +1,9 @@
-"""Show an open mission: its items, its map, and the findings of the check."""
-
 import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
@@ -25,10 +24,9 @@ from ipoa_mission.studio.mission_answers import Checked, Flaw, MissionItem, Open
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import LocalFrame
 
-MAP_MARGIN = 0.25  # margin of the map around the mission's places, as a share of their extent
+MAP_MARGIN = 0.25  # of the places' extent
 LEAST_MAP_MARGIN = 60.0  # [m]
 
 
@@ -75,7 +73,7 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    """Return the map of a mission: of its scenario with the mission's home, else an empty one."""
+    """Return the scenario's map with the mission's home, else an empty one."""
     mission, scenario = forecast.given, forecast.scenario
     home = mission.home
     here = round(home.longitude_deg, 7), round(home.latitude_deg, 7)

@@ -1,4 +1,4 @@
-"""Serve the start page: recent files, files of this folder, and a new scenario."""
+"""Serve the start page: recent files, this folder, a new scenario."""
 
 import asyncio
 from collections.abc import Callable, Iterable
@@ -23,14 +23,14 @@ from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
 SCENARIO = ".toml"
-FILE_LIMIT = 40  # files of the folder
-GOAL_DISTANCE_DEG = 0.0009  # distance of a new scenario's first goal from home [deg], about 100 m
-#: Opens a file, given a mission's scenario or log, and returns the token of its address.
+FILE_LIMIT = 40
+GOAL_DISTANCE_DEG = 0.0009  # [deg], about 100 m
+#: of a file, given a mission's scenario or log; returns the token
 OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 
 
 class Lobby:
-    """Serve a page before a file is open; new files go into `folder`, without overwriting."""
+    """Serve a page before a file is open."""
 
     def __init__(self, folder: Path, open_file: OpenAt) -> None:
         self._folder, self._open_file = folder, open_file
@@ -51,10 +51,9 @@ class Lobby:
         """Do nothing: the start page has no map."""
 
     async def run(self) -> None:
-        """Do nothing: the start page watches no file."""
+        """Do nothing."""
 
     async def handle(self, request: Any, window: Window) -> None:
-        """Open the file that a window asks for, or send it the error."""
         try:
             match request:
                 case Open():
@@ -69,22 +68,13 @@ class Lobby:
             window.tell(Trouble(of="file", message=str(error), hint=error.hint).model_dump(mode="json"))
 
     def opened(self, path: Path, world: Path | None = None) -> str:
-        """Open a scenario, a mission, or a log with its mission; return the token of its address.
-
-        Raises:
-            BadInput: it cannot be read.
-            MissionError: the log has no flight, or not its mission.
-        """
+        """Open a scenario, a mission, or a log with its mission; return its token. Raises BadInput, MissionError."""
         if path.suffix.lower() in LOGS:
             return self._open_file(_mission_of(path), world, path)
         return self._open_file(path, world, None)
 
     def take(self, name: str, content: bytes) -> str:
-        """Keep a dropped file in the folder and open it; return its address relative to the page.
-
-        Raises:
-            BadInput: the kind of file cannot be opened, or the file is not valid.
-        """
+        """Keep a dropped file and open it; return its relative address. Raises BadInput."""
         path = keep(name, content, self._folder, (SCENARIO, *MISSIONS, *LOGS))
         return f"../{self.opened(path)}/"
 
@@ -105,7 +95,7 @@ class Lobby:
         )
 
     def _offered(self, asked: str) -> Path:
-        """Return a file that was offered to the page; copy an example into the folder first."""
+        """Return an offered file; copy an example into the folder first."""
         told = self._start()
         if asked in [one.path for one in told.examples]:
             return keep(Path(asked).name, Path(asked).read_bytes(), self._folder, (SCENARIO,))
@@ -115,11 +105,7 @@ class Lobby:
 
 
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
-    """Write a new scenario with a goal north of home.
-
-    Raises:
-        BadInput: home is not valid, or the file cannot be written.
-    """
+    """Write a new scenario with a goal north of home. Raises BadInput."""
     latitude, longitude, altitude = home
     places = {
         "home": f"{latitude:.7f}, {longitude:.7f}",

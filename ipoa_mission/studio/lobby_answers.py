@@ -1,5 +1,3 @@
-"""Define the server's messages on files to open."""
-
 from typing import Literal
 
 from ipoa_mission.studio.vocabulary import PageMessage
@@ -21,7 +19,5 @@ class Beginning(PageMessage):
 
 
 class Elsewhere(PageMessage):
-    """Another file is open at this address, relative to the page's."""
-
     kind: Literal["elsewhere"] = "elsewhere"
     address: str

@@ -1,7 +1,6 @@
-"""Remember the address of each file, the recent files, and the map tiles.
+"""Remember addresses, recent files and map tiles in `$XDG_STATE_HOME/ipoa-mission/studio.json`.
 
-The state is one JSON file in a folder of this user only: `$XDG_STATE_HOME/ipoa-mission/studio.json`, else below
-`~/.local/state`; below `%LOCALAPPDATA%` on Windows. It can be deleted at any time.
+Without the variable below `~/.local/state` or `%LOCALAPPDATA%`. It can be deleted at any time.
 """
 
 import json
@@ -13,15 +12,12 @@ from typing import Any
 
 from ipoa_mission.files import write_atomically
 
-FILE_LIMIT = 20  # files remembered
+FILE_LIMIT = 20
 
 
 @dataclass(frozen=True)
 class Opened:
-    """A file once open, with the port and the token of its address; "" is the start page.
-
-    `world` and `log`: the scenario and the log that were open with a mission.
-    """
+    """A file once open, "" for the start page; `world` and `log` of a mission."""
 
     path: str
     port: int
@@ -76,7 +72,7 @@ def _read() -> dict[str, Any]:
 
 
 def _write(changes: dict[str, Any]) -> None:
-    """Replace some entries; ignore a file that cannot be written."""
+    """Replace entries; ignore a file that cannot be written."""
     file = memory_file()
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,12 +1,10 @@
-"""Define the server's messages on an open mission file."""
-
 from typing import Literal
 
 from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage
 
 
 class ItemField(PageMessage):
-    """The label of one of param1 to param7; `about` is MAVLink's full description."""
+    """A label; `about`: MAVLink's description."""
 
     what: Literal["param1", "param2", "param3", "param4", "param5", "param6", "param7"]
     label: str
@@ -15,8 +13,6 @@ class ItemField(PageMessage):
 
 
 class ItemKind(PageMessage):
-    """A command that the firmware takes in a mission; `placed`: with latitude, longitude and height."""
-
     command: int
     name: str
     placed: bool
@@ -24,11 +20,7 @@ class ItemKind(PageMessage):
 
 
 class MissionItem(PageMessage):
-    """An item as in its file: `values` are param1 to param7, None for the autopilot's default.
-
-    `place` and `up` are None for an item without a position; `part_of` is the first and last item of its survey or
-    scan.
-    """
+    """`values`: param1 to param7, None for the default. `part_of`: first and last item of its survey or scan."""
 
     seq: int
     command: int
@@ -41,7 +33,7 @@ class MissionItem(PageMessage):
 
 
 class OpenMission(PageMessage):
-    """An open mission; `worlds` are the paths of scenarios to check it in."""
+    """`worlds`: scenarios to check it in."""
 
     kind: Literal["mission"] = "mission"
     revision: int
@@ -56,7 +48,7 @@ class OpenMission(PageMessage):
 
 
 class Flaw(PageMessage):
-    """A finding of the check, of an item or of none; an error prevents the flight."""
+    """A finding; an error prevents the flight."""
 
     severity: Literal["error", "warning"]
     seq: int | None
@@ -65,7 +57,7 @@ class Flaw(PageMessage):
 
 
 class Checked(PageMessage):
-    """The findings of the check, errors first; `timeless`: why there is no time estimate."""
+    """Errors first; `timeless`: why there is no time estimate."""
 
     kind: Literal["checked"] = "checked"
     revision: int

@@ -1,13 +1,12 @@
-"""Change an open mission's text item by item; the rest stays as in the file."""
-
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command, Frame, plain_frame
 from ipoa_mission.mission.item_edits import with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.kept_whole import text_with
@@ -15,20 +14,15 @@ from ipoa_mission.mission.mission_io import parse_mission
 from ipoa_mission.mission.stored_mission import settle_frames, values_of
 from ipoa_mission.studio.requests import Change, InsertItem, MoveItem, PlainItems, Put, PutItem, Shift, TakeItem
 from ipoa_mission.studio.vocabulary import LngLat
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic
 
-DEFAULT_HEIGHT = 20.0  # of an inserted item if none before it has a height [m]
-DIGITS, DEGREES = 2, 7  # decimals of heights and of degrees in the file
+DEFAULT_HEIGHT = 20.0  # if no item before has a height [m]
+DIGITS, DEGREES = 2, 7  # decimals of heights and of degrees
 Placed = TypeVar("Placed", Item, Geodetic)
 
 
 def mission_changed(text: str, path: Path, changes: Iterable[Change], autopilot: str | None = None) -> str:
-    """Return the text of a mission file with these changes, in order.
-
-    Raises:
-        BadInput: the text is no mission, an item does not exist, or the format cannot hold the change.
-    """
+    """Return the text with these changes. Raises BadInput."""
     file = parse_mission(path, text, None if autopilot is None else autopilot_named(autopilot))
     mission = file.mission
     for change in changes:
@@ -97,7 +91,7 @@ def _new_item(mission: Mission, change: InsertItem) -> Item:
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
     like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=DEFAULT_HEIGHT)
     firmware = mission.autopilot.firmware(mission.firmware_version)
-    own = math.nan if firmware.takes_nan is None else 0.0  # its heading
+    own = math.nan if firmware.takes_nan is None else 0.0  # heading
     item = Item(change.command, like.frame, (0.0, 0.0, 0.0, own if change.command in firmware.placed else 0.0))
     if change.command not in firmware.placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
         return _first_values(replace(item, frame=int(Frame.MISSION)), mission)

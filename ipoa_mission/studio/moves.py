@@ -1,5 +1,3 @@
-"""Write places of the map in a scenario, and move them."""
-
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -8,13 +6,13 @@ import numpy as np
 from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees in the file
-#: Moves [east, north] or [latitude, longitude].
+DIGITS, DEGREES = 2, 7  # decimals of meters and of degrees
+#: [east, north] or [latitude, longitude]
 Move: TypeAlias = Callable[[float, float], tuple[float, float]]
 
 
 def local_of(frame: LocalFrame, place: LngLat) -> list[float]:
-    """Return east and north of a place of the map, to the centimetre [m]."""
+    """Return east and north, to the centimeter [m]."""
     east, north = frame.local(Geodetic(place[1], place[0], frame.home.altitude))[:2].round(DIGITS).tolist()
     return [east + 0.0, north + 0.0]  # never -0.0
 

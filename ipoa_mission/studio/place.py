@@ -1,4 +1,4 @@
-"""Parse a place: latitude and longitude, MGRS, or a plus code."""
+"""Parse latitude and longitude, MGRS, or a plus code."""
 
 import re
 
@@ -11,7 +11,7 @@ EXPECTED = "expected degrees (47.3977, 8.5456), MGRS (32TMT6569649438) or a whol
 
 
 def place_of(words: str) -> tuple[float, float]:
-    """Return latitude and longitude [deg] of a written place.
+    """Return latitude and longitude [deg]. Raises BadInput, MissionError.
 
     >>> place_of("47.397742, 8.545594"), place_of("47.4 S 8.5 W")
     ((47.397742, 8.545594), (-47.4, -8.5))

@@ -1,10 +1,9 @@
-"""Show a forecast, a planned flight, or a coarse path on the page."""
-
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.deviation.promise import Promise
@@ -16,7 +15,6 @@ from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route_time import kinematics
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
@@ -30,14 +28,14 @@ from ipoa_mission.studio.view import line_of, on_map, without_folders
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.terrain import Flat
 
-SAMPLES = 500  # of the predicted flight
-NEAR_PLACES, NEAR_FACTOR = 5, 1.5  # places listed as near, and up to which multiple of the required clearance
-SLOW_ITEMS = 4  # items listed as slow
-UNKNOWN_EXTENT = 1e7  # bounds of a world without obstacles [m]
+SAMPLES = 500
+NEAR_PLACES, NEAR_FACTOR = 5, 1.5  # and multiple of the required clearance
+SLOW_ITEMS = 4
+UNKNOWN_EXTENT = 1e7  # [m]
 
 
 def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
-    """Show a coarse path; its time is a lower bound by the vehicle's limits, not an estimate."""
+    """Show a coarse path; its time is a lower bound by the vehicle's limits."""
     vehicle, frame = scenario.vehicle, scenario.frame
     points = _sampled(sketch.curve)
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
@@ -71,7 +69,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
 
 
 def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
-    """Show a mission's forecast; its clearance only if a scenario gives the obstacles."""
+    """Show a forecast; its clearance only with a scenario."""
     scenario, estimate = forecast.scenario, forecast.estimate
     course = course_of(forecast)
     promise = None if scenario is None else forecast.promise_if_known
@@ -174,7 +172,6 @@ def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
 
 
 def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
-    """Yield obstacles below and lateral to the path, as in the report."""
     for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
         name = without_folders(body.name, scenario)

@@ -1,5 +1,3 @@
-"""Plan for the studio in a process of its own: `python -m ipoa_mission.studio.plan_worker`."""
-
 import copy
 import time
 from collections.abc import Mapping
@@ -9,6 +7,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -16,7 +15,6 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.flight.survey_flight import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
@@ -39,10 +37,10 @@ from ipoa_mission.studio.survey_answers import CoarseSurvey
 from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
 from ipoa_mission.studio.view import world_of
 from ipoa_mission.survey.laying import sketch_survey
-from ipoa_mission.vehicles.autopilot import autopilot_named
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
-PROGRESS_INTERVAL_S = 0.1  # least interval of progress messages
+PROGRESS_INTERVAL_S = 0.1
 
 
 def look(order: Order, answer: Answer) -> None:
@@ -58,7 +56,6 @@ def look(order: Order, answer: Answer) -> None:
 
 
 def sketch(order: Order, answer: Answer) -> None:
-    """Sketch a coarse path of the scenario, with or without a pending change."""
     begun = time.perf_counter()
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
@@ -73,7 +70,6 @@ def sketch(order: Order, answer: Answer) -> None:
 
 
 def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
-    """Return a quick answer: a path, or the lines of a survey."""
     about = order["revision"], order["number"]
     if scenario.survey is None:
         path = sketch_path(scenario)
@@ -83,7 +79,6 @@ def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSu
 
 
 def judge(order: Order, answer: Answer) -> None:
-    """Show an open mission: its map, items, findings and forecast."""
     begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
     file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
@@ -103,11 +98,7 @@ def end_mission(order: Order, answer: Answer) -> None:
 
 
 def hand_over_mission(order: Order, answer: Answer) -> None:
-    """Write the open mission for the pilot process.
-
-    Raises:
-        MissionError: the check finds errors, or there is no time estimate.
-    """
+    """Write the mission for the pilot process, if the check has no errors. Raises MissionError."""
     file, forecast = _mission(order)
     warnings = refuse_errors(_findings(file, forecast))
     refuse_unsound(forecast.given)
@@ -115,7 +106,7 @@ def hand_over_mission(order: Order, answer: Answer) -> None:
 
 
 class PlanWorker:
-    """Plan flights, and keep the last plan for its files and its flight."""
+    """Keeps the last plan for its files and its flight."""
 
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
@@ -159,7 +150,6 @@ class PlanWorker:
         answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: Order, answer: Answer) -> None:
-        """Write the flight's mission as a file of its own, without overwriting."""
         handed, folder = self._expect_flight(order), Path(order["folder"])
         target = unused(folder / f"{handed.name}-edited.plan")
         write_mission(handed.forecast.mission, target)
@@ -199,13 +189,7 @@ class PlanWorker:
 def _survey(
     scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
-    """Plan a survey without the parts flown in some logs; return it with the logs used.
-
-    If the logs are not valid, report that and plan the whole survey.
-
-    Raises:
-        MissionError: as `plan_survey`.
-    """
+    """Plan a survey without the parts flown in valid logs; return it with these. Raises MissionError."""
     logs = tuple(Path(log) for log in order["flown"])
     try:
         return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs

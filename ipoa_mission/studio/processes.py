@@ -1,4 +1,4 @@
-"""Run worker processes for the server, one request at a time each; restart one that dies."""
+"""One request at a time each; a process that dies is restarted."""
 
 import asyncio
 import json
@@ -16,8 +16,6 @@ class ProcessDied(Exception):
 
 
 class Process:
-    """One worker process, `python -m MODULE`."""
-
     def __init__(self, module: str) -> None:
         self._module = module
         self._process: asyncio.subprocess.Process | None = None
@@ -25,7 +23,6 @@ class Process:
         self._number = 0
 
     async def start(self) -> asyncio.subprocess.Process:
-        """Return the running process; start one if needed."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable,
@@ -38,11 +35,7 @@ class Process:
         return self._process
 
     async def ask(self, order: dict[str, Any], hear: Hear) -> None:
-        """Send a job, and call `hear` with every answer; pass on a cancellation of the task.
-
-        Raises:
-            ProcessDied: the process ended; the next job starts a new one.
-        """
+        """Send a job, and call `hear` with every answer; pass on cancellation. Raises ProcessDied."""
         async with self._one_at_a_time:
             process = await self.start()
             self._number += 1
@@ -66,7 +59,6 @@ class Process:
                 raise asyncio.CancelledError
 
     async def send(self, order: dict[str, Any]) -> None:
-        """Send a message for the running job, such as a start."""
         if self._process is not None:
             await _send(self._process, order)
 
@@ -88,7 +80,7 @@ async def _send(process: asyncio.subprocess.Process, order: dict[str, Any]) -> N
 async def _line(process: asyncio.subprocess.Process) -> Any:
     assert process.stdout is not None
     while text := await process.stdout.readline():
-        if text.startswith(b"{"):  # skip what a library printed before the harness ran
+        if text.startswith(b"{"):  # a library's prints
             return json.loads(text)
     await process.wait()
     return None

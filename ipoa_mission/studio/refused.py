@@ -1,5 +1,3 @@
-"""Show a refused plan on the page: short sentences, and a button for each remedy in numbers."""
-
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
@@ -14,13 +12,12 @@ from ipoa_mission.studio.survey_remedies import area_remedies, survey_remedies
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 
-#: Labels of changes that the planner has tried.
 TRIED: Mapping[tuple[str | int, ...], str] = {
     ("vehicle", "cruise_speed"): "Cruise speed {:g} m/s (tried)",
     ("route", "mode"): "Waypoints: {} (tried)",
     ("safety", "confidence"): "Confidence {:g} (tried)",
 }
-HEIGHT_MARGIN = 0.5  # added to the required height above an obstacle [m]
+HEIGHT_MARGIN = 0.5  # [m]
 
 
 def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan") -> Trouble:
@@ -42,7 +39,7 @@ def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal[
 
 
 def misread(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
-    """Return the page's message on an invalid scenario, without the file's name."""
+    """Return the message on an invalid scenario, without the file's name."""
     message = as_on_map(str(error).removeprefix(f"{path}: "))
     remedies = tuple(area_remedies(error, table))
     return Trouble(
@@ -69,7 +66,7 @@ def _tried(error: MissionError) -> Iterator[Remedy]:
 
 
 def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield a remedy for contents of a file that were not read: the user states that they limit no flight."""
+    """Yield a remedy for unread contents: the user states that they limit no flight."""
     codes = error.known.get("codes")
     if isinstance(codes, list) and "not-read" in codes:
         put = Put(path=("safety", "ignore"), value=[*scenario.safety.ignore, "not-read"])
@@ -78,7 +75,7 @@ def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     changes = {change.field: change.value for change in error.remedies}
-    if ("route", "ending") not in changes or scenario.survey is not None:  # those flights end over home as given
+    if ("route", "ending") not in changes or scenario.survey is not None:  # they end over home as given
         return
     for field, value in changes.items():
         if field[:2] == ("vehicle", "parameters"):
@@ -104,7 +101,7 @@ def _heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield a place that is too low raised above the highest obstacle there. The next plan checks it."""
+    """Yield a place that is too low raised above the highest obstacle there."""
     points = {"start": scenario.start_point, "goal": scenario.goal_point}
     points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
     if error.code != "place-blocked" or error.place not in points or scenario.survey is not None:

@@ -1,5 +1,3 @@
-"""Fly a survey's flights in sequence; on a link the same vehicle flies each with a charged battery."""
-
 from typing import Any
 
 from ipoa_mission.errors import MissionError
@@ -7,10 +5,8 @@ from ipoa_mission.studio.requests import Upload
 
 
 class Relay:
-    """Remember which flight of a survey was flown on a link, and by which vehicle."""
-
     def __init__(self) -> None:
-        self._link: str | None = None  # link of the current upload or flight
+        self._link: str | None = None
         self._systems: dict[str, int] = {}
         self._loaded = self._flown = ""
 
@@ -23,11 +19,7 @@ class Relay:
             self._flown = self._loaded
 
     def expect_charged(self, request: Upload, is_survey: bool) -> Upload:
-        """Return the upload with the system id of the vehicle that flew before on this link.
-
-        Raises:
-            MissionError: it has flown since a charged battery was last confirmed.
-        """
+        """Return the upload for the same vehicle. Raises MissionError until a charged battery is confirmed."""
         if not is_survey or request.link is None:
             self._link = None
             return request

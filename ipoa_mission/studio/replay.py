@@ -1,5 +1,3 @@
-"""Compare the flight in a log with the estimate of the open mission."""
-
 import math
 from functools import lru_cache
 from pathlib import Path
@@ -13,15 +11,11 @@ from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.studio.flight_answers import FlownItem, Replay
 from ipoa_mission.studio.view import line_of
 
-PLACE_LIMIT = 1000  # of a flown path on the page
+PLACE_LIMIT = 1000
 
 
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
-    """Compare the log's first flight in the mission mode with the forecast.
-
-    Raises:
-        MissionError: there is no such flight, or it has no positions.
-    """
+    """Compare the log's first flight in mission mode. Raises MissionError."""
     flown = _flights(str(log))
     flight = next((one for one in flown.flights if one.in_mission), None)
     if flight is None:

@@ -1,5 +1,3 @@
-"""Define the page's requests, and its changes of a scenario."""
-
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
@@ -8,7 +6,7 @@ from ipoa_mission.studio.vocabulary import InFlight, Json, LngLat, PageMessage, 
 
 
 class Put(PageMessage):
-    """Set a value of the scenario by its path, such as `vehicle.cruise_speed`; create tables on the way."""
+    """Set a value by its path, such as `vehicle.cruise_speed`; create tables on the way."""
 
     op: Literal["put"] = "put"
     path: Path
@@ -21,8 +19,6 @@ class Take(PageMessage):
 
 
 class Shift(PageMessage):
-    """Move a thing at a path from one place of the map to another."""
-
     op: Literal["shift"] = "shift"
     path: Path
     taken: LngLat
@@ -30,7 +26,7 @@ class Shift(PageMessage):
 
 
 class Add(PageMessage):
-    """Add a table to a list of the scenario, with its place or its corners on the map."""
+    """Add a table to a list, with its place or corners."""
 
     op: Literal["add"] = "add"
     to: Literal["via", "rally", "obstacles", "fence", "maps"]
@@ -41,10 +37,7 @@ class Add(PageMessage):
 
 
 class DrawArea(PageMessage):
-    """Draw an area, a hole or a corridor of the survey; a first one replaces start, goal and via.
-
-    A hole goes into the area in which it begins; a corridor, with `ring` as its middle line, replaces all areas.
-    """
+    """Draw an area, a hole in it, or a corridor by its middle line, which replaces all areas."""
 
     op: Literal["draw_area"] = "draw_area"
     what: Literal["area", "hole", "corridor"]
@@ -52,29 +45,27 @@ class DrawArea(PageMessage):
 
 
 class OwnArea(PageMessage):
-    """Draw the survey's area in the scenario instead of a map: polygons as rings, the outer one first."""
+    """Draw the area in place of a map: polygons as rings, the outer one first."""
 
     op: Literal["own_area"] = "own_area"
     parts: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class MapArea(PageMessage):
-    """Take the survey's area from a map file next to the scenario; add a survey if there is none."""
+    """Take the area from a map file; add a survey if there is none."""
 
     op: Literal["map_area"] = "map_area"
     file: str
 
 
 class PutCorner(PageMessage):
-    """Move a corner of the survey's area."""
-
     op: Literal["put_corner"] = "put_corner"
     path: Path
     place: LngLat
 
 
 class AddCorner(PageMessage):
-    """Insert a corner of the survey's area before the one at the path."""
+    """Insert a corner before the one at the path."""
 
     op: Literal["add_corner"] = "add_corner"
     path: Path
@@ -82,7 +73,7 @@ class AddCorner(PageMessage):
 
 
 class PutItem(PageMessage):
-    """Set one value of a mission item: its command, frame, param1 to param7; None: the autopilot's default."""
+    """None: the autopilot's default."""
 
     op: Literal["put_item"] = "put_item"
     seq: int
@@ -111,7 +102,7 @@ class TakeItem(PageMessage):
 
 
 class PlainItems(PageMessage):
-    """Replace the survey or scan of an item by plain items."""
+    """Replace an item's survey or scan by plain items."""
 
     op: Literal["plain_items"] = "plain_items"
     seq: int
@@ -123,7 +114,7 @@ Change: TypeAlias = Annotated[Put | Take | Shift | Add | AreaChange | ItemChange
 
 
 class Edit(PageMessage):
-    """Change the document; `seen` is the page's revision."""
+    """`seen`: the page's revision."""
 
     kind: Literal["edit"] = "edit"
     seen: int
@@ -138,7 +129,7 @@ class Rewrite(PageMessage):
 
 
 class Drag(PageMessage):
-    """Sketch a change without making it. Only this page gets the answer, and only to the last request."""
+    """Sketch a change without making it; only the last request gets an answer."""
 
     kind: Literal["drag"] = "drag"
     number: int
@@ -146,14 +137,14 @@ class Drag(PageMessage):
 
 
 class SaveAs(PageMessage):
-    """Write the mission next to its file in the other format or under another name, without overwriting."""
+    """Write the mission next to its file, in the other format or under another name."""
 
     kind: Literal["save_as"] = "save_as"
     suffix: Literal[".plan", ".waypoints"]
 
 
 class Within(PageMessage):
-    """Set the scenario and autopilot to check a mission with; None: no scenario, the file's autopilot."""
+    """Set what to check a mission with; None: no scenario, the file's autopilot."""
 
     kind: Literal["within"] = "within"
     scenario: str | None
@@ -161,14 +152,12 @@ class Within(PageMessage):
 
 
 class Open(PageMessage):
-    """Open a file that the start page offers."""
-
     kind: Literal["open"] = "open"
     path: str
 
 
 class Begin(PageMessage):
-    """Begin a new scenario with home at a written place and altitude [m AMSL]."""
+    """Begin a new scenario at a written place and altitude [m AMSL]."""
 
     kind: Literal["begin"] = "begin"
     place: str
@@ -181,18 +170,14 @@ class Find(PageMessage):
 
 
 class Rest(PageMessage):
-    """Plan the rest of the survey, without the parts flown in these logs; none: all of it."""
+    """Plan the survey without the parts flown in these logs."""
 
     kind: Literal["rest"] = "rest"
     logs: tuple[str, ...]
 
 
 class Do(PageMessage):
-    """A request without parameters. `take_theirs`: take the file's text as another program wrote it.
-
-    `detach`: write the planned flight, number `flight` of a survey (from 0), as a mission file of its own to edit its
-    items.
-    """
+    """`take_theirs`: take another program's text. `detach`: write flight `flight` (from 0) as a mission of its own."""
 
     kind: Literal["do"] = "do"
     what: Literal["undo", "redo", "save", "save_over", "take_theirs", "plan", "cancel", "export", "abandon", "detach"]
@@ -202,8 +187,8 @@ class Do(PageMessage):
 class Upload(PageMessage):
     """Put the mission on a vehicle and read it back (first step). No link: the built-in autopilot.
 
-    `set_params`: also write the mission's parameters. `flight`: number of a survey's flight, from 0. `charged`: the
-    user confirms a charged battery and that nobody is near the propellers; required on a link after another flight.
+    `set_params`: also write parameters. `flight`: from 0. `charged`: the user confirms a charged battery and that
+    nobody is near the propellers; required on a link after another flight.
     """
 
     kind: Literal["upload"] = "upload"
@@ -216,7 +201,7 @@ class Upload(PageMessage):
 
 
 class Start(PageMessage):
-    """Arm and fly (second step). It names the values shown on the page, and is refused if they differ."""
+    """Arm and fly (second step); refused if the values on the page differ."""
 
     kind: Literal["start"] = "start"
     vehicle: str
@@ -225,15 +210,11 @@ class Start(PageMessage):
 
 
 class Listen(PageMessage):
-    """Listen for vehicles on possible links, and on this one."""
-
     kind: Literal["listen"] = "listen"
     link: str
 
 
 class Order(PageMessage):
-    """Order the vehicle in flight to hold, continue its mission, return, or land in place."""
-
     kind: Literal["order"] = "order"
     what: InFlight
 

@@ -1,10 +1,9 @@
-"""Hold the edited scenario or mission: its text, its edits, and its file."""
-
 import datetime
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
 from ipoa_mission.mission.mission_file import MissionFile
@@ -14,7 +13,6 @@ from ipoa_mission.studio.edits import changed, parse_table
 from ipoa_mission.studio.journal import SUFFIX, Journal
 from ipoa_mission.studio.mission_changes import mission_changed
 from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
-from ipoa_mission.vehicles.autopilot import autopilot_named
 
 BOM = b"\xef\xbb\xbf"
 
@@ -24,10 +22,7 @@ class Stale(MissionError):
 
 
 class Document:
-    """A scenario or a mission file under edit; `revision` grows with every change.
-
-    `autopilot` overrides the autopilot of a mission file.
-    """
+    """A file under edit; `revision` grows with every change, `autopilot` overrides a mission's."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -44,12 +39,7 @@ class Document:
         return self._journal.text
 
     def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
-        """Apply changes made on revision `seen`; return whether the text changed.
-
-        Raises:
-            Stale: indices in lists have changed since.
-            BadInput: there is nothing at a path, or the text is not valid.
-        """
+        """Apply changes made on revision `seen`; return whether the text changed. Raises Stale, BadInput."""
         changes = tuple(changes)
         if seen < self._numbered_anew:
             raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="review it, and repeat the change")
@@ -60,18 +50,14 @@ class Document:
         return different
 
     def rewrite(self, text: str, seen: int) -> bool:
-        """Replace the text.
-
-        Raises:
-            Stale: another window has changed it since revision `seen`.
-        """
+        """Replace the text of revision `seen`. Raises Stale."""
         if seen != self.revision:
             words = f"{self.path.name} was changed elsewhere while its text was edited here"
             raise Stale(words, hint="copy your text, and reload")
         return self._renumbered(self._journal.write(text, "text edited"))
 
     def read_for(self, autopilot: str | None) -> None:
-        """Set the autopilot of a mission, which makes earlier findings invalid."""
+        """Set a mission's autopilot: earlier findings are invalid."""
         self.autopilot = autopilot
         self.revision += 1
 
@@ -82,12 +68,7 @@ class Document:
         return self._renumbered(self._journal.redo())
 
     def save(self, over: bool = False) -> None:
-        """Write the file, unless it has the text already.
-
-        Raises:
-            Stale: another program has changed it, and `over` is not set.
-            BadInput: it cannot be written.
-        """
+        """Write the file; `over` replaces changes by another program. Raises Stale, BadInput."""
         if not over and self.path.exists() and self._on_disk() != self._journal.saved:
             self.changed_outside = True
             raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
@@ -98,28 +79,21 @@ class Document:
         self.changed_outside = False
 
     def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
-        """Write the mission next to its file, without overwriting; return the file and losses of its format.
-
-        Raises:
-            BadInput: this is not a mission, or the format cannot hold it.
-        """
+        """Write the mission next to its file; return it and losses of its format. Raises BadInput."""
         if not self.is_mission:
             raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
         file, target = self._mission(), unused(self.path.with_suffix(suffix))
         return target, write_mission(file.mission, target, suffix, file)
 
     def look_at_disk(self) -> bool:
-        """Check the file for changes by another program; without own changes take its text at once.
-
-        Return whether the state changed.
-        """
+        """Look for changes by another program, take them if there are no own; return whether the state changed."""
         try:
             there = self._on_disk()
         except BadInput:
             return False
         if there == self._journal.saved:
             return False
-        if there == self.text:  # the other program made the same edit: the page's revision stays valid
+        if there == self.text:  # the same edit: the page's revision stays valid
             self._journal.mark_saved()
             self.changed_outside = False
             return True

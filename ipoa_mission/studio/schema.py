@@ -1,7 +1,4 @@
-"""Print the JSON schema of all messages and of scenarios; the page's TypeScript types are generated from it.
-
-Run `python -m ipoa_mission.studio.schema`.
-"""
+"""Print the JSON schema of all messages; the page's TypeScript types are generated from it."""
 
 import json
 from typing import Any
@@ -15,7 +12,7 @@ from ipoa_mission.studio.requests import Request
 
 
 def schema() -> dict[str, Any]:
-    """Return the schema: each message, the unions `Answer` and `Request`, and `Scenario`."""
+    """Return each message, the unions `Answer` and `Request`, and `Scenario`."""
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
     _, definitions = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
@@ -36,7 +33,7 @@ def _plain(node: Any) -> Any:
     if "prefixItems" in node:
         node["items"] = node.pop("prefixItems")
     constant = [name for name, one in node.get("properties", {}).items() if isinstance(one, dict) and "const" in one]
-    if constant:  # the field that identifies a message is required
+    if constant:  # it identifies a message
         node["required"] = sorted({*node.get("required", []), *constant})
     return node
 

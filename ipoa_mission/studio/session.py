@@ -34,27 +34,23 @@ from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
-SETTLE_TIME_S = 0.6  # time without a change before the proved path is planned
-IDLE_TIME_S = 120.0  # time without a window and a flight before the planners end; a new window restarts them
-FILE_CHECK_S = 1.0  # interval of checks for changes by other programs
-#: Answers sent to a window when it opens.
+SETTLE_TIME_S = 0.6  # before the proved path is planned
+IDLE_TIME_S = 120.0  # without window and flight, before the planners end
+FILE_CHECK_S = 1.0
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
     *("endings", "loaded", "state", "trouble"),
 )
-#: Answers that are invalid once the file changes.
 FOLLOWS = (
     *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.plan_worker"
-#: Opens another file, with a mission's scenario; returns the address relative to this page's.
+#: returns the address relative to this page's
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
 
 
 class Session:
-    """The state shared by the windows of a document. It runs in one event loop."""
-
     def __init__(
         self,
         path: Path,
@@ -78,8 +74,6 @@ class Session:
     def folder(self) -> Path:
         return self.document.path.parent
 
-    # --- windows ------------------------------------------------------------------------------------------------------
-
     def join(self, window: Window) -> None:
         self.windows.add(window)
         window.tell(self.document.as_answer().model_dump(mode="json"))
@@ -93,7 +87,7 @@ class Session:
         self._drags.pop(window, None)
 
     def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Send to every window; keep the latest answer of each kind for later windows."""
+        """Send to every window; keep the latest answer of each kind for later ones."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
         kind = answer["kind"]
@@ -102,14 +96,11 @@ class Session:
         if kind == "state" and answer["phase"] in ("idle", "over"):
             self._forget("loaded")
         if kind == "survey" and not answer["flown"]:
-            self._flown = ()  # the logs belong to another survey
+            self._flown = ()  # of another survey
         for window in self.windows:
             window.tell(answer)
 
-    # --- requests -----------------------------------------------------------------------------------------------------
-
     async def handle(self, request: Any, window: Window) -> None:
-        """Handle a window's request; only this window gets an error."""
         try:
             match request:
                 case Edit():
@@ -181,7 +172,6 @@ class Session:
                 self._flights.abandon()
 
     def _open_dropped(self, name: str, window: Window) -> None:
-        """Open a mission next to the scenario, with the scenario's obstacles."""
         path = self.folder / Path(name).name
         if self._open_file is None or path.suffix.lower() not in MISSIONS:
             raise MissionError("expected a mission", place=path.name)
@@ -192,8 +182,6 @@ class Session:
         if different:
             self.tell_all(self.document.as_answer())
             self._follow()
-
-    # --- planning -----------------------------------------------------------------------------------------------------
 
     def _follow(self) -> None:
         """Show the scenario, sketch it, and plan it once it has settled."""
@@ -279,11 +267,6 @@ class Session:
         return await self._ask(self._thorough, {"job": "hand over", "file": str(file), "flight": flight})
 
     def _name_of(self, flight: int) -> str:
-        """Return the plan's name, or that of one flight of a survey.
-
-        Raises:
-            MissionError: there is no such flight.
-        """
         if "survey" not in self._latest:
             return self.document.path.stem
         flights = self._latest["survey"]["flights"]
@@ -338,10 +321,7 @@ class Session:
         if (job := self._jobs.get(name)) is not None:
             job.cancel()
 
-    # --- as long as it lives ------------------------------------------------------------------------------------------
-
     async def run(self) -> None:
-        """Watch the file until cancelled; then end the workers."""
         alone_s = 0.0
         try:
             while True:

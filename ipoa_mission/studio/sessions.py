@@ -1,5 +1,3 @@
-"""Hold the open files, each at a secret address, and the start page."""
-
 import asyncio
 import hmac
 from contextlib import suppress
@@ -15,8 +13,6 @@ from ipoa_mission.studio.window import Window
 
 
 class Host(Protocol):
-    """A session on a file, or the start page."""
-
     @property
     def folder(self) -> Path: ...
 
@@ -33,7 +29,7 @@ class Host(Protocol):
 
 
 class Sessions:
-    """Hold the open hosts by the token of their address. A page of an earlier run reopens its file."""
+    """Hosts by the token of their address; a page of an earlier run reopens its file."""
 
     def __init__(self, port: int = 0, seed: int = 0) -> None:
         self._port, self._seed = port, seed
@@ -54,11 +50,7 @@ class Sessions:
             host.tell_all(message)
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
-        """Open a file, with a mission's scenario and log; return the token of its address.
-
-        Raises:
-            BadInput: it cannot be read.
-        """
+        """Open a file; return its token. Raises BadInput."""
         known = memory.address_of(path.resolve())
         known = replace(known, world=str((world or Path(known.world)).resolve()) if world or known.world else "")
         known = replace(known, log=str(log.resolve()) if log else known.log)
@@ -68,7 +60,7 @@ class Sessions:
         return known.token
 
     def at(self, token: str) -> Host | None:
-        """Return the host at a token; reopen one of an earlier run if its file still exists."""
+        """Return the host at a token; reopen one of an earlier run."""
         for known, host in self._hosts.items():
             if hmac.compare_digest(known.encode(), token.encode()):
                 return host

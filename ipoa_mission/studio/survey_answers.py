@@ -1,15 +1,13 @@
-"""Define the server's messages on a survey: its area, its lines and their coverage."""
-
 from typing import Literal, TypeAlias
 
 from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
 
-#: Polygons as rings, the outer one first.
+#: rings, the outer one first
 Polygons: TypeAlias = tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class AreaRing(PageMessage):
-    """An open ring of the area, or the middle line of a corridor; `path` if the scenario draws it."""
+    """An open ring of the area, or a corridor's middle line; `path` if the scenario draws it."""
 
     name: str
     path: Path | None
@@ -18,10 +16,7 @@ class AreaRing(PageMessage):
 
 
 class SurveyArea(PageMessage):
-    """The survey's area as in the file, valid or not; no rings without a survey.
-
-    `cameras` are the names of the known ones.
-    """
+    """The area as in the file, valid or not; no rings without a survey."""
 
     kind: Literal["area"] = "area"
     revision: int
@@ -30,7 +25,7 @@ class SurveyArea(PageMessage):
 
 
 class SurveyLine(PageMessage):
-    """A line flown with the sensor on: its flight (from 0), the heights of its ends, and its photos."""
+    """A line: its flight (from 0), heights of its ends, photos."""
 
     flight: int
     begin: LngLat
@@ -47,10 +42,9 @@ class LeastOverlap(PageMessage):
 class SurveyLayout(PageMessage):
     """Lines, connections and coverage: `share` of the visible area that is seen, and its `gaps`.
 
-    `height`: least and most above the highest ground seen. `footprint`: size of a photo across and along the line, or
-    the sensor's width. `trigger`: largest distance of photos. `kept_out`: no lines here. `front` and `side`: smallest
-    overlaps with the next photo and the next line. `starts`: alternatives to home. `short`: photos with less overlap
-    than required, in words. `degrees`: direction of the longest line.
+    `height`: least and most above the highest ground seen. `footprint`: of a photo across and along, or the sensor's
+    width. `trigger`: largest distance of photos. `front` and `side`: smallest overlaps. `starts`: alternatives to home.
+    `short`: photos with too little overlap, in words. `degrees`: of the longest line.
     """
 
     starts: tuple[LngLat, ...]
@@ -75,11 +69,7 @@ class SurveyLayout(PageMessage):
 
 
 class CoarseSurvey(PageMessage):
-    """Lines before their flights are planned: nothing is proved yet.
-
-    `seconds`: approximate duration without take-off, transit and landing. `number` is that of the drag it answers, or
-    None for the document.
-    """
+    """Unproved lines; `seconds` without take-off, transit and landing; `number` of the drag it answers."""
 
     kind: Literal["coarse_survey"] = "coarse_survey"
     revision: int

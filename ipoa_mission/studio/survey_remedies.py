@@ -1,5 +1,3 @@
-"""Suggest remedies in numbers for a refused survey."""
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -17,11 +15,11 @@ from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.world.obstacles import Obstacle
 
-MARGIN = 5.0  # margin of widened bounds beyond the survey [m]
+MARGIN = 5.0  # beyond the survey [m]
 
 
 def survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield remedies for a refused survey; the next plan checks them."""
+    """Yield remedies; the next plan checks them."""
     if scenario.survey is None or scenario.survey_area is None:
         return
     if error.known.get("limit") == "bounds":
@@ -89,7 +87,6 @@ def _height_over(body: Obstacle, scenario: Scenario) -> float:
 
 
 def area_remedies(error: MissionError, table: Mapping[str, Any]) -> Iterator[Remedy]:
-    """Yield the removal of a ring at a forbidden place."""
     for change in error.remedies:
         if change.field[:2] == ("survey", "polygon"):
             polygon = table["survey"]["polygon"]

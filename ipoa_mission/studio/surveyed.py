@@ -1,5 +1,3 @@
-"""Show a survey: its lines at once, and its flights when planned."""
-
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -8,7 +6,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_view import in_words
@@ -19,13 +16,14 @@ from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.survey.laying import SurveySketch
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-DRAWING_TOLERANCE = 0.1  # finer detail is not drawn [m]
-SHOWN_GAP = 0.01  # smaller gaps are rounding [m^2]
-ZONE_MARGIN = 1.0  # margin around the area, in line spacings, in which excluded zones are drawn
+DRAWING_TOLERANCE = 0.1  # [m]
+SHOWN_GAP = 0.01  # rounding [m^2]
+ZONE_MARGIN = 1.0  # around the area, in line spacings
 
 
 def coarse_survey(

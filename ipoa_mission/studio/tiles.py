@@ -1,7 +1,4 @@
-"""Serve map tiles of a server that the user names, or of a file: images or vector tiles (MVT).
-
-No other host is contacted. The page itself loads from a server; this module reads files.
-"""
+"""Serve map tiles of a server that the user names, or of a file; no other host is contacted."""
 
 import html
 import json
@@ -20,17 +17,17 @@ from ipoa_mission.studio import answers, memory
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
 ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:\d+)?")
 WMTS = {"{TileMatrix}": "{z}", "{TileCol}": "{x}", "{TileRow}": "{y}"}
-VECTOR = ("pbf", "mvt")  # suffixes of formats and of servers' addresses
+VECTOR = ("pbf", "mvt")
 GZIP = b"\x1f\x8b"
 PICTURES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 NONE = "none"
-DEEPEST, DEEPEST_VECTOR = 22, 14  # of a server; the page enlarges vector tiles beyond
+DEEPEST, DEEPEST_VECTOR = 22, 14  # the page enlarges vector tiles beyond
 MBTILES, PMTILES = ".mbtiles", ".pmtiles"
 
 
 @dataclass(frozen=True)
 class TileSource:
-    """A source of tiles: `shown` for the page; `origin` of a server, or `read` of a file."""
+    """`shown` for the page; `origin` of a server, or `read` of a file."""
 
     shown: answers.Tiles
     origin: str | None = None
@@ -38,11 +35,7 @@ class TileSource:
 
 
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
-    """Return the requested tiles and remember them; else the remembered ones, if still there.
-
-    Raises:
-        BadInput: the requested tiles are not available.
-    """
+    """Return the requested tiles and remember them; else the remembered ones. Raises BadInput."""
     if asked == NONE:
         memory.keep_tiles(None)
         return None
@@ -60,11 +53,7 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:
-    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file.
-
-    Raises:
-        BadInput: it is none of these, or its tiles have another format.
-    """
+    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file. Raises BadInput."""
     if "://" in source:
         return _of_server(source, attribution)
     path = Path(source)
@@ -147,11 +136,7 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
 
 
 def _is_vector(path: Path, kind: str) -> bool:
-    """Return whether this format is one of vector tiles.
-
-    Raises:
-        BadInput: it is not one of images either.
-    """
+    """Return whether a format is one of vector tiles. Raises BadInput for one of neither."""
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
         known = "png, jpg, webp, or vector tiles: pbf"
         words = f"expected pictures ({known}), not {kind or 'tiles of no stated format'}"

@@ -22,10 +22,10 @@ from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
-TERRACE_LEVELS, CELLS = 12, 96  # levels of the ground, and cells along the longer side
+TERRACE_LEVELS, CELLS = 12, 96  # and cells along the longer side
 DEGREES = 7
-LINE_HALF_WIDTH = 0.75  # of a line without a height as drawn [m]
-LEVEL_OFFSET = 1e-6  # ground exactly at a level counts as above it [m]
+LINE_HALF_WIDTH = 0.75  # [m]
+LEVEL_OFFSET = 1e-6  # [m]
 
 
 def world_of(scenario: Scenario, revision: int) -> World:
@@ -66,7 +66,7 @@ def line_of(frame: LocalFrame, points: Points) -> MapLine:
 
 
 def without_folders(words: str, scenario: Scenario) -> str:
-    """Replace paths of the scenario's maps by their names, and indices by the map's labels."""
+    """Replace paths of maps by their names, and indices by the map's labels."""
     for section in scenario.maps:
         words = words.replace(str(section.file), section.file.name)
     return as_on_map(words)
@@ -96,7 +96,7 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
 
 
 def _doubtful(thing: PassedOver, frame: LocalFrame) -> Iterator[Body]:
-    """Yield the outline of a thing of unknown height on a map; a line or a point becomes a thin area."""
+    """Yield the outline of a thing of unknown height; a line or a point becomes a thin area."""
     wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(LINE_HALF_WIDTH, quad_segs=3)
     for part in shapely.get_parts(wide):
         rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
@@ -128,14 +128,14 @@ def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
 
 
 def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
-    with suppress(KeyError, TypeError, ValueError, BadInput):  # reading the scenario reports these errors
+    with suppress(KeyError, TypeError, ValueError, BadInput):
         frame = frame_of(dict(table))
         for n, fence in enumerate(table.get("fence", ())):
             yield fence_of(n, FenceSection.model_validate(fence), frame)
 
 
 def _terraces(scenario: Scenario) -> Iterator[Terrace]:
-    """Yield the ground as steps, each drawn where the ground is at least at its level."""
+    """Yield steps, each drawn where the ground is at least at its level."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
     step = round_step(max(high - low, 1.0) / TERRACE_LEVELS)

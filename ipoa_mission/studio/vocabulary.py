@@ -1,4 +1,4 @@
-"""Define the parts of messages. Positions are [longitude, latitude] in degrees, as in GeoJSON."""
+"""Positions are [longitude, latitude] in degrees, as in GeoJSON."""
 
 from collections.abc import Callable
 from functools import partial
@@ -9,13 +9,12 @@ from pydantic import BaseModel, ConfigDict, WithJsonSchema
 LngLat: TypeAlias = tuple[float, float]
 Path: TypeAlias = tuple[str | int, ...]
 Number: TypeAlias = float | None
-#: Orders to a vehicle in flight.
 InFlight: TypeAlias = Literal["hold", "go_on", "rtl", "land"]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 
 def as_on_map(words: str) -> str:
-    """Replace paths of the scenario's things by their labels on the map.
+    """Replace paths by the map's labels.
 
     >>> as_on_map("via[0]: expected a place outside fence[1]")
     'via 1: expected a place outside fence 2'
@@ -30,7 +29,7 @@ def _counted(key: str, numbers: list[int]) -> str:
 
 
 def renamed(words: str, key: str, called: Callable[[list[int]], str]) -> str:
-    """Replace a key of the scenario and its indices: `key[1][2]` by `called([1, 2])`."""
+    """Replace a key and its indices: `key[1][2]` by `called([1, 2])`."""
     text, *rest = words.split(key)
     for part in rest:
         numbers = list[int]()
@@ -42,13 +41,11 @@ def renamed(words: str, key: str, called: Callable[[list[int]], str]) -> str:
 
 
 class PageMessage(BaseModel):
-    """A message, which rejects unknown fields."""
-
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
 
 
 class MapLine(PageMessage):
-    """A path: points on the map, and the height of each above home [m]."""
+    """Points on the map, and the height of each above home [m]."""
 
     points: tuple[LngLat, ...]
     up: tuple[float, ...]

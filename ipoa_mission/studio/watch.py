@@ -1,5 +1,3 @@
-"""Report a flight to the page: position, the effect of each order now, and the battery."""
-
 import math
 import queue
 import time
@@ -10,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow
@@ -22,23 +21,19 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.studio.flight_answers import OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.harness import Answer, Order
 from ipoa_mission.studio.vocabulary import InFlight
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
-POSITION_INTERVAL_S = 0.2  # least interval of positions, by the vehicle's clock
-FORECAST_INTERVAL_S = 1.0  # least interval of forecasts of orders
-FORECAST_DISTANCE = 10.0  # beyond this distance from the planned position, orders are not forecast [m]
-MESSAGE_LIMIT = 6  # messages of the vehicle that are kept
+POSITION_INTERVAL_S = 0.2  # by the vehicle's clock
+FORECAST_INTERVAL_S = 1.0
+FORECAST_DISTANCE = 10.0  # from the planned position [m]
+MESSAGE_LIMIT = 6
 ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
 NO_MODEL = "the flight has no forecast"
 
 
 class Watch:
-    """Watch a vehicle in flight for the page; send it the page's orders from the queue `beside`.
-
-    `speedup`: the built-in autopilot, which has no clock, flies this many times as fast as real.
-    """
+    """Watch a vehicle; send orders from `beside`. `speedup`: of the built-in autopilot, which has no clock."""
 
     def __init__(
         self,
@@ -74,7 +69,7 @@ class Watch:
         return vehicle.order.is_paused or vehicle.state.custom_mode == vehicle.autopilot.modes.hold
 
     def hear(self, message: Message) -> None:
-        """Handle a message of the vehicle; one without a position may still require landing earlier."""
+        """Handle a message; one without a position may still require landing earlier."""
         self.look()
         vehicle = self._vehicle
         match message:
@@ -94,7 +89,6 @@ class Watch:
                     self._answer(self._seen(message, record))
 
     def look(self, *_: object) -> None:
-        """Send the page's orders and report the state, also while the link is lost."""
         with suppress(queue.Empty):
             self._order(self._beside.get_nowait()["what"])
         vehicle, absence = self._vehicle, self._vehicle.absence
@@ -109,7 +103,7 @@ class Watch:
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
 
     def _obeyed(self, mode: int | None) -> Literal["rtl", "land"] | None:
-        """Return the page's order that ends the flight, once the vehicle was in its mode."""
+        """Return the order that ends the flight, once the vehicle was in its mode."""
         modes = self._vehicle.autopilot.modes
         by = {"rtl": modes.returns, "land": modes.lands}
         is_obeyed = self._ordered is not None and (mode in by[self._ordered] or self.obeyed == self._ordered)
@@ -152,10 +146,7 @@ class Watch:
         return self._then
 
     def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
-        """Yield each possible order and its effect at a time of the forecast, or why it is `unknown`.
-
-        Hold and land are checked from the vehicle's actual position.
-        """
+        """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
         mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
         done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
         offered: list[InFlight] = [what for what in ORDERED if not done[what]]
@@ -181,7 +172,6 @@ class Watch:
             )
 
     def _go_on(self, now: float, unknown: str) -> OrderThen:
-        """Return the effect of continuing as planned, valid at the planned position."""
         left = self._forecast.estimate.total_s - now
         current = self._vehicle.state.current
         item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"

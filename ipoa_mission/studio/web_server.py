@@ -1,4 +1,4 @@
-"""Serve the page under a secret path, and a WebSocket for all messages."""
+"""Serve the page under a secret path, and a WebSocket."""
 
 import asyncio
 import json
@@ -33,7 +33,7 @@ TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".s
 
 
 def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
-    """Return the web application; `bundle` is the folder of the built page, `host` its "name:port"."""
+    """Return the web application; `host` is its "name:port"."""
     if tiles is not None:
         sessions.tell_everyone(tiles.shown)
 
@@ -122,13 +122,9 @@ def serve(
     tiles: TileSource | None = None,
     world: Path | None = None,
 ) -> None:
-    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address once the port is open.
+    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address. Raises BadInput.
 
-    A known file keeps its address, so that its old page reconnects; without a file the start page opens. A log is
-    opened with its mission.
-
-    Raises:
-        BadInput: the file cannot be read, or the port is not available.
+    A known file keeps its address, so that its old page reconnects. A log is opened with its mission.
     """
     known = address_of(None if path is None else path.resolve())
     with _listen(port, known.port) as listener:
@@ -146,11 +142,7 @@ def serve(
 
 
 def _listen(asked: int, before: int) -> socket.socket:
-    """Return a socket on this machine: at the requested port, else the one before, else any free one.
-
-    Raises:
-        BadInput: the requested port is not available.
-    """
+    """Return a socket at the requested port, else the one before, else any. Raises BadInput."""
     if asked:
         try:
             return socket.create_server(("127.0.0.1", asked))

@@ -1,5 +1,3 @@
-"""An open page, as the server sees it."""
-
 import asyncio
 from typing import Any
 

@@ -1,1 +1,1 @@
-"""Plan the quickest order of lines over an area, and compute how much of it they see."""
+"""Plan the lines of a survey and its flights."""

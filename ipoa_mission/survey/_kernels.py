@@ -1,7 +1,4 @@
-"""Compute path times, lines of sight and ways between line ends, compiled.
-
-Line k has the ends 2k and 2k+1. A line entered at end e is left at e ^ 1. A `Clock` gives the times.
-"""
+"""Line k has the ends 2k and 2k + 1; entered at end e, it is left at e ^ 1."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -19,7 +16,6 @@ BOX_EDGES = 8  # successive edges that share a bounding box
 
 @njit(cache=True, error_model="numpy")
 def seconds_of(clock, east, north):
-    """Return the time of a straight leg at the requested speed [s]."""
     length = math.sqrt(east * east + north * north)
     count = clock.pace.size
     if count == 1:
@@ -32,7 +28,7 @@ def seconds_of(clock, east, north):
 
 @njit(cache=True, error_model="numpy")
 def corner_at(clock, cosine, length):
-    """Return the time a corner adds [s]; `length` is the shorter of its two legs."""
+    """Return the time a corner adds [s]; `length` [m]: its shorter leg."""
     angles, lengths = clock.corner.shape
     a = math.acos(min(max(cosine, -1.0), 1.0)) / math.pi * (angles - 1)
     i = min(int(a), angles - 2)
@@ -45,7 +41,7 @@ def corner_at(clock, cosine, length):
 
 @njit(cache=True, error_model="numpy")
 def path_seconds(clock, path):
-    """Return the time of a polyline (n, 2) flown at speed at both ends, with its corners [s]."""
+    """Return the time of a polyline (n, 2), at speed at both ends [s]."""
     total, before, was_e, was_n = 0.0, 0.0, 0.0, 0.0
     for k in range(len(path) - 1):
         e, n = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
@@ -61,7 +57,7 @@ def path_seconds(clock, path):
 
 @njit(cache=True, error_model="numpy")
 def _boxes(edges):
-    """Return the bounds of each `BOX_EDGES` successive edges (m, 4): west, east, south, north (k, 4)."""
+    """Return west, east, south, north (k, 4) of each `BOX_EDGES` edges (m, 4)."""
     boxes = np.empty(((len(edges) + BOX_EDGES - 1) // BOX_EDGES, 4))
     for box in range(len(boxes)):
         boxes[box] = np.inf, -np.inf, np.inf, -np.inf
@@ -75,7 +71,6 @@ def _boxes(edges):
 
 @njit(cache=True, error_model="numpy")
 def _is_clear(edges, boxes, px, py, qx, qy):
-    """Return whether a segment crosses no edge (m, 4). Touching the begin of an edge counts as crossing."""
     west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
     for box in range(len(boxes)):
         if boxes[box, 1] < west or boxes[box, 0] > east or boxes[box, 3] < south or boxes[box, 2] > north:
@@ -97,7 +92,7 @@ def _is_clear(edges, boxes, px, py, qx, qy):
 
 @njit(cache=True, error_model="numpy")
 def sights(places, others, edges):
-    """Return which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
+    """Return which `others` (m, 2) each place (n, 2) sees past the edges (k, 4), (n, m)."""
     seen, boxes = np.empty((len(places), len(others)), np.bool_), _boxes(edges)
     for i in range(len(places)):
         for j in range(len(others)):
@@ -107,10 +102,7 @@ def sights(places, others, edges):
 
 @njit(cache=True, error_model="numpy")
 def _goes_by(arms, corner, east, north):
-    """Return whether a way in this direction may touch a corner: both `arms` are on one side of it.
-
-    A way within `TOUCH_TOLERANCE` passes: lines may end nearer to an obstacle than its corners.
-    """
+    """Return whether both `arms` (4,) of a corner are on one side of a way."""
     one = east * arms[corner, 1] - north * arms[corner, 0]
     other = east * arms[corner, 3] - north * arms[corner, 2]
     return one * other >= 0.0 or min(abs(one), abs(other)) <= TOUCH_TOLERANCE
@@ -118,10 +110,7 @@ def _goes_by(arms, corner, east, north):
 
 @njit(cache=True, error_model="numpy")
 def straight_ways(corners, arms, edges):
-    """Return the straight distances between corners (n, 2) that a shortest way may use (n, n) [m].
-
-    NO_WAY where an edge is between, or where the way does not touch both corners. `arms` (n, 4) lead to the neighbors.
-    """
+    """Return straight distances between corners (n, 2), or NO_WAY, (n, n) [m]; `arms` (n, 4) lead to neighbors."""
     count = len(corners)
     apart, boxes = np.empty((count, count)), _boxes(edges)
     for i in range(count):
@@ -137,7 +126,7 @@ def straight_ways(corners, arms, edges):
 
 @njit(cache=True, error_model="numpy")
 def _near(ends, corners, arms, edges):
-    """Return the straight distance from each end (n, 2) to each corner (m, 2) that a way may touch (n, m) [m]."""
+    """Return straight distances from ends (n, 2) to corners (m, 2), or NO_WAY, (n, m) [m]."""
     away, boxes = np.empty((len(ends), len(corners))), _boxes(edges)
     for i in range(len(ends)):
         for c in range(len(corners)):
@@ -150,7 +139,7 @@ def _near(ends, corners, arms, edges):
 
 @njit(cache=True, error_model="numpy")
 def _lists(apart):
-    """Return the columns of each row (n, m) that hold less than NO_WAY, concatenated, and the begin of each row."""
+    """Return the columns of each row (n, m) below NO_WAY, concatenated, and each row's begin."""
     begins = np.empty(len(apart) + 1, np.int32)
     begins[0] = 0
     for i in range(len(apart)):
@@ -168,7 +157,7 @@ def _lists(apart):
 
 @njit(cache=True, error_model="numpy")
 def _spread(start, near, between, begins, others, bend, dist, prev):
-    """Compute the shortest ways from one end to all corners, with `bend` [m] a corner, and the corner before each."""
+    """Return the shortest ways from one end to all corners [m], and each previous corner."""
     count = near.shape[1]
     done = np.empty(count, np.bool_)
     for c in range(count):
@@ -190,10 +179,9 @@ def _spread(start, near, between, begins, others, bend, dist, prev):
 
 @njit(cache=True, error_model="numpy")
 def ways_between(clock, ends, corners, arms, between, edges, bend):
-    """Return the times of the ways between all line ends (n, n) [s], with the corners at both ends.
+    """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
-    Also return what rebuilds the ways: the last corner before an end (n, n) and before a corner (n, corners).
-    DIRECT marks no corner, NONE no way.
+    Also return the last corner before an end (n, n) and before a corner (n, corners), or DIRECT, or NONE for no way.
     """
     count, many = len(ends), len(corners)
     near, boxes = _near(ends, corners, arms, edges), _boxes(edges)
@@ -220,7 +208,6 @@ def ways_between(clock, ends, corners, arms, between, edges, bend):
                         least, last[i, j] = through, near_corners[k]
                 if last[i, j] == NONE:
                     continue
-            # Go backward from j: its line, the corners, the line at i.
             in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]
             length, total, c = math.hypot(in_e, in_n), 0.0, last[i, j]
             x, y = ends[j, 0], ends[j, 1]

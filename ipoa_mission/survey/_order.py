@@ -1,7 +1,4 @@
-"""Search for a quick order of lines, compiled.
-
-Line k has the ends 2k and 2k+1. A line entered at end e is left at e ^ 1.
-"""
+"""Search for a quick order of lines; ends as in `_kernels`."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -12,7 +9,7 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def _sums(entries, times, lines, forth, back):
-    """Sum the cost up to each line, flown forward and backward. The first and last of `entries` are no lines."""
+    """Sum the cost up to each line, forward and backward."""
     forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
     for k in range(2, len(entries) - 1):
         here, there = entries[k - 1], entries[k]
@@ -22,7 +19,6 @@ def _sums(entries, times, lines, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def _flip(entries, i, j):
-    """Reverse lines i to j."""
     while i <= j:
         entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
         i, j = i + 1, j - 1
@@ -30,11 +26,11 @@ def _flip(entries, i, j):
 
 @njit(cache=True, error_model="numpy")
 def _better(entries, k, times, lines, forth, back):
-    """Return the best change at line k: its kind (0: none, 1: flip, 2: move, 3: move and flip), and its indices."""
+    """Return the best change at line k: 0 none, 1 flip, 2 move, 3 move and flip; and its indices."""
     beyond = len(entries) - 1
     best, kind, a, b, c = -1e-7, 0, 0, 0, 0
     before, head = entries[k - 1] ^ 1, entries[k]
-    for i in range(1, k):  # reverse the lines between k and another
+    for i in range(1, k):
         y = entries[k + 1]
         delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
         delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
@@ -47,13 +43,13 @@ def _better(entries, k, times, lines, forth, back):
         delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
         if delta < best:
             best, kind, a, b = delta, 1, k, j
-    for e in range(k, min(k + 3, beyond)):  # move lines k to e
+    for e in range(k, min(k + 3, beyond)):
         tail, after = entries[e] ^ 1, entries[e + 1]
         out = times[before, after] - times[before, head] - times[tail, after]
         if out > -1e-7:
             continue
         turned = (back[e] - back[k] + lines[head ^ 1]) - (forth[e] - forth[k] + lines[head])
-        for p in range(beyond):  # behind line p
+        for p in range(beyond):
             if k - 1 <= p <= e:
                 continue
             x, y = entries[p] ^ 1, entries[p + 1]
@@ -69,7 +65,6 @@ def _better(entries, k, times, lines, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def _move(entries, i, e, p):
-    """Move lines i to e behind line p by three flips."""
     if p < i:
         _flip(entries, p + 1, e)
         _flip(entries, p + 1, p + e - i + 1)
@@ -82,7 +77,7 @@ def _move(entries, i, e, p):
 
 @njit(cache=True, error_model="numpy")
 def _descend(entries, times, lines, dirty, forth, back):
-    """Apply improving changes from the dirty lines until none is left; return the cost [s]."""
+    """Improve at the dirty lines; return the cost [s]."""
     beyond = len(entries) - 1
     _sums(entries, times, lines, forth, back)
     k, clean = 1, 0
@@ -111,14 +106,13 @@ def _descend(entries, times, lines, dirty, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def search_order(lines_in_order, times, lines, rounds):
-    """Return a quick order of lines, as the ends at which they are entered (n,), and its cost [s].
+    """Return the ends (n,) at which lines are entered in a quick order, and its cost [s].
 
-    A local search, perturbed until `rounds` perturbations in a row gain nothing. `times` (2n + 2, 2n + 2) are those of
-    the ways between ends, and of two more ends where the tour begins and ends. `lines` are times by entry (2n,).
+    `times` (2n + 2, 2n + 2): between ends; the tour's begin and end last. `lines` (2n,): by entry.
     """
     count = len(lines_in_order)
     best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
-    best[0], best[count + 1] = 2 * count + 1, 2 * count  # the first is only left, the last only entered
+    best[0], best[count + 1] = 2 * count + 1, 2 * count  # begin and end of the tour
     forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.empty(count + 2, np.bool_)
     for k in range(count):
         best[k + 1] = lines_in_order[k]
@@ -145,7 +139,7 @@ def search_order(lines_in_order, times, lines, rounds):
             else:
                 i, e, p = min(i, at), max(min(e, at), i), max(e, at)
         if e < p:
-            _move(now, i, e, p)  # exchange two stretches
+            _move(now, i, e, p)
         else:
             _flip(now, i, p)
         for m in (i, i + p - e, p + 1):

@@ -1,15 +1,13 @@
-"""Assemble the mission of a tour: out, along the lines with the camera on, and home."""
-
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission import Command, Frame
 from ipoa_mission.checks.way_home import clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route
@@ -20,18 +18,12 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.survey.transit import SAME_PLACE, clear_way
 
-PITCH_DOWN_DEG = -90.0  # of the gimbal
+PITCH_DOWN_DEG = -90.0
 MOUNT_MODE_TARGETING = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
 
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
-    """Return the mission that flies a tour from home to home.
-
-    Raises:
-        NoPath, NoRoute: no clear way leads there, or home.
-        MissionError: the vehicle triggers no camera.
-        BadInput, Unsafe: as `build_mission`.
-    """
+    """Return the mission of a tour. Raises NoPath, NoRoute, MissionError, BadInput, Unsafe."""
     path, begins, ends = _path(tour)
     points, corners = lifted(path, sight, scenario.airspace.ground)
     out = clear_way(scenario.start_point, points[0], scenario, growth, seed)[:-1]
@@ -53,11 +45,11 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
     gimbal = gimbal_items(scenario, mission)
-    items[1:1] = gimbal  # it turns on the way to the first line
+    items[1:1] = gimbal
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
     last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))
-    if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins at the end of the take-off
+    if flown.items[first].command != Command.NAV_WAYPOINT:
         return flown
     return replace(flown, complex_items=(survey_item(flown, first, last, tour, sight, scenario),))
 
@@ -68,7 +60,7 @@ def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tup
 
 
 def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
-    """Return the corners in flight order (n, 2), without repeats, and the indices at which lines begin and end."""
+    """Return the corners (n, 2), and the indices of line begins and ends."""
     path, begins, ends = list[Points](), list[int](), list[int]()
 
     def reach(place: Points) -> int:
@@ -85,11 +77,6 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
 
 
 def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
-    """Return the items that point the gimbal straight down, if the scenario asks for it.
-
-    Raises:
-        MissionError: the vehicle has no command for it.
-    """
     if scenario.survey is None or scenario.survey.gimbal is None:
         return []
     own = mission.autopilot.firmware(mission.firmware_version)
@@ -101,11 +88,7 @@ def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
 
 
 def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
-    """Return the items that start photos every `distance` [m], and those that stop them; none if it is 0.
-
-    Raises:
-        MissionError: the vehicle has no command for it.
-    """
+    """Return the items that start photos every `distance` [m], and those that stop them."""
     if distance == 0.0:
         return [], []
     own = mission.autopilot.firmware(mission.firmware_version)

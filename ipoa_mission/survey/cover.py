@@ -1,5 +1,3 @@
-"""Find the quickest tour of parallel lines that sees all of an area and stays inside."""
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -11,9 +9,9 @@ import shapely
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
-from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.line_gaps import MAX_UNSEEN, Closing, SensedPath
 from ipoa_mission.survey.outline import narrower, wider
@@ -22,22 +20,22 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.union import union_of
 
-#: Of the lines, clockwise from north [degrees]. Several: one pass in each. Crosshatch: the best one, then across it.
+#: Clockwise from north [degrees]; several: one pass each; crosshatch: the best and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
 MAX_LAID = 20  # directions and shifts
-MAX_LAID_WHOLE = 4  # for an area without holes
-MAX_LINES = 800  # of all of them
-REFINEMENTS = 2  # that order detours with the lines
-ASSUMED_SHARE = 0.5  # of the smallest cost of closing gaps so far, which each other pass is assumed to need
-GAP_AREA, GAP_OUTLINE = 0.2, 4.0  # [spacing^2], [spacing]: larger gaps get a line before the lines are ordered
+MAX_LAID_WHOLE = 4
+MAX_LINES = 800
+REFINEMENTS = 2
+ASSUMED_SHARE = 0.5  # share of the smallest cost of closing gaps so far
+GAP_AREA, GAP_OUTLINE = 0.2, 4.0  # [spacing^2], [spacing]: larger gaps get a line before ordering
 TURN_LEG = 9e3  # [m]
 MAX_DIRECTIONS = 36
-MIN_DIRECTION_DIFFERENCE = 1.0  # directions nearer to each other are one
+MIN_DIRECTION_DIFFERENCE = 1.0  # [degrees]
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
-MAX_ROUNDS, MAX_STEPS = 1000, 1e6  # failed rounds, and times squared lines
+MAX_ROUNDS, MAX_STEPS = 1000, 1e6
 INSET_SHARE = 0.25  # of the coverage budget
-SIMPLIFICATION = 0.03  # [spacing]: growth of the kept-out geometry
+SIMPLIFICATION = 0.03  # [spacing]
 EDGE_INSET, MAX_EDGE_INSET = 0.03, 0.1  # [spacing], [m]: for an area with fewer corners
 
 
@@ -52,24 +50,17 @@ def quickest_tour(
     begin: Vector | None = None,
     end: Vector | None = None,
 ) -> Tour:
-    """Return the tour that takes the least time.
+    """Return the quickest tour. Raises BadInput, MissionError.
 
     Args:
         area: to be seen; its holes are kept out of.
-        spacing: between lines [m]; a line sees half of it on either side.
+        spacing: between lines [m].
         cost: times of the vehicle.
-        keep_out: a shapely geometry that neither lines nor ways enter: obstacles grown by their clearance.
+        keep_out: a shapely geometry.
         direction: of the lines.
         turns_outside: how far ways may leave the area [m].
-        begin: place before the tour (2,), or None if it does not matter.
-        end: place after the tour (2,), or None.
-
-    Returns:
-        Lines and ways; the same for the same arguments.
-
-    Raises:
-        BadInput: naming the argument.
-        MissionError: nothing of the area may be flown over, or no way leads between its parts.
+        begin: place before the tour (2,), or None for any.
+        end: place after it (2,), or None.
     """
     _expect(spacing > 0 and math.isfinite(spacing), "spacing", "more than 0 m", spacing)
     _expect(turns_outside >= 0 and math.isfinite(turns_outside), "turns_outside", "0 m or more", turns_outside)
@@ -100,10 +91,7 @@ def quickest_tour(
 def way_between(
     area: Area, spacing: float, *, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
 ) -> Callable[[Vector, Vector], Points]:
-    """Return a function that gives the corners (k, 2) of the way between two places (2,), both included.
-
-    The arguments are those of `quickest_tour`.
-    """
+    """Return a function that gives the corners (k, 2) between two places (2,)."""
     return _Survey.of(area, spacing, keep_out, turns_outside, cost).way
 
 
@@ -114,11 +102,7 @@ def _expect(is_so: bool, place: str, words: str, given: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Pass:
-    """Lines (n, 2, 2), most of them in one direction, their route, and its seconds.
-
-    `goals` are the lines and places of the detours that close gaps. `unseen` is the share of the area that is
-    still unseen, where that is too much.
-    """
+    """Lines (n, 2, 2) and their route; `goals`: detours that close gaps; `unseen`: the excess unseen share."""
 
     degrees: float
     lines: Points
@@ -130,14 +114,11 @@ class _Pass:
 
     @property
     def worth(self) -> tuple[float, float]:
-        """Return the sort key; smaller is better, and coverage counts before time."""
         return self.unseen, self.seconds
 
 
 @dataclass(frozen=True, eq=False)
 class _Survey:
-    """The area to see, where lines may lie, and where ways lead: inside, or around to other parts."""
-
     area: Any
     free: FreeSpace
     ways: FreeSpace
@@ -161,7 +142,7 @@ class _Survey:
         return cls(visible, free, ways, around, spacing, cost)
 
     def directions(self) -> list[float]:
-        """Return the directions of the edges and of the hull, the longest first, without duplicates [degrees]."""
+        """Return the directions of edges and hull, longest first [degrees]."""
         rings = [*shapely.get_rings(shapely.get_parts(self.free.shape)), self.area.convex_hull.exterior]
         legs = np.concatenate([np.diff(shapely.get_coordinates(ring), axis=0) for ring in rings])
         lengths = np.linalg.norm(legs, axis=1)
@@ -174,7 +155,7 @@ class _Survey:
         return found[:MAX_DIRECTIONS]
 
     def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
-        """Return the quickest pass of some directions; only the most promising ones are computed in full."""
+        """Return the quickest pass; only the most promising are computed in full."""
         looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
         laid, lines = list[tuple[float, Points]](), 0
         for _, each, shift in looked[: MAX_LAID if self._is_holed else MAX_LAID_WHOLE]:
@@ -205,7 +186,7 @@ class _Survey:
         return best
 
     def _rough(self, degrees: float, shift: float) -> float:
-        """Return the approximate time of the lines in a direction, without ways [s]."""
+        """Return the approximate time of the lines [s]."""
         lines = self._lines(degrees, shift)
         length = float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
         return length / self.cost.speed + self._turn * len(lines) + abs(shift)
@@ -219,7 +200,6 @@ class _Survey:
         return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > MIN_PIECE * self.spacing])
 
     def _laid(self, degrees: float, shift: float) -> Points:
-        """Return the lines (n, 2, 2) of a direction, and those that holes require in addition."""
         lines = self._lines(degrees, shift)
         more = []
         for gap in parts_of(self.area.difference(seen_from(lines, self.spacing))):
@@ -234,11 +214,6 @@ class _Survey:
         return np.concatenate([lines, np.array(spots).repeat(2, axis=0).reshape(-1, 2, 2)])
 
     def _ordered(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
-        """Return the lines in a quick order, without closing their gaps.
-
-        Raises:
-            MissionError: no way leads from one of them to another.
-        """
         ends = np.ascontiguousarray(lines.reshape(-1, 2))
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
@@ -265,11 +240,7 @@ class _Survey:
         return self.cost.seconds(np.array([*_known(begin), *route.places, *_known(end)]))
 
     def way(self, start: Vector, end: Vector) -> Points:
-        """Return the corners (k, 2) of the way from one place to another.
-
-        Raises:
-            MissionError: there is none.
-        """
+        """Return the corners (k, 2) from one place to another. Raises MissionError."""
         first, last = self._out(start), self._out(end)
         ways = Ways(np.array([first[-1], first[-1], last[-1], last[-1]]), self.ways, self.around, self.cost)
         if ways.times[0, 2] >= NO_WAY:
@@ -277,10 +248,7 @@ class _Survey:
         return np.concatenate([first[:-1], ways.way(0, 2), last[-2::-1]])
 
     def _out(self, place: Vector) -> Points:
-        """Return a place, then the nearest free one if the simplified outline covers it, (1 or 2, 2).
-
-        An area and a part of it have different simplified outlines, and lines may end between them.
-        """
+        """Return a place, then the nearest free one if the outline covers it, (1 or 2, 2)."""
         spot = shapely.Point(place)
         if self.around.shape.covers(spot) or self.ways.inner.is_empty:
             return np.array([place])
@@ -292,12 +260,11 @@ class _Survey:
 
     @cached_property
     def _turn(self) -> float:
-        """Return the time of a turn from one long line to the next [s]."""
         corners = np.array([[0.0, 0.0], [TURN_LEG, 0.0], [TURN_LEG, self.spacing], [0.0, self.spacing]])
         return self.cost.seconds(corners) - 2 * TURN_LEG / self.cost.speed
 
     def _reach(self, ends: Points, place: Vector | None) -> Vector:
-        """Return the time from each end (2n, 2) of lines to a place, with the corner [s]; 0 if it is None."""
+        """Return the time from each line end (2n, 2) to a place [s]."""
         if place is None:
             return np.zeros(len(ends))
         lines = [ends[[n ^ 1, n]] for n in range(len(ends))]
@@ -315,19 +282,15 @@ def _parted() -> MissionError:
 
 
 def _simpler(kept: Any, area: Any, spacing: float) -> Any:
-    """Return the kept-out geometry with fewer corners, grown so little that the coverage loss is negligible."""
     edge = float(kept.boundary.intersection(area).length)
     most = SIMPLIFICATION * spacing if edge <= 0.0 else min(SIMPLIFICATION * spacing, MAX_UNSEEN / 2 * area.area / edge)
     return wider(kept, most)
 
 
 def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: float) -> Any:
-    """Return the area for lines: without `kept`, with fewer corners, and inset by the overshoot past corners.
-
-    The inset must not hide anything visible. Holes get no inset: it takes many more lines.
-    """
+    """Return the area for lines, inset by the overshoot. Holes get no inset: it takes many more lines."""
     outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
-    # The area missed by line ends grows with the cube of the inset.
+    # The missed area grows with the cube of the inset.
     inset = min(past, (INSET_SHARE * MAX_UNSEEN * spacing**2 * math.sqrt(area.area)) ** (1 / 3))
     whole = area.difference(kept)
     may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area
@@ -353,7 +316,6 @@ def _route(entries: Any, ways: Ways) -> SensedPath:
 
 
 def _tour_of(places: Points, is_on: list[bool]) -> Tour:
-    """Return the tour: legs with the sensor on are lines, the others ways."""
     swaths, ways, way = list[Swath](), list[Points](), list[Points]()
     for n, on in enumerate(is_on):
         if on:

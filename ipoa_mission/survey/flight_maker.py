@@ -1,5 +1,3 @@
-"""Split the lines of a survey into flights: the fewest, a given number, or from start places."""
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission import NotEnoughBattery
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
@@ -20,18 +19,17 @@ from ipoa_mission.routing.planned_returns import or_else, settled, why_not_plann
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start, between
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.laying import lay_lines, leg_times, way_over
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.starting import RouteCost, by_start, nearest_areas, nearest_parts, quickest_parts
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 
-MAX_EVERY_SUBSET = 3  # start places of which every subset is tried
-MIN_ONLY_FULL_SET = 10  # start places of which only the full set is tried
+MAX_EVERY_SUBSET = 3
+MIN_ONLY_FULL_SET = 10
 TRIAL_FACTOR = 1.5  # of the estimated number of lines
 IMPOSSIBLE_COST = RouteCost(np.inf, np.inf)
 JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
@@ -39,7 +37,7 @@ JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 
 @dataclass(frozen=True)
 class FlightMaker:
-    """Forecasts flights from their lines; `growth` [m] by obstacle name adds clearance."""
+    """Forecasts flights; `growth` [m] by obstacle name adds clearance."""
 
     scenario: Scenario
     sight: Sight
@@ -48,13 +46,7 @@ class FlightMaker:
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
-        """Return the forecast of a flight.
-
-        Raises:
-            BadInput: no flight may begin at its start place.
-            NoPath, NoRoute: no clear way leads there, or home.
-            MissionError, Unsafe: as `assemble_survey`.
-        """
+        """Return a flight's forecast. Raises BadInput, NoPath, NoRoute, MissionError, Unsafe."""
         world, tour = self.scenario, part.tour
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
@@ -65,7 +57,7 @@ class FlightMaker:
         return Forecast(assemble_survey(tour, self.sight, world, self.growth, self.seed), world)
 
     def fits(self, tour: Tour) -> bool:
-        """Return whether one flight from home flies all of a tour; cache the last that does, by its first line."""
+        """Return whether one flight from home flies a tour; cached."""
         forecast = self._taken(Sortie(tour))
         if forecast is None or (self.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
             return False
@@ -73,7 +65,7 @@ class FlightMaker:
         return True
 
     def tried(self, part: Sortie) -> RouteCost:
-        """Return the cost of a flight: infinite with too many items, over 1 without the battery reserve."""
+        """Return a flight's cost: infinite with too many items, over 1 without the battery reserve."""
         forecast = self._taken(part)
         if forecast is None:
             return IMPOSSIBLE_COST
@@ -85,7 +77,7 @@ class FlightMaker:
     @property
     def max_lines(self) -> int:
         vehicle = self.scenario.vehicle
-        per = 2 if self.sight.trigger is None else 4  # items of a line
+        per = 2 if self.sight.trigger is None else 4
         return vehicle.autopilot.firmware(vehicle.version).max_items // per
 
     def _taken(self, part: Sortie) -> Forecast | None:
@@ -96,16 +88,12 @@ class FlightMaker:
 
     @cached_property
     def cut_overlap(self) -> float:
-        """Return the overlap of both parts of a line that is cut, so that photos overlap there [m]."""
+        """Return the overlap of the parts of a cut line [m]."""
         return max(self.sight.trigger or 0.0, self.sight.along / 2, 1.0)
 
 
 def _expect_clear(world: Scenario, n: int) -> Scenario:
-    """Return the world of a start place, if the climb from it is clear.
-
-    Raises:
-        BadInput: it is not.
-    """
+    """Refuse a start place with a blocked climb. Raises BadInput."""
     up = world.start_point[2]
     for found in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
         if found.limit in ("obstacles", "bounds") and found.slack < 0.0:
@@ -115,12 +103,7 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
 
 
 def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None) -> list[Tour]:
-    """Return tours over the area to compare; more start places give more tours.
-
-    Raises:
-        NoPath: obstacles leave nothing of it.
-        MissionError: no way leads between its parts.
-    """
+    """Return tours to compare. Raises NoPath, MissionError."""
     scenario, sight = make.scenario, make.sight
     if section.starts is None:
         return [lay_lines(scenario, section, area, sight, outside)]
@@ -136,14 +119,13 @@ def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: A
 
 
 def _sets(count: int) -> Iterator[tuple[int, ...]]:
-    """Return sets of start places to try: all, each alone, all but one; with many only the full set."""
+    """Return sets of start places to try."""
     large = (count, count - 1, 1) if count < MIN_ONLY_FULL_SET else (count,)
     sizes = range(count, 0, -1) if count <= MAX_EVERY_SUBSET else large
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 
 def _joined(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None, starts: Points) -> Tour:
-    """Join the lines of the areas nearest to each start place into one tour."""
     scenario, sight = make.scenario, make.sight
     swaths, ways, way = list[Swath](), list[Points](), way_over(area, scenario, section, sight, outside)
     for start, own in zip(starts, nearest_areas(area, starts, sight.spacing), strict=True):
@@ -158,13 +140,7 @@ def _joined(make: FlightMaker, section: SurveySection, area: Area, outside: Any 
 
 
 def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -> tuple[Tour, tuple[Sortie, ...]]:
-    """Return the best of some tours, and its flights.
-
-    Raises:
-        BadInput: more flights than lines are requested, or a start place is blocked.
-        NotEnoughBattery: a line cannot be reached and left again.
-        NoPath, NoRoute: no clear way leads there.
-    """
+    """Return the best tour, and its flights. Raises BadInput, NotEnoughBattery, NoPath, NoRoute."""
     if section.starts is not None:
         return _from_starts(tours, make, np.array(section.starts))
     (tour,) = tours
@@ -188,7 +164,6 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
 
 
 def _lines_at_once(tour: Tour, make: FlightMaker) -> float:
-    """Estimate how many lines of a tour one flight flies, from the first line flown alone."""
     if make.scenario.vehicle.battery is None or len(tour.swaths) == 1:
         return make.max_lines
     try:
@@ -207,7 +182,7 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
     def tried(part: Sortie) -> RouteCost:
         try:
             return make.tried(part)
-        except (NoPath, NoRoute):  # another place may have one
+        except (NoPath, NoRoute):
             return IMPOSSIBLE_COST
 
     for n in range(len(starts)):
@@ -247,11 +222,7 @@ def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
 
 
 def returning(forecast: Forecast) -> Forecast:
-    """Return the forecast with the items that planned returns need, if the scenario asks for them.
-
-    Raises:
-        NoPath: a return path is not clear.
-    """
+    """Return the forecast with the items of planned returns. Raises NoPath."""
     if forecast.world.safety.returns != "planned":
         return forecast
     best, short = settled(forecast)

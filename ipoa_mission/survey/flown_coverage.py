@@ -1,5 +1,3 @@
-"""Compute the coverage of a survey as flown or forecast, with corners cut and overshot."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -11,31 +9,25 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.other_home import between
+from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
 END_TOLERANCE = 0.05  # between an item and its line's end [m]
-ARC = 16  # segments of a quarter circle
+FLOWN_ARC = 16  # segments of a quarter circle
 
 
 @dataclass(frozen=True)
 class AsFlown:
-    """The seen share of the visible area, and how far lines and ways leave the area [m]."""
+    """The seen share of the visible area, and how far paths leave the area [m]."""
 
     share: float
     outside_m: float
 
 
 def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
-    """Return what flights see of an area, with the sensor on along their lines.
-
-    Args:
-        flights: the track of each, and the times at which its lines begin and end (n, 2) [s].
-        area: a shapely geometry that is not to be left.
-        visible: the part that can be seen.
-        width: seen by the sensor [m].
-    """
+    """Return the coverage of flights: tracks, and the times (n, 2) at which lines begin and end [s]."""
     lines, outside = list[Any](), 0.0
     shapely.prepare(area)
     for track, ends in flights:
@@ -43,12 +35,11 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
         whole = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
         strayed = shapely.points(shapely.get_coordinates(whole.difference(area)))
         outside = max(outside, float(shapely.distance(area, strayed).max(initial=0.0)))
-    unseen = visible.difference(union_along(np.array(lines), width / 2, ARC)).area
+    unseen = visible.difference(union_along(np.array(lines), width / 2, FLOWN_ARC)).area
     return AsFlown(1.0 - unseen / visible.area, outside)
 
 
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
-    """Return the forecast track of a flight and the times of its lines, as `as_flown` takes them."""
     prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
@@ -63,9 +54,57 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
 
 
 def _path(track: Track, begin: float, end: float) -> Any:
-    """Return the track in plan between two times [s] as a shapely line."""
     before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
-    near = slice(before, np.searchsorted(track.times, end) + 1)  # a track of many hours is slow for each line
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # for speed
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
     return shapely.simplify(shapely.LineString(places), THINNING_TOLERANCE, preserve_topology=False)
+
+
+STEP, MAX_STEPS = 0.1, 20_000  # [m], along a stray path
+
+
+@dataclass(frozen=True, eq=False)
+class Coverage:
+    """The seen part of an area.
+
+    Attributes:
+        share: of `Area.visible`, 0 to 1.
+        gaps: of what can be covered (shapely).
+        seen: shapely.
+        outside_m: farthest the path is outside the area, or inside a hole or `keep_out` [m].
+    """
+
+    share: float
+    gaps: Any
+    seen: Any
+    outside_m: float
+
+    @property
+    def seen_m2(self) -> float:
+        return float(self.seen.area)
+
+
+def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
+    """Return the coverage by a tour; `width` [m] of the sensor, `keep_out` a shapely geometry."""
+    can = area.visible(keep_out, width)
+    lines = np.array([[swath.begin, swath.end] for swath in tour.swaths]).reshape(-1, 2, 2)
+    seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
+    gaps = can.difference(seen)
+    whole = float(can.area)
+    share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole
+    return Coverage(share, gaps, seen, _outside(area.shape, tour, keep_out))
+
+
+def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
+    if len(tour.path) < 2:
+        return 0.0
+    path = shapely.LineString(tour.path)
+    farthest = [float(shape.distance(at)) for at in _places(path.difference(shape))]
+    if keep_out is not None:
+        farthest += [float(keep_out.boundary.distance(at)) for at in _places(path.intersection(keep_out))]
+    return max(farthest, default=0.0)
+
+
+def _places(stray: Any) -> list[Any]:
+    return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MAX_STEPS)))))

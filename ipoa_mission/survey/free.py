@@ -1,5 +1,3 @@
-"""Compute the space in which a survey may fly, and the shortest ways between the ends of its lines."""
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,20 +7,19 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
+from ipoa_mission.scenario.survey_area import INSET
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
-from ipoa_mission.survey.area import INSET
 from ipoa_mission.survey.times import LegTimes
 
-BEND_S = 1.0  # added for each bend in the search for the shortest way [s]
+BEND_S = 1.0  # [s]
 SHARP_ANGLE = np.radians(40.0)
-OUTSIDE_S = 60.0  # added for a way outside the area, so that only ways to other parts use it [s]
+OUTSIDE_S = 60.0  # for a way outside the area, so that only ways to other parts use it [s]
 
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Polygons to fly in: the whole, its part `INSET` from the edge, edges (m, 4), and corners to go round.
-
-    `arms` (n, 4) are the directions from each corner (n, 2) to its neighbors.
+    """Polygons to fly in, their part `INSET` from the edge, edges (m, 4), corners (n, 2), and the `arms` (n, 4) to
+    neighbors.
     """
 
     shape: Any
@@ -50,20 +47,15 @@ class FreeSpace:
         return np.asarray(straight_ways(self.corners, self.arms, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
-        """Return whether a straight way leads from each of the places (n, 2) to each of the others (m, 2), (n, m)."""
+        """Return which `others` (m, 2) are in straight reach of each place (n, 2), (n, m)."""
         return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
 
     def ways(self, ends: Points, cost: LegTimes, bend: float) -> Any:
-        """Return the result of `ways_between` for ends of lines (2n, 2)."""
         return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend)
 
 
 class Ways:
-    """The ways between the ends of lines; line k has the ends 2k and 2k + 1 of `ends` (2n, 2).
-
-    Attributes:
-        times: with corners where they leave and join lines, (2n, 2n) [s].
-    """
+    """The ways between line ends (2n, 2); `times` (2n, 2n) [s] with corners at both ends."""
 
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
         self.ends, self._spaces, self._found = ends, (inside, outside), list[Any]()
@@ -79,7 +71,7 @@ class Ways:
             self.times = np.where(lost, np.minimum(self._found[1][0] + OUTSIDE_S, NO_WAY), self.times)
 
     def way(self, i: int, j: int) -> Points:
-        """Return the corners (k, 2) of the way from end i to end j, both included."""
+        """Return the corners (k, 2) from end i to end j, both included."""
         which = int(self._is_outside[i, j])
         _, last, prev = self._found[which]
         corners, passed, c = self._spaces[which].corners, [self.ends[j]], int(last[i, j])
@@ -91,16 +83,13 @@ class Ways:
 
 
 def _rings(shape: Any) -> list[Points]:
-    """Return all rings of polygons, closed, with the interior on their left."""
+    """Return all rings, closed, interior on the left."""
     oriented = shapely.orient_polygons(shape)
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(oriented))]
 
 
 def _bends(ring: Points) -> Points:
-    """Return the right turns of a ring (interior on its left), with the directions to their neighbors, (k, 6).
-
-    A shortest way may go round these. Directions at sharp corners are 0: a way may turn before it must.
-    """
+    """Return the right turns of a ring, with the directions to their neighbors (0 at sharp corners), (k, 6)."""
     corners = ring[:-1]
     back, on = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
     back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in (back, on))

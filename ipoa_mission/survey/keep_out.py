@@ -1,8 +1,3 @@
-"""Compute the geometry that a survey keeps out of: obstacles at its heights, grown by the clearance.
-
-The clearance is the required distance plus the deviation bound of this autopilot's flights.
-"""
-
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -11,7 +6,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
@@ -19,15 +14,14 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.union import union_of
 
-TIGHT_PLACES = 4.0  # at which the deviation bound holds together
+TIGHT_PLACES = 4.0
 SPARE = 0.05  # [m]
-GROUND_SAMPLES = 7  # each way, round an obstacle
-CORNER_SEGMENTS = 16  # of a quarter circle
+GROUND_SAMPLES = 7
+CORNER_SEGMENTS = 16
 SIMPLIFICATION, MAX_SIMPLIFICATION = 0.05, 0.25  # [spacing], [m]: growth of outlines
 
 
 def survey_bound(scenario: Scenario) -> DeviationBound:
-    """Return the deviation bound of straight flight that holds at `TIGHT_PLACES` places."""
     chance = scenario.safety.chance
     if chance is None:
         return NO_DEVIATION
@@ -37,10 +31,7 @@ def survey_bound(scenario: Scenario) -> DeviationBound:
 
 
 def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
-    """Return the geometry that lines and ways keep out of, in plan; None if nothing is in the way.
-
-    `growth` adds clearance by obstacle name [m]; those obstacles are flown round, not over.
-    """
+    """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
     air, bound = scenario.airspace, survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     shapes = [
@@ -59,7 +50,7 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
 
 
 def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
-    """Return the obstacles that are neither flown over nor under, or have additional clearance."""
+    """Return the obstacles flown neither over nor under, or grown."""
     air, bound = scenario.airspace, survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     return [

@@ -1,11 +1,11 @@
-"""Lay the lines of a scenario's survey, and sketch them without planning a flight."""
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.errors import BadInput, Remedy
@@ -13,26 +13,22 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour, way_between
-from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.survey.tour import Tour
+from ipoa_mission.survey.tour import Swath, Tour
 
-MAX_LINES = 3000  # of one survey: ordering needs memory for the ways between all of them
-MAX_HOURS = 100  # of flight: planning a survey takes 1 to 2 GB
+MAX_LINES = 3000  # memory for the ways between all of them
+MAX_HOURS = 100  # of flight: planning takes 1 to 2 GB
 
 
 @dataclass(frozen=True, eq=False)
 class SurveySketch:
-    """Lines as first laid, without flights and without checks.
-
-    `seconds` is the approximate time of the lines with the ways between them, without take-off and landing.
-    """
+    """Unchecked lines; `seconds` without take-off and landing."""
 
     area: Area
     sight: Sight
@@ -43,13 +39,7 @@ class SurveySketch:
 
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
-    """Return the lines of a scenario's survey, for interactive editing.
-
-    Raises:
-        BadInput: the scenario has no survey, or an inconsistent one.
-        NoPath: it is too low, or obstacles leave nothing of the area.
-        MissionError: its lines have no time, or no way leads between them.
-    """
+    """Return the lines, for interactive editing. Raises BadInput, NoPath, MissionError."""
     section, area = expect_survey(scenario)
     sight = sight_of(section, area, scenario)
     expect_high_enough(sight, scenario)
@@ -61,11 +51,6 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    """Return the survey section of a scenario, and its area.
-
-    Raises:
-        BadInput: it has none.
-    """
     section, area = scenario.survey, scenario.survey_area
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
@@ -73,11 +58,7 @@ def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
 
 
 def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
-    """Refuse a height at which flights would come too near to the ground.
-
-    Raises:
-        NoPath: with the minimum height.
-    """
+    """Refuse a height too near to the ground. Raises NoPath."""
     needed = scenario.limits.height_above_ground + survey_bound(scenario).down + 2 * SPARE
     if sight.least < needed:
         raise NoPath(
@@ -97,14 +78,9 @@ def lay_lines(
     outside: Any | None,
     at: Vector | None = None,
 ) -> Tour:
-    """Return the quickest lines over the part of the area that obstacles leave.
+    """Return the quickest lines over what obstacles leave. Raises BadInput, NoPath.
 
-    The lines begin and end near the ends of flights, or near `at` (2,). With start places and no `at` they begin
-    anywhere.
-
-    Raises:
-        BadInput: too many lines to order, or too many hours to plan.
-        NoPath: obstacles leave nothing.
+    They begin and end near `at` (2,), else near home; with start places anywhere.
     """
     free = area.without(outside)
     if free.is_empty:
@@ -137,7 +113,7 @@ def lay_lines(
 
 def _expect_lines(area: Area, spacing: float) -> None:
     (west, south, east, north) = area.shape.bounds
-    least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than the diagonal
+    least = area.shape.area / spacing / math.hypot(east - west, north - south)
     if least > MAX_LINES:
         words = f"expected at most {MAX_LINES} lines, not {least:.0f} or more, {spacing:g} m apart"
         hint = "set lines farther apart (survey.line_spacing, or a greater height), or split the survey"
@@ -145,7 +121,7 @@ def _expect_lines(area: Area, spacing: float) -> None:
 
 
 def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
-    length = seen_m2 / spacing  # at least
+    length = seen_m2 / spacing
     if (hours := length / speed / 3600.0) > MAX_HOURS:
         raise BadInput(
             f"expected at most {MAX_HOURS} h of flight, not {hours:.0f} h or more: "
@@ -159,7 +135,7 @@ def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
 def way_over(
     area: Area, scenario: Scenario, section: SurveySection, sight: Sight, outside: Any | None
 ) -> Callable[[Vector, Vector], Points]:
-    """Return a function that gives the corners (k, 2) of the way between two places (2,), both included."""
+    """Return a function that gives the corners (k, 2) between two places (2,)."""
     return way_between(
         area,
         sight.spacing,
@@ -170,11 +146,6 @@ def way_over(
 
 
 def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
-    """Return the times of lines and corners of the scenario's vehicle.
-
-    Raises:
-        MissionError: they have no time.
-    """
     vehicle = scenario.vehicle
     given = Mission(
         scenario.frame.home,
@@ -185,3 +156,41 @@ def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
         firmware_version=vehicle.version,
     )
     return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
+
+
+MAX_TRIM = 1 / 8
+INSIDE = 1e-6  # [m]
+
+
+def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
+    """Return lines at most `spacing` apart [m], from the corridor's end nearer to `begin` (2,).
+
+    Lines end earlier by the overshoot `past` corners [m]. Return None if a line bends back on itself or leaves
+    `inside`.
+    """
+    count = max(math.ceil(width / spacing - 1e-9), 1)
+    if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
+        middle = middle[::-1]
+    middle = _trimmed(middle, min(past, MAX_TRIM * spacing))
+    lines = list[Points]()
+    for n in range(count):
+        line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
+        corners = shapely.get_coordinates(line)
+        if line.geom_type != "LineString" or len(corners) != len(middle) or not inside.covers(line):
+            return None
+        lines.append(corners if n % 2 == 0 else corners[::-1])
+    swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
+    return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
+
+
+def _trimmed(middle: Points, by: float) -> Points:
+    legs = middle[[1, -2]] - middle[[0, -1]]
+    lengths = np.linalg.norm(legs, axis=1, keepdims=True)
+    if (lengths <= 2 * by).any():
+        return middle
+    ends = middle[[0, -1]] + by / lengths * legs
+    return np.concatenate([ends[:1], middle[1:-1], ends[1:]])
+
+
+def where_allowed(area: Area, keep_out: Any | None) -> Any:
+    return area.without(keep_out).buffer(INSIDE)

@@ -1,4 +1,4 @@
-"""Find the area that a path leaves unseen between its lines, and the shortest detours that see it."""
+"""Find unseen gaps between lines, and the shortest detours that see them."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,19 +15,19 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.world.union import union_of
 
 MAX_UNSEEN = 7e-4  # of the area
-MAX_PASSES = 8  # over all remaining gaps
-MIN_SHARE_SEEN = 0.1  # of a gap, by a line
-MAX_TRIED_LEGS = 6  # for a detour
-WHOLE_EDGE_SHARE = 0.6  # of an edge round a hole; a longer detour may take the whole edge
-MIN_SEEN = 1e-3  # [spacing^2]: a way that sees more of a gap has the sensor on
-DISC_SHARE = 0.999  # of half the width, because circles are polygons
+MAX_PASSES = 8
+MIN_SHARE_SEEN = 0.1  # of a gap
+MAX_TRIED_LEGS = 6
+WHOLE_EDGE_SHARE = 0.6  # of an edge round a hole
+MIN_SEEN = 1e-3  # [spacing^2], of a gap
+DISC_SHARE = 0.999  # circles are polygons
 
 
 @dataclass(frozen=True, eq=False)
 class Detour:
-    """A detour from a leg of a path by the places `via` (k, 2), which include `goal` (m, 2), to the leg's end.
+    """A detour from a leg by the places `via` (k, 2), with `goal` (m, 2), to the leg's end.
 
-    Leg -1 is before the path, and the last one after it. The detour adds `seconds`.
+    Leg -1 is before the path, the last one after it.
     """
 
     leg: int
@@ -38,7 +38,7 @@ class Detour:
 
 @dataclass
 class SensedPath:
-    """Places (n, 2) in flight order, and whether the sensor is on between each and the next."""
+    """Places (n, 2), and whether the sensor is on after each."""
 
     places: list[Points]
     is_on: list[bool] = field(default_factory=list)
@@ -48,7 +48,7 @@ class SensedPath:
         return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
 
     def insert(self, detour: Detour) -> Points:
-        """Insert a detour with the sensor on; return its places (k, 2) from leaving the path to rejoining it."""
+        """Insert a detour; return its places (k, 2) with both ends on the path."""
         n, via = detour.leg, list(detour.via)
         begin, end = self.places[max(n, 0) : n + 1], self.places[n + 1 : n + 2]
         self.places[n + 1 : n + 1] = via
@@ -58,15 +58,13 @@ class SensedPath:
 
 @dataclass(frozen=True, eq=False)
 class Closing:
-    """The area to see, the width seen, the space to fly in, and the times."""
-
     area: Any
     width: float
     space: FreeSpace
     cost: LegTimes
 
     def gaps(self, route: SensedPath) -> Any:
-        """Return the gaps of the route; if they are too large, switch the sensor on along ways that see them."""
+        """Return the gaps; large ones switch the sensor on along ways that see them."""
         gaps = self.area.difference(seen_from(route.legs(True), self.width))
         too_much = gaps.area - MAX_UNSEEN * self.area.area
         off = [n for n, on in enumerate(route.is_on) if not on]
@@ -84,14 +82,10 @@ class Closing:
         return gaps.difference(union_of(around[chosen])) if len(chosen) else gaps
 
     def close(self, route: SensedPath, once: bool) -> tuple[list[Points], float]:
-        """Insert detours into the route past its gaps, the largest first, until little is left.
+        """Insert detours into `route` past its largest gaps.
 
-        Args:
-            route: is changed.
-            once: go round a hole once for all gaps along its edge, instead of to each gap.
-
-        Returns:
-            The lines (k, 2) and places (1, 2) of the detours, and the unseen share beyond the limit.
+        With `once`, one detour round a hole sees all gaps along its edge. Return the lines (k, 2) and places (1, 2) of
+        detours, and the unseen share beyond the limit.
         """
         hopeless, goals, left = list[Any](), list[Points](), self.gaps(route)
         for n in range(MAX_PASSES + 1):
@@ -123,10 +117,9 @@ class Closing:
         return [union_of([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [gaps[n] for n in others]
 
     def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
-        """Return the quickest detour past a gap, straight if possible, or None."""
         around = self._viewpoints(gap)
         lines = [] if around is not None else self._lines(gap)
-        if around is None and not lines:  # take the part that is seen from the nearest place
+        if around is None and not lines:
             around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
             if gap.difference(around.buffer(self.width / 2)).area > (1 - MIN_SHARE_SEEN) * gap.area:
                 return None
@@ -137,7 +130,6 @@ class Closing:
     def _quickest(
         self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], round_corners: bool
     ) -> Detour | None:
-        """Return the quickest detour from one of some legs, with ways round corners if `round_corners`."""
         best, least = None, np.inf
         for n in legs:
             before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
@@ -157,12 +149,11 @@ class Closing:
         return best
 
     def _at_least(self, before: list[Vector], via: Points, after: list[Vector]) -> float:
-        """Return a lower bound of the time of places before, a line and places after [s]."""
+        """Return a lower bound [s]."""
         legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
         return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 
     def _round_corners(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
-        """Return the same places with ways round corners to and from them, or None."""
         stops = [*before, via[0], via[-1], *after]
         ways = Ways(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
         first, last = len(before), len(before) + 1
@@ -186,7 +177,7 @@ class Closing:
         return None if around.is_empty else around
 
     def _near_legs(self, route: SensedPath, center: Vector) -> list[int]:
-        """Return the legs of ways for a detour to a place; -1 and the last index: before and after the path."""
+        """Return the legs near a place; -1 and the last index: before and after the path."""
         places = np.array(route.places)
         from_, to = places[:-1], places[1:]
         leg = to - from_
@@ -200,16 +191,13 @@ class Closing:
         return [*found, -1, len(places) - 1]
 
     def _lines(self, gap: Any) -> list[Points]:
-        """Return the line (k, 2) that sees most of a gap: straight through it, or along the nearest edge.
-
-        If that is most of the edge of a hole, also return the whole edge: it may be entered anywhere.
-        """
+        """Return the line (k, 2) that sees most of a gap, and the edge of a hole if it takes most of that."""
         places = shapely.points(_densely(gap.boundary, self.width / 8))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]
         at = np.sort(shapely.line_locate_point(ring, places))
         widest = int(np.diff(at, append=at[0] + ring.length).argmax())
-        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])  # the long way round is left out
+        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])
         spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
         edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
         edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]
@@ -224,7 +212,7 @@ class Closing:
     def _goals(
         self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]
     ) -> list[Points]:
-        """Return the places (k, 2) of detours that see a gap, between one place and another."""
+        """Return the places (k, 2) that see a gap."""
         ends = np.array([*before, *after])
         if lines:
             begun = [_begun_near(line, ends) for line in lines]
@@ -234,7 +222,7 @@ class Closing:
 
 
 def _begun_near(line: Points, places: Points) -> Points:
-    """Return a line (n, 2), with a closed line rotated to begin at the corner nearest to some places."""
+    """Return a line (n, 2); a closed one begins nearest to `places`."""
     if (line[0] != line[-1]).any():
         return line
     away = np.linalg.norm(line[:-1, None] - places, axis=2).sum(axis=1)

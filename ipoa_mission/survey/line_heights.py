@@ -1,8 +1,4 @@
-"""Compute the heights of a survey's path: above the highest ground in view, and no higher than necessary.
-
-Ground seen from at least the minimum height covers at least as much of the photo as on level ground. So the
-overlap is never less than requested, on slopes too.
-"""
+"""Compute flight heights. The overlap is never less than requested, on slopes too."""
 
 import math
 from itertools import pairwise
@@ -13,16 +9,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 
-STEP = 5.0  # between ground samples along the path, at most [m]
+STEP = 5.0  # [m]
 GROUND_SAMPLES = 9  # across the path, and along the photo
 TOLERANCE = 0.01  # [m]
 
 
 def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
-    """Return a path (n, 2) with heights and the places that these need, (m, 3), and the indices of its corners.
-
-    Over flat ground its corners are enough.
-    """
+    """Return a path (n, 2) with heights and added places, (m, 3), and the indices of its corners."""
     if sight.band == 0.0:
         return np.column_stack([path, ground(path) + sight.least]), [*range(len(path))]
     sampled = [_sampled(a, b, sight, ground) for a, b in pairwise(path)]
@@ -40,7 +33,7 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
 
 
 def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
-    """Return shares of a straight leg, and the minimum flight height at each, (n,) each."""
+    """Return shares of a straight leg, and the minimum flight height at each."""
     ahead = b - a
     length = float(np.linalg.norm(ahead))
     ahead = ahead / max(length, 1e-9)
@@ -54,7 +47,7 @@ def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector
 
 
 def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
-    """Return the places of a leg, with its end, between which straight flight stays in the band above `lower`."""
+    """Return the fewest places between which straight flight stays in the band above `lower`."""
     found: list[tuple[float, float]] = []
     ahead = [(0, len(shares) - 1, *ends)]
     while ahead:

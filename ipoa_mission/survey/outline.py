@@ -1,4 +1,4 @@
-"""Simplify outlines: ways round fewer corners are flown faster and found sooner."""
+"""Simplify outlines: fewer corners are flown faster and found sooner."""
 
 import math
 from collections.abc import Callable
@@ -10,13 +10,11 @@ import shapely
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
-MAX_TURN = math.radians(60.0)  # of a corner that replaces others
+MAX_TURN = math.radians(60.0)
 
 
 def wider(shape: Any, most: float) -> Any:
-    """Return polygons (shapely) that contain `shape`, with fewer corners, wider by at most `most` [m].
-
-    Only rounded parts are replaced, by edges that touch them.
+    """Return polygons around `shape` with fewer corners, wider by at most `most` [m].
 
     Example:
         >>> pond = shapely.Point(0.0, 0.0).buffer(10.0)
@@ -28,12 +26,12 @@ def wider(shape: Any, most: float) -> Any:
 
 
 def narrower(shape: Any, most: float) -> Any:
-    """Return polygons (shapely) within `shape`, with fewer corners, narrower by at most `most` [m]."""
+    """Return polygons within `shape` with fewer corners, narrower by at most `most` [m]."""
     return _redrawn(shape, lambda ring: _pointed(_filled(ring[::-1], most), most)[::-1])
 
 
 def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
-    """Redraw each ring (n, 2), interior on its left; keep a part whose new rings would cross."""
+    """Redraw rings (n, 2), interior on the left; keep a part whose new rings would cross."""
     parts = []
     for part in shapely.get_parts(shapely.orient_polygons(shape)):
         outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
@@ -43,17 +41,17 @@ def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
 
 
 def _turns(ring: Points) -> Vector:
-    """Return the turn of an open ring (n, 2) at each corner, left positive [rad]."""
+    """Return the turns of an open ring (n, 2), left positive [rad]."""
     into, out = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
     return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
 
 
 def _filled(ring: Points, most: float) -> Points:
-    """Return a ring with runs of small right turns replaced by a straight edge on the right."""
+    """Replace runs of small right turns by a straight edge."""
     turns = _turns(ring)
     if (turns >= 0.0).all():
         return ring
-    first = int(turns.argmax())  # this corner stays
+    first = int(turns.argmax())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
     kept, n, count = [0], 0, len(ring)
     while n < count:
@@ -71,7 +69,7 @@ def _filled(ring: Points, most: float) -> Points:
 
 
 def _pointed(ring: Points, most: float) -> Points:
-    """Return a ring with each run of small left turns replaced by the corner where its outer edges meet."""
+    """Replace runs of small left turns by one corner."""
     turns = _turns(ring)
     first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)

@@ -1,9 +1,4 @@
-"""Compute the smallest overlap of a survey's photos, and where, from the uploaded items over the terrain.
-
-Uses only the camera's footprint and the trigger distance, not the planner's lines. A share is that of a photo, as
-it lies in the image, on sloping ground too. Obstacles are not counted: a roof is nearer to the camera, and overlaps
-less.
-"""
+"""Compute photo overlaps from the uploaded items. Obstacles are not counted: a roof overlaps less."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,26 +9,26 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission import Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.survey.line_heights import lifted
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 
-SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5  # of a photo, in the direction of an overlap
-ITERATIONS = 6  # to find the ground of a sample
+SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5
+ITERATIONS = 6
 MAX_SINE = math.sin(math.radians(2.0))  # between parallel lines
 SPACING_TOLERANCE = 0.05  # [m]
-NOISE = 0.002  # of a photo, from places rounded to 1e-7 degrees
-MIN_SEPARATION = 0.1  # [spacing]: nearer lines are one line flown twice
+NOISE = 0.002  # of a photo, from rounding to 1e-7 degrees
+MIN_SEPARATION = 0.1  # [spacing]: nearer lines are one line
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """The smallest share of a photo that another one shows too, and that photo's place, east and north [m]."""
+    """The smallest share of a photo, and that photo's place, east and north [m]."""
 
     share: float
     at: tuple[float, float]
@@ -41,7 +36,7 @@ class Overlap:
 
 @dataclass(frozen=True)
 class Overlaps:
-    """The smallest overlap with the next photo, and with those of the next line, or None without such."""
+    """The smallest overlap with the next photo and with the next line's, or None."""
 
     front: Overlap | None
     side: Overlap | None
@@ -51,7 +46,6 @@ class Overlaps:
         return " and ".join(f"{100 * one.share:.1f} % {way}" for way, one in parts if one is not None)
 
     def falls_short(self, front: float, side: float) -> Iterator[str]:
-        """Report each of the two that is less than requested, and where."""
         for name, one, requested in (("front", self.front, front), ("side", self.side, side)):
             if one is not None and one.share < requested - NOISE:
                 where = "at east {:.0f}, north {:.0f} m".format(*one.at)
@@ -60,7 +54,7 @@ class Overlaps:
 
 @dataclass(frozen=True, eq=False)
 class PhotoLine:
-    """A straight line of photos: its ends (2, 3), and the photos' places (n, 3)."""
+    """A straight line's ends (2, 3), and its photos' places (n, 3)."""
 
     ends: Points
     photos: Points
@@ -72,14 +66,7 @@ class PhotoLine:
 
 
 def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
-    """Return the smallest overlaps of all photos on some lines.
-
-    Args:
-        lines: of all flights.
-        sight: footprint of a photo, and spacing of lines.
-        ground: below the photos.
-        free: a shapely geometry, the area that may be flown over; lines are neighbors only across it.
-    """
+    """Return the smallest overlaps of all photos; lines are neighbors only across the polygons `free`."""
     half = sight.across / sight.least / 2, sight.along / sight.least / 2
     fronts, sides = list[Overlap](), list[Overlap]()
     shapely.prepare(free)
@@ -97,10 +84,7 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
 
 
 def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
-    """Return the lines of a mission along which photos are triggered, in a frame.
-
-    `lag`: mean delay of a photo [m]; twice as much is assumed.
-    """
+    """Return the lines with photos; `lag`: a photo's mean delay [m], at most twice as much."""
     home, speed, every = forecast.mission.home, forecast.mission.cruise_speed or 1.0, 0.0
     here: Vector | None = None
     for item in forecast.mission.items:
@@ -127,7 +111,7 @@ def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
 
 
 def photo_places(swath: Swath, sight: Sight) -> Points:
-    """Return the mean places of photos along a line (n, 2); empty without a camera."""
+    """Return the mean places of photos (n, 2)."""
     distance, count = sight.triggering(swath.length)
     ahead = (swath.end - swath.begin) / max(swath.length, 1e-9)
     return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * ahead)
@@ -162,7 +146,7 @@ def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, f
 def _neighbors(
     line: PhotoLine, lines: Sequence[PhotoLine], towards: Vector, sight: Sight, free: Any
 ) -> tuple[Points, Points]:
-    """Return the photos (n, 3) of a line with a neighboring line on one side, and the nearest places (n, 3) on that."""
+    """Return the photos (n, 3) with a neighboring line on one side, and the nearest places (n, 3) on that."""
     ends = np.array([other.ends for other in lines])
     legs = ends[:, 1, :2] - ends[:, 0, :2]
     lengths = np.linalg.norm(legs, axis=1)
@@ -172,7 +156,7 @@ def _neighbors(
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
-    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # also shown by photos at its ends
+    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths
     is_neighbor = (beyond <= sight.spacing / 2) & (away > MIN_SEPARATION * sight.spacing) & (away < sight.across)
     away = np.where(is_neighbor, away, np.inf)
     one, apart = away.argmin(axis=1), away.min(axis=1)

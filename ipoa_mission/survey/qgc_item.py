@@ -1,29 +1,23 @@
-"""Write a survey's lines as QGroundControl's own survey or corridor item, which opens and edits there.
-
-The item has no holes and no obstacles: if somebody edits it there, new transects ignore them.
-"""
-
 import math
 from typing import Any
 
 import numpy as np
 import shapely
 
+from ipoa_mission import Command
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 
-MANUAL_CAMERA, CUSTOM_CAMERA = "Manual (no camera specs)", "Custom Camera"  # as QGroundControl has them
+MANUAL_CAMERA, CUSTOM_CAMERA = "Manual (no camera specs)", "Custom Camera"
 ABOVE_HOME = 1
 VERSIONS = {"survey": 5, "CorridorScan": 2}
 
 
 def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
-    """Return the items `first` to `last` of a mission as a complex item of QGroundControl."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
     assert area is not None

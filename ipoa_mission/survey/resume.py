@@ -1,8 +1,4 @@
-"""Compute the rest of a survey: its lines without the parts that a vehicle has flown.
-
-A place of a line counts as flown if the vehicle flew along the line near it, and high enough. The lines must follow
-in their order. A way that happens to lead along a line does not count.
-"""
+"""A flown place: near the line and along it, high enough, lines in order."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,9 +12,9 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.ground import Ground
 
 LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # of a line: [spacings], at least [m], at most [spacings]
-MAX_SLANT = 0.25  # lateral motion per meter along it
+MAX_SLANT = 0.25
 MIN_HEIGHT = 0.9  # of the requested height
-MAX_REST = 5.0  # unflown length that counts as flown [m], at most a quarter of the spacing
+MAX_REST = 5.0  # of a line: [spacings], [m], [spacings]
 MIN_LENGTH = 0.01  # [m]
 
 WayBetween = Callable[[Points, Points], Points]
@@ -27,16 +23,14 @@ WayBetween = Callable[[Points, Points], Points]
 def left_to_fly(
     tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, way_between: WayBetween
 ) -> Tour | None:
-    """Return the lines of a tour that are left, in their order, or None if all are flown.
-
-    The rest of a line begins before the end of the flown part, so that photos overlap there.
+    """Return the lines that are left, with overlap, or None if all are flown.
 
     Args:
         tour: the whole survey.
         flown: paths with the sensor on except in turns, (n, 3) each, east, north, up [m].
         sight: width and height of the view.
         ground: below the lines.
-        way_between: returns the corners of the way between two places (2,), both included.
+        way_between: returns the corners of the way between two places (2,).
     """
     overlap = max(sight.trigger or 0.0, sight.along / 2, 1.0)
     pieces = list[list[tuple[float, float]]]([] for _ in tour.swaths)
@@ -65,7 +59,7 @@ def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
 
 @dataclass(frozen=True)
 class _Run:
-    """A piece of a line between two distances along it [m], flown without a break; `at`: its first path index."""
+    """A piece of a line between distances along it [m]; `at`: first path index."""
 
     at: int
     line: int
@@ -74,17 +68,17 @@ class _Run:
 
 
 def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_Run]:
-    """Return the longest part of a path's runs in which lines follow in order."""
-    chains = dict[int, list[_Run]]()  # the longest that ends on each line
+    """Return the longest chain of runs with lines in order."""
+    chains = dict[int, list[_Run]]()
     for run in sorted(_runs(tour, path, sight, ground), key=lambda run: run.at):
         before = [chains.get(run.line, [])]
         for line in range(run.line - 1, -1, -1):
             before.append(chains.get(line, []))
-            if tour.swaths[line].length >= sight.spacing:  # shorter ones hardly show in a path
+            if tour.swaths[line].length >= sight.spacing:  # shorter ones hardly show
                 break
         chains[run.line] = [*max(before, key=_length), run]
     chain = max(chains.values(), key=_length, default=[])
-    turn = sight.spacing / 2  # length by which a corner may be cut
+    turn = sight.spacing / 2
     last = chain[-1].line if chain else 0
     runs = [
         replace(
@@ -98,10 +92,7 @@ def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_R
 
 
 def _passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
-    """Return the lines between two successive runs that are too short to show between their corners.
-
-    The path passes the middle of each of them, in their order.
-    """
+    """Return the lines between two successive runs that are too short to show."""
     if before.end < tour.swaths[before.line].length or after.begin > 0.0:
         return
     at = before.at
@@ -118,7 +109,6 @@ def _length(chain: list[_Run]) -> float:
 
 
 def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_Run]:
-    """Return the pieces of each line that were flown in its direction, without remnants of turns."""
     most = min(max(LATERAL_SHARE * sight.spacing, MIN_LATERAL), MAX_LATERAL_SHARE * sight.spacing)
     is_high = path[:, 2] - ground(path) >= MIN_HEIGHT * sight.least
     for line, swath in enumerate(tour.swaths):
@@ -136,7 +126,7 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
 
 
 def _left(flown: list[tuple[float, float]], length: float, sight: Sight, overlap: float) -> list[tuple[float, float]]:
-    """Return the pieces of a line of some length [m] that were not flown, each with its overlap."""
+    """Return the unflown pieces [m], each with its overlap."""
     end, reached = min(MAX_REST, sight.spacing / 4), 0.0
     left = list[tuple[float, float]]()
     for low, high in [*sorted(flown), (length, length)]:

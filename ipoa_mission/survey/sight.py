@@ -1,5 +1,3 @@
-"""Compute a survey's flight height and view: line spacing, photo distance and footprint."""
-
 import math
 from dataclasses import dataclass
 
@@ -8,29 +6,29 @@ import shapely
 
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import BAND, SurveySection
-from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Tour
 
-FLAT_RANGE = 0.05  # of the heights of level ground [m]
-GROUND_SAMPLES = 40  # each way
+FLAT_RANGE = 0.05  # of level ground [m]
+GROUND_SAMPLES = 40
 MIN_TRIGGER = 0.1  # [m]
-MIN_DISTANCE = 0.5  # between lines or photos [m]
+MIN_DISTANCE = 0.5  # [m]
 SPACING = ("survey", "line_spacing")
 
 
 @dataclass(frozen=True)
 class Sight:
-    """The requested flight and view, in meters.
+    """The requested flight and view [m].
 
     Attributes:
         least: minimum height above the highest ground in view.
         band: range of heights above `least`; 0 over flat ground.
         spacing: between lines.
-        trigger: between photos along a line; None without a camera.
+        trigger: between photos; None without a camera.
         across: width of the view at the minimum height; without a camera the spacing.
         along: length of the view; 0 without a camera.
-        lag: mean additional distance of photos, as the vehicle checks its way at intervals; at most twice as much.
+        lag: mean delay of photos by the vehicle's polling; at most twice as much.
     """
 
     least: float
@@ -43,21 +41,16 @@ class Sight:
 
     @property
     def middle(self) -> float:
-        """Return the target height above the highest ground in view [m]."""
         return self.least + self.band / 2
 
     @property
     def overlaps(self) -> tuple[float, float]:
-        """Return the requested overlaps with the next photo and with the next line's photos; 0 without a camera."""
+        """Return the requested overlaps, front and side; 0 without a camera."""
         front = 0.0 if self.trigger is None else 1.0 - self.trigger / self.along
         return front, 1.0 - self.spacing / self.across
 
     def triggering(self, length: float) -> tuple[float, int]:
-        """Return the trigger distance along a line of this length [m], and the number of photos.
-
-        The last photo is half a step before the end. So the number stays the same if a flight begins or ends the line a
-        few meters off, and photos cover all of the line.
-        """
+        """Return the trigger distance [m], and the number of photos; the last is half a step before the end."""
         if self.trigger is None:
             return 0.0, 0
         most = max(self.trigger - self.lag, MIN_TRIGGER)
@@ -73,11 +66,7 @@ class Sight:
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
-    """Return the flight and view that a scenario requests.
-
-    Raises:
-        BadInput: lines or photos are so close that it must be a mistake.
-    """
+    """Return the requested flight and view. Raises BadInput."""
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
     camera, spacing, trigger = section.taken_by, section.spacing(least), section.trigger(least)

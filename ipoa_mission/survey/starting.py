@@ -1,5 +1,3 @@
-"""Choose the start places and the number of flights that fly a survey's lines in the least time."""
-
 import math
 from collections.abc import Callable, Sequence
 from itertools import groupby
@@ -10,18 +8,18 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, first_cut, part_of
 
-MAX_ESTIMATED_SHARE = 1.1  # of the battery or the best time; longer flights are not tried
-ACCEPTED_RATIO = 1.002  # of the estimated minimum time
+MAX_ESTIMATED_SHARE = 1.1
+ACCEPTED_RATIO = 1.002
 MIN_AREA = 1e-3  # [spacing^2]
 
 
 class RouteCost(NamedTuple):
-    """The cost of one flight: as a share of its limit (at most 1 can be flown), and its seconds."""
+    """A flight's cost: share of its limit (at most 1 can be flown), and seconds."""
 
     share: float
     seconds: float
@@ -35,7 +33,6 @@ Try = Callable[[Sortie], RouteCost]
 
 
 def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | None]:
-    """Return the part of an area nearest to each start place (n, 2), or None."""
     cells = shapely.get_parts(shapely.voronoi_polygons(shapely.MultiPoint(starts), extend_to=area.shape))
     found = list[Area | None]()
     for start in shapely.points(starts):
@@ -50,10 +47,7 @@ def _cell_of(start: Any, cells: Any) -> Any:
 
 
 def nearest_parts(tour: Tour, starts: Points, tried: Try, overlap: float) -> tuple[Sortie, ...] | Swath:
-    """Assign each line of a tour to the start place (n, 2) nearest to its middle, in as few flights as fit.
-
-    If not even a piece of a line fits, return that line.
-    """
+    """Assign each line to the nearest start place (n, 2), in few flights; return a line of which no piece fits."""
     nearest = [int(np.argmin(np.linalg.norm(starts - (s.begin + s.end) / 2, axis=1))) for s in tour.swaths]
     parts, first = list[Sortie](), 0
     for start, same in groupby(nearest):
@@ -69,15 +63,11 @@ def nearest_parts(tour: Tour, starts: Points, tried: Try, overlap: float) -> tup
 def quickest_parts(
     tour: Tour, starts: Points, times: LegTimes, tried: Try, overlap: float, most: float = math.inf
 ) -> tuple[tuple[Sortie, ...], float] | Swath | None:
-    """Return the flights from start places (k, 2) that fly a tour in the least time, and these seconds.
+    """Return the flights from start places (k, 2) that fly a tour in the least time, and their seconds.
 
-    All cuts between lines and all start places are compared by `times`. The flights of the best are tried, and those
-    that do not fit are excluded, until all fit and take about the estimated time. A line that fits in no flight is
-    cut; up to `overlap` [m] before the cut is seen again. If not even a piece of it fits, return that line. Return
-    None if the flights would take more than `most` seconds.
-
-    Estimates and trials differ, so a little less may be possible. Of 41,000 random cases (up to 6 lines, 2 places)
-    the worst was 2.3 % longer, and 0.4 % were over 0.2 % longer.
+    The best cuts and starts by `times` are tried until all fit. Lines are cut with `overlap` [m]; return a line of
+    which no piece fits, or None above `most` seconds. Of 41,000 random cases the worst was 2.3 % longer than the
+    optimum, and 0.4 % over 0.2 %.
     """
     known = dict[Any, RouteCost]()
 
@@ -105,7 +95,7 @@ def quickest_parts(
 
 
 class _Trials:
-    """The known costs of the flights (first line, one after the last, start place) of a tour."""
+    """Costs by (first line, one after the last, start place)."""
 
     def __init__(self, tour: Tour, starts: Points, times: LegTimes, tried: Try) -> None:
         self.tour, self._tried = tour, tried
@@ -120,13 +110,13 @@ class _Trials:
             nearest = int(there[start].argmin())
             estimate = self._seconds[start, nearest, nearest]
             trial = self.try_flight(nearest, nearest + 1, start)
-            if math.isfinite(trial.seconds):  # the time of climb and landing
+            if math.isfinite(trial.seconds):
                 self._seconds[start] += max(trial.seconds - estimate, 0.0)
                 self._seconds[start, nearest, nearest] = trial.seconds
             self.try_flight(0, count, start)
 
     def try_flight(self, first: int, last: int, start: int) -> RouteCost:
-        """Try a flight, and update the estimates of flights that fly more or similar."""
+        """Try a flight; update the estimates of longer and similar ones."""
         key = first, last, start
         if key not in self._known:
             self._known[key] = trial = self._tried(Sortie(part_of(self.tour, first, last), start))
@@ -138,7 +128,6 @@ class _Trials:
         return self._known[key]
 
     def best(self) -> list[tuple[int, int, int]] | None:
-        """Return the flights of the least estimated time that no trial excludes, or None."""
         count = len(self.tour.swaths)
         is_excluded = self._seconds * self._per_second[:, None, None] > MAX_ESTIMATED_SHARE
         is_excluded[:, np.arange(count), np.arange(count)] = False
@@ -170,7 +159,7 @@ class _Trials:
 
 
 def _within(tour: Tour, times: LegTimes) -> Vector:
-    """Return the time from the begin of each line to the end of each other one (n, n) [s]."""
+    """Return the times from each line's begin to each other's end (n, n) [s]."""
     begun, ended, path = list[float](), list[float](), tour.swaths[0].begin[None]
     for n, swath in enumerate(tour.swaths):
         if n:
@@ -186,6 +175,5 @@ def _no_stops(path: Points) -> Points:
 
 
 def by_start(parts: Sequence[Sortie]) -> tuple[Sortie, ...]:
-    """Return the flights grouped by start place: the vehicle is moved as rarely as possible."""
     order = list(dict.fromkeys(part.start for part in parts))
     return tuple(sorted(parts, key=lambda part: order.index(part.start)))

@@ -1,5 +1,3 @@
-"""Compute parallel lines through an area, cut at its edge, and the extra lines that a direction requires."""
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +8,7 @@ import shapely
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
-MIN_PIECE = 0.25  # of the spacing; shorter pieces are left to the detours that close gaps
+MIN_PIECE = 0.25  # of the spacing; detours see shorter pieces
 ARC = 8  # segments of a quarter circle
 COUNT_TOLERANCE = 1e-6  # [spacings]
 SEAM_WIDTH = 1e-4  # [m]
@@ -19,31 +17,25 @@ POSITIONS = 5  # tried for an extra line
 
 @dataclass(frozen=True)
 class LineAxes:
-    """Axes along the lines and across, on their left, as unit vectors (2,)."""
+    """Unit vectors along the lines and across, on their left (2,)."""
 
     along: Vector
     across: Vector
 
     @classmethod
     def of(cls, degrees: float) -> "LineAxes":
-        """Return the axes of a direction, clockwise from north [degrees]."""
         e, n = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
         return cls(np.array([e, n]), np.array([-n, e]))
 
     def turned(self, places: Points) -> Points:
-        """Return places (n, 2) east and north as places along and across the lines."""
         return np.column_stack([places @ self.along, places @ self.across])
 
     def back(self, places: Points) -> Points:
-        """Return places (n, 2) along and across the lines as places east and north."""
         return np.asarray(places[:, :1] * self.along + places[:, 1:] * self.across)
 
 
 def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
-    """Return the positions of lines across: as few as see all of an area from side to side, evenly.
-
-    `shift` from -1 to 1 moves them by this share of the slack that the spacing leaves.
-    """
+    """Return positions across, evenly; `shift` from -1 to 1 moves them by this share of the slack."""
     across = shapely.get_coordinates(area) @ grid.across
     low, high = float(across.min()), float(across.max())
     count = max(math.ceil((high - low) / spacing - COUNT_TOLERANCE), 1)
@@ -54,7 +46,7 @@ def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Ve
 
 
 def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
-    """Return the pieces (n, 2, 2) of lines at these positions that lie between the edges (m, 4) of polygons."""
+    """Return the pieces (n, 2, 2) between the edges (m, 4) of polygons."""
     begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
     crosses = (begins[None, :, 1] <= at[:, None]) != (ends[None, :, 1] <= at[:, None])
     line, edge = np.nonzero(crosses)
@@ -66,12 +58,12 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
 
 
 def seen_from(lines: Any, width: float) -> Any:
-    """Return the area seen from lines (n, 2, 2), without seams between lines that just meet."""
+    """Return the area seen from lines (n, 2, 2), without seams."""
     return union_along(shapely.linestrings(lines), width / 2 + SEAM_WIDTH, ARC)
 
 
 def union_along(drawn: Any, away: float, arc: int) -> Any:
-    """Return the area within `away` of lines (n,) of shapely; `arc` segments round a quarter circle at their ends."""
+    """Return the area within `away` of lines (n,); `arc` segments a quarter circle."""
     return union_of(shapely.buffer(drawn, away, quad_segs=arc))
 
 
@@ -80,7 +72,7 @@ def parts_of(gaps: Any) -> list[Any]:
 
 
 def line_over(gap: Any, inner: Any, width: float) -> Points | None:
-    """Return the line (2, 2) inside that sees most of a long gap, or None if a single place sees as much."""
+    """Return the line (2, 2) that sees most of a gap, or None if a place sees as much."""
     box = shapely.get_coordinates(shapely.oriented_envelope(gap))
     if len(box) < 4:
         return None

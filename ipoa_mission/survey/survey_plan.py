@@ -1,5 +1,3 @@
-"""Plan the flights of a scenario's survey: each keeps its clearance and returns with its battery reserve."""
-
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,11 +19,10 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, parts_of, returning
-from ipoa_mission.survey.flown_coverage import AsFlown, as_flown, expected_lines
+from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
 from ipoa_mission.survey.keep_out import flown_round, keep_out
 from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
@@ -36,18 +33,14 @@ from ipoa_mission.survey.tour import Sortie, Tour
 log = logging.getLogger(__name__)
 
 ROUNDS = 8  # with more clearance, at each speed
-MIN_SLACK = 0.25  # smaller slack gets more clearance, too [m]
+MIN_SLACK = 0.25  # less gets more clearance, too [m]
 SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
-GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # of the missing clearance; constant [m]
+GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # of the missing clearance; [m]
 
 
 @dataclass(frozen=True, eq=False)
 class SurveyFlight:
-    """One flight of a survey: its lines, its forecast, the warnings of its check, and its start place.
-
-    `tour` is in meters from the scenario's home. `forecast` is in meters from the flight's home: the start place of
-    number `start`, if the survey has any.
-    """
+    """Tour in meters from the scenario's home, forecast from the flight's: place number `start`, if any."""
 
     tour: Tour
     forecast: Forecast
@@ -57,11 +50,10 @@ class SurveyFlight:
 
 @dataclass(frozen=True, eq=False)
 class SurveyPlan:
-    """A survey that may be flown: its coverage, lines and flights.
+    """A checked survey.
 
-    The scenario has the cruise speed that is flown: a lower one than the file's if too few flights would keep the
-    clearance. `growth` is the additional clearance of some obstacles [m], by name. If `is_rest`, the plan holds the
-    rest of a survey, and `coverage` is that of all its lines.
+    `scenario` has the flown cruise speed, possibly lower than the file's. `growth` [m]: added clearance by obstacle
+    name. `is_rest`: `coverage` is that of all lines.
     """
 
     scenario: Scenario
@@ -80,7 +72,6 @@ class SurveyPlan:
 
     @cached_property
     def overlaps(self) -> Overlaps | None:
-        """Return the smallest overlaps of photos, or None without a camera."""
         if self.sight.trigger is None:
             return None
         frame = self.scenario.frame
@@ -89,7 +80,7 @@ class SurveyPlan:
 
     @cached_property
     def flown(self) -> AsFlown | None:
-        """Return the coverage of the flights as forecast, or None for the rest of a survey."""
+        """Return the coverage as forecast, or None for the rest of a survey."""
         if self.is_rest:
             return None
         visible = self.area.visible(self.keep_out, self.sight.spacing)
@@ -107,7 +98,7 @@ class SurveyPlan:
 
     @property
     def free(self) -> Any:
-        """Return the part of the area that may be flown over: a shapely geometry."""
+        """Return the part that may be flown over (shapely)."""
         return self.area.without(self.keep_out)
 
 
@@ -118,16 +109,9 @@ class _TooNear(Exception):
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
-    """Plan the fastest survey that keeps the required clearance.
+    """Plan the fastest survey that keeps its clearance. Raises BadInput, NoPath, NoRoute, NotEnoughBattery, Unsafe.
 
-    If too few flights would keep it, obstacles get more clearance, and then the speed is reduced.
-
-    Raises:
-        BadInput: the scenario has no survey, or an inconsistent one.
-        NoPath: obstacles leave nothing of the area, or flights come too near even at low speed; names the place.
-        NoRoute: no clear way leads there, or home.
-        NotEnoughBattery: a line cannot be reached and left again with the reserve.
-        Unsafe: a mission fails a check.
+    If too few flights keep it, obstacles get more clearance, then the speed is reduced.
     """
     section, area = expect_survey(scenario)
     for n, share in enumerate(SPEEDS):
@@ -142,7 +126,6 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 
 
 def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
-    """Plan at the scenario's speed; raise _TooNear if more clearance does not help."""
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
     expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
@@ -167,7 +150,7 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
 
 
 def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
-    """Return the limits that flights do not keep, flight by flight: the data of long flights is large."""
+    """Return the limits that flights do not keep; drops large data."""
     near = list[tuple[Kept, Promise]]()
     for forecast in forecasts:
         near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
@@ -176,10 +159,7 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
 
 
 def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, float]) -> dict[str, float]:
-    """Return the clearance [m] that is missing to the worst obstacle, and to all others that are about as near.
-
-    Only the worst has a computed bound; the others are assumed to have the same deviation.
-    """
+    """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
     flight, lost = promise.flight, kept.nominal - kept.kept
     way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
     bodies = flown_round(flight.scenario, sight, growth)
@@ -189,12 +169,7 @@ def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, fl
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
-    """Return the plan of the lines that are left after the flown paths (n, 3), east, north, up [m].
-
-    Raises:
-        BadInput: nothing is left.
-        NoPath, NoRoute, NotEnoughBattery, Unsafe: as `plan_flights`.
-    """
+    """Return the plan of what paths (n, 3) left, east, north, up [m]. Raises as `plan_flights`."""
     scenario, sight, section = plan.scenario, plan.sight, plan.section
     way = way_over(plan.area, scenario, section, sight, plan.keep_out)
     tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
@@ -210,7 +185,6 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
 
 
 def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
-    """Return the flights, if each passes all checks and returns with its reserve."""
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))

@@ -1,9 +1,4 @@
-"""Compute the times of straight legs and of the corners between them from a vehicle's own time model.
-
-A leg takes its length over the requested speed. The cost of braking, turning and accelerating is counted at its
-corners, by the angle and by the shorter of the two legs. The time model flies a few corners in one mission; other
-corners are interpolated.
-"""
+"""A leg takes length / speed; braking, turning and accelerating count at corners."""
 
 import math
 from dataclasses import dataclass, replace
@@ -26,22 +21,17 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 RIGHT_ANGLE = 4  # index in ANGLES
 ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
 SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed
-RATIO = 10 / 3  # of successive lengths
-LONG_LEG = 10.0  # in lengths of accelerating and braking
-BEARINGS = 8  # of legs in wind
+RATIO = 10 / 3
+LONG_LEG = 10.0  # accelerating and braking lengths
+BEARINGS = 8
 
 
 @dataclass(frozen=True, eq=False)
 class LegTimes:
-    """Seconds of legs and corners of one vehicle at one speed, in one wind.
-
-    Attributes:
-        speed: requested [m/s].
-        clock: the times as the kernels take them.
-        past_corners: overshoot past a corner of 90 degrees [m].
+    """Times at one speed [m/s] in one wind; `past_corners`: overshoot past 90 degrees [m].
 
     Example:
-        >>> from ipoa_mission.vehicles.autopilot import default_autopilot
+        >>> from ipoa_mission.autopilot.autopilot import default_autopilot
         >>> from ipoa_mission.world.frame import Geodetic
         >>> times = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), default_autopilot()), 5.0)
         >>> there, back = np.array([[0.0, 0.0], [90.0, 0.0]]), np.array([[90.0, 0.0], [0.0, 0.0]])
@@ -55,16 +45,8 @@ class LegTimes:
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
-        """Return the times of a mission's vehicle: its home, autopilot, parameters and learned values.
-
-        Args:
-            mission: of the vehicle; its items do not matter.
-            speed: of DO_CHANGE_SPEED [m/s].
-            height: above home [m].
-            wind: of the flight.
-
-        Raises:
-            MissionError: the vehicle has no time model, or cannot fly against this wind.
+        """Return a vehicle's times at a `speed` of DO_CHANGE_SPEED [m/s] and a `height` above home [m]. Raises
+        MissionError.
         """
         limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters, speed)
         to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
@@ -79,7 +61,7 @@ class LegTimes:
         return cls(speed, clock, float(past[-len(SHORT_LEGS_S) :].max()))
 
     def seconds(self, path: Points) -> float:
-        """Return the time of a polyline (n, 2) with its corners, at speed at both ends [s]."""
+        """Return the time of a polyline (n, 2), at speed at both ends [s]."""
         return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
 
 
@@ -87,11 +69,7 @@ Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
 
 
 def _stretches(lengths: Vector, long: float) -> list[Stretch]:
-    """Return stretches from the middle of one long leg to that of the next: one corner of each angle, then pairs.
-
-    A pair of corners has a short leg between. Pairs turn by right angles at most: at sharper ones the flown time jumps
-    as the leg grows.
-    """
+    """Return a corner of each angle, then pairs; sharper than 90 degrees, the time of a pair jumps as its leg grows."""
     found, bearing = list[Stretch](), 0.0
     for angle in map(float, ANGLES[1:]):
         found.append([(bearing, long / 2), (bearing + angle, long / 2)])
@@ -106,14 +84,11 @@ def _stretches(lengths: Vector, long: float) -> list[Stretch]:
 def _corners(
     mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
 ) -> tuple[Vector, Vector]:
-    """Return the time of each stretch beyond its straight time (n,) [s], and its overshoot past its first corner [m].
-
-    All stretches are flown in one mission.
-    """
+    """Return each stretch's time beyond its straight time (n,) [s], and the first overshoot [m]."""
     first, last = stretches[0][0], stretches[-1][-1]
     lead = [first] * 3  # to reach the speed
     path = _polyline(*np.array([*lead, *chain(*stretches), last]).T)
-    ends = len(lead) + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
+    ends = len(lead) + np.cumsum([0, *map(len, stretches)])
     corners = np.delete(path, ends, axis=0)
     done, track = _flown(mission, speed, height, wind, corners)
     middles = np.flatnonzero(np.isin(np.arange(len(path)), ends)) - np.arange(len(ends)) - 1
@@ -128,7 +103,7 @@ def _corners(
 
 
 def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> float:
-    """Return when a place on the leg from `start` is passed, between two times [s]."""
+    """Return when a place on the leg from `start` is passed [s]."""
     first, last = np.searchsorted(track.times, between)
     along = (track.points[first:last, :2] - start) @ (place - start)
     return float(np.interp((place - start) @ (place - start), np.maximum.accumulate(along), track.times[first:last]))
@@ -140,7 +115,7 @@ def _polyline(bearings: Vector, legs: Vector) -> Points:
 
 
 def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Points) -> tuple[Vector, Track]:
-    """Return the time at which each place of a path (n, 2) is done [s], and the flown track."""
+    """Return when the places (n, 2) are done [s], and the track."""
     frame = LocalFrame(mission.home)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([path, np.full(len(path), height)]))
     places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]

@@ -1,5 +1,3 @@
-"""A survey's tour: lines with the sensor on, and the ways between them."""
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,7 +8,7 @@ from ipoa_mission.geometry import Points, polyline_length
 
 @dataclass(frozen=True, eq=False)
 class Swath:
-    """A straight line flown with the sensor on, from `begin` (2,) to `end` (2,), east and north [m]."""
+    """A straight line with the sensor on, east and north (2,) [m]."""
 
     begin: Points
     end: Points
@@ -22,7 +20,7 @@ class Swath:
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """The lines in flight order; `ways[n]` (k, 2), k >= 2, leads from the end of line n to the begin of the next.
+    """Lines in flight order; `ways[n]` (k, 2), k >= 2, leads from line n to the next.
 
     Example:
         >>> there, back = Swath(np.array([0.0, 0.0]), np.array([9.0, 0.0])), Swath(np.array([9.0, 2.0]), np.zeros(2))
@@ -36,7 +34,7 @@ class Tour:
 
     @property
     def path(self) -> Points:
-        """Return all corners in flight order (n, 2), without repeats."""
+        """Return all corners (n, 2), without repeats."""
         if not self.swaths:
             return np.empty((0, 2))
         pieces = [np.array([self.swaths[0].begin, self.swaths[0].end])]
@@ -50,14 +48,13 @@ class Tour:
         return polyline_length(self.path)
 
     def moved(self, move: Callable[[Points], Points]) -> "Tour":
-        """Return the tour with all its places (n, 2) mapped by `move`."""
         ends = [move(np.array([swath.begin, swath.end])) for swath in self.swaths]
         return Tour(tuple(Swath(*pair) for pair in ends), tuple(move(way) for way in self.ways))
 
 
 @dataclass(frozen=True, eq=False)
 class Sortie:
-    """The lines of one flight, and the index of its start place, or None for home."""
+    """The lines of one flight; `start` is the index of its place, or None for home."""
 
     tour: Tour
     start: int | None = None

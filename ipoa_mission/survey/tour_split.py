@@ -1,5 +1,3 @@
-"""Split a tour into flights: the fewest that fit, or a given number, cut between lines or through long ones."""
-
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
@@ -9,22 +7,20 @@ from ipoa_mission.geometry import polyline_length
 from ipoa_mission.routing.battery_split import greatest_fitting
 from ipoa_mission.survey.tour import Swath, Tour
 
-MAX_PIECES = 64  # of one line
+MAX_PIECES = 64
 HALVINGS = 60  # for the length of the longest flight
 
 Fits = Callable[[Tour], bool]
 
 
 def part_of(tour: Tour, first: int, last: int) -> Tour:
-    """Return the lines from `first` up to but without `last`, and the ways between them."""
     return Tour(tour.swaths[first:last], tour.ways[first : last - 1])
 
 
 def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tuple[Tour, ...] | Swath:
-    """Return the fewest parts that fit; each is as long as possible.
+    """Return the fewest parts that fit; the first is tried with `guess` lines.
 
-    The first part is tried with `guess` lines, and each other with as many as the one before it. A line that fits in
-    no flight is cut; up to `overlap` [m] before the cut is seen again. If no piece of it fits, return that line.
+    Lines that do not fit are cut with `overlap` [m]; return a line of which no piece fits.
     """
     parts, ahead = list[Tour](), tour
     while ahead.swaths:
@@ -42,7 +38,7 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tupl
 
 
 def first_cut(tour: Tour, fits: Fits, overlap: float) -> Tour | None:
-    """Return the tour with its first line in the fewest equal pieces that all fit, or None."""
+    """Return the tour with its first line in the fewest pieces that fit, or None."""
     swath = tour.swaths[0]
 
     def all_fit(pieces: Sequence[Swath]) -> bool:
@@ -66,7 +62,7 @@ def _pieces(swath: Swath, count: int, overlap: float) -> Iterator[Swath]:
 
 
 def parts_of_equal_length(tour: Tour, count: int) -> tuple[Tour, ...]:
-    """Return `count` nonempty parts, the longest as short as possible, with the ways from and to home."""
+    """Return `count` parts, the longest as short as possible, ways from and to home included."""
     lines = np.array([swath.length for swath in tour.swaths])
     ways = np.array([0.0, *(polyline_length(way) for way in tour.ways)])
     upto = np.concatenate([[0.0], np.cumsum(lines + ways)])

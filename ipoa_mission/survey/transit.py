@@ -1,8 +1,3 @@
-"""Compute the ways to a survey's first line and home from its last.
-
-A way is straight if that is clear, else the shortest one round the corners of obstacles, else a planned path.
-"""
-
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -23,24 +18,16 @@ from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.union import union_of
 
-HALVINGS = 5  # of the corridor width round the planned curve
+HALVINGS = 5
 SAME_PLACE = 0.5  # [m]
 MIN_REACH = 60.0  # round the straight way [m]
-#: Attempts: additional distance [m], segments of a quarter circle, and factor of the distance that these require.
-#: The second attempt is for lines that begin nearer to an obstacle.
+#: Additional distance [m], segments of a quarter circle, factor; the second: lines near obstacles.
 DETOUR_ATTEMPTS = ((0.1, 4, 1.02), (0.01, 16, 1.0013))
 MAX_CORNERS = 250
 
 
 def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
-    """Return waypoints (k, 3) from one place to another, with the deviation bound kept on all legs.
-
-    `growth` adds clearance by obstacle name [m].
-
-    Raises:
-        NoPath: no path was found.
-        NoRoute: no choice of waypoints on it keeps the limits.
-    """
+    """Return waypoints (k, 3); `growth` [m] adds clearance by obstacle name. Raises NoPath, NoRoute."""
     straight = np.array([begin, end])
     if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]
@@ -62,10 +49,7 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
 
 
 def _round(straight: Points, task: PathProblem, distance: float, corners: int) -> Points | None:
-    """Return the shortest way between two places (2, 3) at `distance` round obstacles of this height, or None.
-
-    With more than `MAX_CORNERS` corners the search is skipped.
-    """
+    """Return the shortest way between two places (2, 3) at `distance` round obstacles; None with over `MAX_CORNERS`."""
     (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
     line = shapely.LineString(straight[:, :2])
     near, (low, high) = line.buffer(max(line.length / 2, MIN_REACH)), np.sort(straight[:, 2])
@@ -95,7 +79,7 @@ def _round(straight: Points, task: PathProblem, distance: float, corners: int) -
 
 
 def _shortest(ways: Points) -> list[int] | None:
-    """Return the nodes on the shortest way from the last but one to the last, by all legs (n, n) (Dijkstra)."""
+    """Return the shortest way from the last node but one to the last, by legs (n, n) (Dijkstra)."""
     count = len(ways)
     length, before, is_open = ways[-2].copy(), np.full(count, count - 2), np.ones(count, bool)
     is_open[-2] = False

@@ -1,1 +1,1 @@
-"""Obstacles, terrain and bounds, and exact distances to them."""
+"""Obstacles, terrain, bounds, and exact distances."""

@@ -1,8 +1,6 @@
-"""Compiled least and greatest height of straight legs above the paper's surface, by branch and bound.
+"""Bounds of legs' heights above the paper's surface, by branch and bound.
 
-Over a span of a leg, the height above a surface differs from linear interpolation by at most the surface's deviation
-from its chord. The deviation upwards bounds the least height, that downwards the greatest. A span whose bound cannot
-improve the result is dropped; others are divided by four.
+A span differs from linear interpolation by at most the surface's deviation from its chord.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,14 +11,14 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-PARTS = 4  # pieces of a divided span
-REFINED = 1e-4  # accuracy of the result [m]
-DEEPEST = 30  # a leg divided this often is shorter than the floating-point resolution
+PARTS = 4
+REFINED = 1e-4  # [m]
+DEEPEST = 30  # divisions to the floating-point resolution
 
 
 @njit(error_model="numpy")
 def _surfaces(landform, base, peaks, x, y):
-    """Evaluate the paper's eqs. (1) and (2) at a place."""
+    """Eqs. (1) and (2)."""
     a, b, c, d, e, f, g = landform
     r = math.hypot(x, y)
     low = math.sin(y + a) + b * math.sin(x) + c * math.cos(d * r) + (e + g) * math.cos(y) + f * math.sin(f * r)
@@ -33,10 +31,10 @@ def _surfaces(landform, base, peaks, x, y):
 
 @njit(error_model="numpy")
 def _bends(landform, peaks, greatest):
-    """Bound how far landform and mountains rise (or sag) from a chord of 1 m, east and north [m].
+    """Bound the rise (or sag) from a chord of 1 m, east and north [m].
 
-    c cos(d r) curves by at most |c| d^2 in any direction, f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2) has
-    second derivatives between -2 and 4 exp(-3/2).
+    c cos(d r) curves by at most |c| d^2, f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2) has second
+    derivatives between -2 and 4 exp(-3/2).
     """
     _, b, c, d, e, f, g = landform
     round_about = abs(c) * d * d + abs(f) ** 3
@@ -50,9 +48,9 @@ def _bends(landform, peaks, greatest):
 
 @njit(error_model="numpy")
 def _kink(f, x, y, run):
-    """Bound the extra sag of f sin(f r) over a span of squared level length `run` around a place [m].
+    """Bound the extra sag of f sin(f r) over a squared level length `run` [m].
 
-    Its curvature is f^2 / r, with a kink at the origin. It never leaves a chord of length s by more than f^2 s / 2.
+    Its curvature f^2 / r has a kink at the origin. Over a length s it sags by at most f^2 s / 2.
     """
     span = math.sqrt(run)
     nearest = max(math.hypot(x, y) - span / 2.0, 1e-12)
@@ -61,10 +59,10 @@ def _kink(f, x, y, run):
 
 @njit(cache=True, error_model="numpy")
 def extreme(points, landform, base, peaks, greatest, enough):
-    """Return the least (or greatest) height of the legs between points (n, 3) as a bound, with its leg and fraction.
+    """Bound the least (or greatest) height of legs within `REFINED`, with leg and fraction.
 
-    The bound is within `REFINED`; above `enough` it is only at least `enough`. `landform` are a to g of eq. (1),
-    `peaks` (m, 5) heights, centers and slopes.
+    `points` (n, 3); `landform`: a to g; `peaks` (m, 5): heights, centers and slopes. A bound above `enough` may be
+    loose.
     """
     sign = -1.0 if greatest else 1.0
     low_e, low_n, high_e, high_n = _bends(landform, peaks, greatest)
@@ -73,12 +71,12 @@ def extreme(points, landform, base, peaks, greatest, enough):
     for n in range(len(points)):
         low, high = _surfaces(landform, base, peaks, points[n, 0], points[n, 1])
         ends[n, 0], ends[n, 1] = points[n, 2] - low, points[n, 2] - high
-        if math.isnan(ends[n, 0] + ends[n, 1]):  # nothing is proved of NaN
+        if math.isnan(ends[n, 0] + ends[n, 1]):
             return -sign * math.inf, min(n, len(points) - 2), 0.0
         height = sign * min(ends[n, 0], ends[n, 1])
         if height < best:
             best, leg, fraction = height, min(n, len(points) - 2), 1.0 if n > len(points) - 2 else 0.0
-    spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights above both surfaces at both ends
+    spans = np.empty((PARTS * DEEPEST, 6))  # begin, width, heights at both ends
     for n in range(len(points) - 1):
         x0, y0, z0 = points[n, 0], points[n, 1], points[n, 2]
         dx, dy, dz = points[n + 1, 0] - x0, points[n + 1, 1] - y0, points[n + 1, 2] - z0

@@ -1,9 +1,3 @@
-"""The airspace: bounds, ground and obstacles, and exact clearances of a flight.
-
-Distance to obstacles is Euclidean, to the ground vertical. A spatial index over the obstacles' boxes makes thousands of
-buildings nearly as quick as ten.
-"""
-
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -22,7 +16,7 @@ from ipoa_mission.world.terrain import Terrain
 
 @dataclass(frozen=True)
 class Clearance:
-    """Clearance of a flight: `distance` [m], negative inside, to `what`, at `place` on leg number `leg`."""
+    """`distance` [m], negative inside, to `what`, at `place` on leg number `leg`."""
 
     distance: float
     place: tuple[float, float, float]
@@ -34,12 +28,12 @@ class Clearance:
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
     def less(self, stray: float) -> "Clearance":
-        """Return the least clearance of a path that is nowhere farther than `stray` [m] from the flight."""
+        """`distance` [m], negative inside, to `what`, at `place` on leg `leg`."""
         return replace(self, distance=self.distance - stray)
 
 
 ROUNDING = 1e-6  # [m]
-PARTS = (2, 16)  # subdivisions of a leg whose ends are checked before the exact solution
+PARTS = (2, 16)
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -50,7 +44,7 @@ class Bounds:
     Attributes:
         lower: its least east, north and up [m].
         upper: its greatest [m].
-        footprint: the flight area, level.
+        footprint: the flight area.
 
     Raises:
         BadInput: `lower` is not below `upper`.
@@ -70,18 +64,17 @@ class Bounds:
             raise BadInput(f"expected lower below upper, not {self.lower} and {self.upper}", place="bounds")
 
     def margin(self, points: Points) -> Vector:
-        """Return the distance of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
+        """Return distances of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
         inside = self.box_margin(points)
         if self.footprint is not None:
             inside = np.minimum(inside, -self.footprint.distance(points[:, :2]))
         return np.asarray(inside)
 
     def box_margin(self, points: Points) -> Vector:
-        """Return the distance of points (n, 3) to the nearest side of the box, (n,) [m]: negative outside."""
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
-        """Return the least margin of the leg from `a` to `b`, (3,) each [m], negative outside, and its place."""
+        """Return the least margin of the leg `a` to `b` [m], and its place."""
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
@@ -95,7 +88,6 @@ class Bounds:
         return Clearance(float(margins[least]), _place(points[least]), self.nearest_limit(points[least]))
 
     def nearest_limit(self, point: Vector) -> str:
-        """Name the part of the bounds nearest to a point (3,)."""
         sides = np.concatenate([point - np.asarray(self.lower), np.asarray(self.upper) - point])
         names = ("west", "south", "lower", "east", "north", "upper")
         if self.footprint is not None and -self.footprint.distance(point[None, :2])[0] < sides.min():
@@ -105,7 +97,7 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Airspace:
-    """The world of a planner, in a local frame: east, north and up of home [m].
+    """The world of a planner: east, north and up of home [m].
 
     Attributes:
         bounds: the allowed volume.
@@ -129,15 +121,14 @@ class Airspace:
 
     @cached_property
     def ground(self) -> Ground:
-        """Return the ground: call it with points (n, 2 or 3) for heights (n,) [m]."""
         return Ground(self.terrain)
 
     def clearance(self, points: Points) -> Vector:
-        """Return the distance of points (n, 3) to the nearest obstacle, or the height above ground if less, (n,)."""
+        """Return the distance to an obstacle, or the height above ground if less, (n,) [m]."""
         return np.minimum(self.obstacle_distance(points), points[:, 2] - self.ground(points))
 
     def obstacle_distance(self, points: Points) -> Vector:
-        """Return the signed distance of points (n, 3) to the nearest obstacle, (n,) [m]; infinite without obstacles."""
+        """Return distances (n,) [m], infinite without obstacles."""
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
@@ -150,28 +141,21 @@ class Airspace:
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
-        """Return the least clearance of the leg from `a` to `b`, (3,) each [m], over ground and obstacles."""
+        """Return the least clearance of the leg `a` to `b` [m]."""
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """Return the least height above ground of the legs between `points` (n, 3), negative below the ground.
-
-        `within`: as in `obstacle_clearance`.
-        """
+        """Return the least height above ground of the legs between `points`; `within`: see `obstacle_clearance`."""
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
-        """Yield each obstacle within `reach` [m] of some of the `points` (n, 3).
-
-        Returns:
-            The obstacle, the indices of its near points (k,), and their distances (k,) [m].
-        """
+        """Yield obstacles within `reach` [m] of `points`, with indices and distances (k,) [m]."""
         if not self.obstacles:
             return
         pairs = self._index.query(shapely.points(points[:, :2]), "dwithin", reach)
@@ -181,15 +165,7 @@ class Airspace:
                 yield self.obstacles[body], which[close], distance[close]
 
     def beside(self, lines: NDArray[np.object_], reach: Vector) -> NDArray[np.intp]:
-        """Return which obstacles are near which lines, level, by their boxes.
-
-        Args:
-            lines: shapely lines, (k,).
-            reach: lateral distance from each line (k,) [m].
-
-        Returns:
-            Indices of lines and of obstacles, (2, n).
-        """
+        """Return indices of `lines` and of boxes within `reach` (k,) [m], (2, n)."""
         if not self.obstacles:
             return np.zeros((2, 0), dtype=np.intp)
         spots = shapely.length(lines) == 0  # GEOS finds nothing near a line without length
@@ -198,17 +174,9 @@ class Airspace:
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
     def legs_clearance(self, starts: Points, ends: Points, within: float) -> tuple[Vector, NDArray[np.intp]]:
-        """Return lower bounds of the distances of many straight legs to obstacles, quickly.
+        """Bound the distances (n,) [m] of legs `starts` to `ends` to obstacles `within` a distance.
 
         A bound is exact for a level or vertical leg outside an upright obstacle.
-
-        Args:
-            starts: (n, 3) [m].
-            ends: (n, 3) [m].
-            within: obstacles farther away are ignored [m].
-
-        Returns:
-            For each leg the distance to the nearest obstacle (n,) [m], infinite if none is near, and its index.
         """
         least, which = np.full(len(starts), np.inf), np.full(len(starts), -1)
         if not self.obstacles:
@@ -225,25 +193,17 @@ class Airspace:
         return least, which
 
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """Return the least distance of the legs between consecutive points to an obstacle.
-
-        Args:
-            points: (n, 3) [m].
-            within: a distance greater than this is only a lower bound [m].
-
-        Returns:
-            The distance [m], negative inside, with the obstacle and place.
-        """
+        """Return the least distance between `points` to an obstacle; beyond `within` [m] it is a lower bound."""
         if not self.obstacles:
             return NOTHING_NEAR
         starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
-        reach = within + ROUNDING  # farther obstacles do not matter: beyond `within`, or not the least
+        reach = within + ROUNDING
         if not np.isfinite(within):
             reach = float(self.obstacle_distance(points).min()) + ROUNDING
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
         tracks[upright] = shapely.points(starts[upright, :2])
-        near = list[tuple[float, int, int]]()  # lower bound of the distance, obstacle, leg
+        near = list[tuple[float, int, int]]()  # bound, obstacle, leg
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
             for parts in PARTS:
                 away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
@@ -264,9 +224,8 @@ class Airspace:
         return least
 
     def bounds_margin(self, points: Points) -> Clearance:
-        """Return the least margin of the legs between points (n, 3) to the bounds."""
         box, margins = replace(self.bounds, footprint=None), self.bounds.box_margin(points)
-        spot = int(np.argmin(margins))  # within a box, the least margin of a leg is at one of its ends
+        spot = int(np.argmin(margins))
         limit = box.nearest_limit(points[spot])
         least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
@@ -292,17 +251,15 @@ class Airspace:
 
 
 def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
-    """Return distances to an obstacle at the ends of equal parts of legs (n, 3), (n, parts + 1) [m]."""
     shares = np.linspace(0.0, 1.0, parts + 1)[:, None]
     spots = starts[:, None] + shares * (ends - starts)[:, None]
     return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
 
 
 def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
-    """Return a lower bound of the distance along legs, from distances at the ends of their parts (n, parts + 1).
+    """Bound the distance along legs, from the ends of their parts (n, parts + 1).
 
-    The distance changes by at most 1 m per metre; `part` (n,) is the length of a part. For a convex obstacle the
-    distance is convex, so it is not below the line through two adjacent ends.
+    It changes by at most 1 m per metre. For a convex obstacle it is not below the line through adjacent ends.
     """
     before, after = away[:, :-1], away[:, 1:]
     floor = (before + after - part[:, None]) / 2
@@ -326,7 +283,6 @@ def _place(point: Vector) -> tuple[float, float, float]:
 
 
 def _grouped(pairs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """Yield (obstacle, queries that met it) from an index's answer (2, k)."""
     queries, bodies = pairs
     order = np.argsort(bodies, kind="stable")
     numbers, first = np.unique(bodies[order], return_index=True)

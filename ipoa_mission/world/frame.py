@@ -1,7 +1,7 @@
-"""Convert between geodetic and local east, north, up, by PROJ's topocentric conversion on the WGS 84 ellipsoid.
+"""Geodetic and local east, north, up, by PROJ on WGS 84.
 
-`up` is along the vertical *at home*: 2 km away the Earth has curved 0.3 m below that plane, which the conversion
-includes. Heights are AMSL in and out: the geoid undulation varies too little over a flight to matter.
+`up` is along home's vertical: 2 km away the Earth has curved 0.3 m below. Heights are AMSL: the geoid's change over a
+flight is ignored.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from pyproj import Geod, Transformer
 from ipoa_mission.geometry import Points, Vector
 
 _ELLIPSOID = Geod(ellps="WGS84")
-REACH = 100_000.0  # places farther from home are errors [m]
+REACH = 100_000.0  # [m]
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Geodetic:
     """A place on the Earth.
 
     Attributes:
-        latitude_deg: north of the equator, on WGS 84 [degrees].
-        longitude_deg: east of Greenwich [degrees].
+        latitude_deg: on WGS 84 [degrees].
+        longitude_deg: [degrees].
         altitude: above mean sea level [m]; of a rally point, above home.
 
     Example:
@@ -36,39 +36,38 @@ class Geodetic:
 
 
 def apart(one: Geodetic, other: Geodetic) -> float:
-    """Return the distance of two places over the ground [m]."""
+    """Return the distance over the ground [m]."""
     ends = (one.longitude_deg, one.latitude_deg, other.longitude_deg, other.latitude_deg)
     return float(_ELLIPSOID.inv(*ends)[2])
 
 
 def swap_hint(home: Geodetic, there: Geodetic, name: str) -> str:
-    """Return a hint at swapped coordinates if swapping them brings the place within reach, else ""."""
     turned = Geodetic(there.longitude_deg, there.latitude_deg)
     fits = abs(turned.latitude_deg) <= 90 and apart(home, turned) <= REACH
     return f": are latitude and longitude swapped, in home or in {name}?" if fits else ""
 
 
 def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
-    """Return the ellipsoid's radii of curvature along and across the meridian [m]."""
+    """Return the radii along and across the meridian [m]."""
     squared = 1 - _ELLIPSOID.es * np.sin(np.radians(latitude_deg)) ** 2
     return float(_ELLIPSOID.a * (1 - _ELLIPSOID.es) / squared**1.5), float(_ELLIPSOID.a / np.sqrt(squared))
 
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """Tangent frame with origin `home`: accurate to 1 mm within 50 km, also across the antimeridian."""
+    """Accurate to 1 mm within 50 km, also across the antimeridian."""
 
     home: Geodetic
 
     def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector | float) -> Points:
-        """Return east, north, up of geodetic positions, arrays (n,) or scalars, as (n, 3) [m]."""
+        """Return east, north, up (n, 3) [m]."""
         lat, lon, alt = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
         )
         return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))
 
     def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:
-        """Return latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL] of points (n, 3), each (n,)."""
+        """Return latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL], each (n,)."""
         east, north, up = np.atleast_2d(np.asarray(points, float)).T
         lon, lat, alt = self._transform(east, north, up, "INVERSE")
         return lat, (lon + 180.0) % 360.0 - 180.0, alt
@@ -83,7 +82,7 @@ class LocalFrame:
         return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
-        """Return PROJ's result as arrays; a single point is passed as numbers because pyproj warns of arrays of one."""
+        """pyproj warns of arrays of one."""
         transform = _topocentric(self.home).transform
         if len(x) != 1:
             x, y, z = transform(x, y, z, direction=direction)

@@ -1,8 +1,3 @@
-"""The ground as a value: its height above home anywhere.
-
-It compares by its content, is kept in a mission, and can be pickled.
-"""
-
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -11,21 +6,19 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
 
-EARTH_RADIUS = 6_371_000.0  # of the spherical Earth on which a vehicle counts heights [m]
+EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
 
 
 class HasHeight(Protocol):
-    """Any terrain with heights."""
-
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Return the height [m] under points (n, 2 or 3) east, north(, up), (n,)."""
+        """Return heights [m] under points (n, 2 or 3), (n,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ground:
     """Ground over a `terrain` (None: unknown, level with home), in heights above `datum` [m].
 
-    With `earth_radius` [m], heights are as a vehicle counts them on a spherical Earth, not above home's plane.
+    With `earth_radius` [m], heights are as a vehicle counts them on a spherical Earth.
 
     >>> Ground().at(30.0, 40.0)
     0.0
@@ -53,13 +46,12 @@ class Ground:
         return 0.0 if self.terrain is None else float(self(np.array([[east, north]]))[0])
 
 
-#: Unknown ground: level with home.
 LEVEL = Ground()
 
 
 @dataclass(frozen=True)
 class HighPlace:
-    """Ground at `level` [m] nearer to a place (east, north) than to home, and level with home elsewhere."""
+    """Ground at `level` [m] nearer to a place (east, north) than to home."""
 
     place: tuple[float, float]
     level: float

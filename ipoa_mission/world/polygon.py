@@ -1,9 +1,3 @@
-"""A polygon with holes in the east, north plane, with exact distances.
-
-Along a line, the squared distance to every vertex and every edge's line is quadratic. Extremes are therefore at
-parameters with closed forms.
-"""
-
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
@@ -16,16 +10,15 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geometry import Vector
 
-Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], in either direction, not closed
+Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], not closed
 Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
 MAX_SOLVED_EDGES = 6
-QUARTER_SEGMENTS = 4  # segments of a quarter turn around a rounded corner
-SHORTEST_SPAN = 1e-8  # shortest span that is halved [m]
-CIRCLE_CORNERS = 32  # corners of a drawn circle
+QUARTER_SEGMENTS = 4
+SHORTEST_SPAN = 1e-8  # [m]
+CIRCLE_CORNERS = 32
 
 
 def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
-    """Return the outer ring and the holes of a valid shapely polygon."""
     outer, *holes = (
         tuple((float(east), float(north)) for east, north in shapely.get_coordinates(ring)[:-1])
         for ring in (shape.exterior, *shape.interiors)
@@ -34,15 +27,12 @@ def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
 
 
 def circle(x: float, y: float, radius: float) -> Plane:
-    """Return a circle around (x, y) as a ring, (32, 2)."""
     turn = np.arange(CIRCLE_CORNERS) * 2 * np.pi / CIRCLE_CORNERS
     return np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
 
 
 @dataclass(frozen=True)
 class Polygon:
-    """The area within `outer` and outside every ring of `holes`."""
-
     outer: Ring
     holes: tuple[Ring, ...] = ()
 
@@ -59,7 +49,7 @@ class Polygon:
         return shapely.Polygon(self.outer, self.holes)
 
     def buffered(self, by: float) -> shapely.Geometry:
-        """Return the shape grown by `by` [m]; a negative `by` shrinks it, possibly to pieces or nothing."""
+        """Grow by `by` [m]; a shrunk shape may be pieces or nothing."""
         return shapely.buffer(self.shape, by, quad_segs=QUARTER_SEGMENTS)
 
     @property
@@ -72,7 +62,6 @@ class Polygon:
 
     @cached_property
     def _edges(self) -> tuple[Plane, Plane]:
-        """Return both ends of each edge; repeated corners count once."""
         rings = (self.outer, *self.holes)
         starts = np.array([corner for ring in rings for corner in ring], float)
         ends = np.array([corner for ring in rings for corner in (*ring[1:], ring[0])], float)
@@ -81,18 +70,16 @@ class Polygon:
 
     @cached_property
     def convex(self) -> bool:
-        """Return whether it has no holes and turns the same way at every corner."""
         along = self.ends - self.starts
         turns = _cross(along, np.roll(along, -1, axis=0))
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
 
     def distance(self, points: Plane) -> Vector:
-        """Return the signed distance of points (n, 2) to the outline, (n,): negative inside."""
+        """Negative inside."""
         nearest = self.edge_distances(points).min(axis=1)
         return np.asarray(np.where(self.contains(points), -nearest, nearest))
 
     def contains(self, points: Plane) -> NDArray[np.bool_]:
-        """Return whether each point (n, 2) is inside, by the even-odd rule, (n,)."""
         (e0, n0), (run, rise), _ = self._lines
         east, north = points[:, :1], points[:, 1:2]
         spans = (n0 > north) != (self.ends[:, 1] > north)
@@ -100,7 +87,7 @@ class Polygon:
         return np.asarray(np.count_nonzero(spans & (east < e0 + (north - n0) * slope), axis=1) % 2 == 1)
 
     def edge_distances(self, points: Plane) -> NDArray[np.float64]:
-        """Return the distance of each point (n, 2) to each edge, (n, m)."""
+        """Return (n, m) of points (n, 2)."""
         (east, north), (along_e, along_n), squares = self._lines
         away_e, away_n = points[:, :1] - east, points[:, 1:2] - north
         share = np.minimum(np.maximum((away_e * along_e + away_n * along_n) / squares, 0.0), 1.0)
@@ -110,12 +97,12 @@ class Polygon:
 
     @cached_property
     def _lines(self) -> tuple[Plane, Plane, Vector]:
-        """Return each edge's begin (2, m), direction (2, m) and squared length (m,)."""
+        """Return begins (2, m), directions (2, m), squared lengths (m,)."""
         along = (self.ends - self.starts).T.copy()
         return self.starts.T.copy(), along, (along**2).sum(axis=0)
 
     def break_parameters(self, a: Vector, b: Vector) -> Vector:
-        """Return, unordered, parameters at which the line a + t (b - a) is abreast of a corner or crosses an edge."""
+        """Find the line a-b abreast of a corner or across an edge."""
         step, along, away = b - a, self.ends - self.starts, self.starts - a
         square = float(step @ step)
         feet: Vector = away @ step / square if square > 0 else np.zeros(0)
@@ -129,11 +116,10 @@ class Polygon:
         return np.concatenate([feet, crossings, *abreast])
 
     def balance_parameters(self, a: Vector, b: Vector, others: NDArray[np.float64], inside: bool) -> Vector:
-        """Return the parameters of the leg a-b, inside (or else outside), that may be farthest from the outline.
+        """Return the parameters of the leg a-b, inside or outside, that may be farthest from the outline.
 
-        At these, two squared distances are equal: to corners, to edges, or to walls with coefficients `others` (k, 3)
-        of 1, t, t^2. Spans of the leg with few nearest edges are solved directly. Longer spans are halved, and spans
-        that cannot hold the greatest distance are dropped.
+        There two squared distances are equal: to corners, edges, or walls with coefficients `others` (k, 3) of 1, t,
+        t^2. Long spans are halved until few edges are near.
         """
         parameters, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
         length, greatest = float(np.linalg.norm(b - a)), 0.0
@@ -158,7 +144,7 @@ class Polygon:
         return np.concatenate(parameters)
 
     def _squares(self, a: Vector, b: Vector, edges: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return squared distances along the line to some edges' lines and corners: coefficients of 1, t, t^2."""
+        """Return squared distances to edges and corners: coefficients of 1, t, t^2."""
         step, along = b - a, (self.ends - self.starts)[edges]
         normal = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
         offset, drift = np.einsum("mk,mk->m", a - self.starts[edges], normal), normal @ step
@@ -169,7 +155,7 @@ class Polygon:
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
-    """Return the real parts of all roots of c0 + c1 t + c2 t^2, unordered, without degenerate equations."""
+    """Return the roots' real parts."""
     flat = np.asarray(c2 == 0)
     root = np.sqrt(np.maximum(c1**2 - 4 * c2 * c0, 0.0))
     q = -0.5 * (c1 + np.copysign(root, c1))

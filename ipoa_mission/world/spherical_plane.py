@@ -1,4 +1,4 @@
-"""The plane of PX4 and QGroundControl: azimuthal equidistant projection about a place, on a sphere."""
+"""Azimuthal equidistant plane on a sphere, of PX4 and QGroundControl."""
 
 from dataclasses import dataclass
 
@@ -11,13 +11,13 @@ RADIUS = 6_371_000.0  # of their Earth [m]
 
 @dataclass(frozen=True)
 class SphericalPlane:
-    """The plane about a place [deg], or about one place per point: latitude and longitude (n,)."""
+    """About a place [deg], or one per point (n,)."""
 
     latitude_deg: Vector | float
     longitude_deg: Vector | float
 
     def to_plane(self, latitude_deg: Vector, longitude_deg: Vector) -> Points:
-        """Return east and north of places (n,), (n, 2) [m]."""
+        """Return east and north, (n, 2) [m]."""
         latitude, middle = np.radians(latitude_deg), np.radians(self.latitude_deg)
         turn = np.radians(np.asarray(longitude_deg) - self.longitude_deg)
         east = np.cos(latitude) * np.sin(turn)
@@ -27,10 +27,10 @@ class SphericalPlane:
         return np.asarray(np.column_stack([east, north]) * (RADIUS / np.sinc(away / np.pi))[:, None])
 
     def to_geodetic(self, east: Vector, north: Vector) -> tuple[Vector, Vector]:
-        """Return latitude and longitude of points (n,), each (n,) [deg]."""
+        """Return latitude and longitude, each (n,) [deg]."""
         middle = np.radians(self.latitude_deg)
         away = np.hypot(north, east) / RADIUS
-        share = np.sinc(away / np.pi) / RADIUS  # ratio of sine to distance
+        share = np.sinc(away / np.pi) / RADIUS  # of sine to distance
         height = np.cos(away) * np.sin(middle) + north * share * np.cos(middle)
         across = np.cos(middle) * np.cos(away) - north * share * np.sin(middle)
         longitude = self.longitude_deg + np.degrees(np.arctan2(east * share, across))

@@ -1,8 +1,3 @@
-"""Terrain: its height, and the exact least and greatest height of straight legs above it.
-
-Heights above ground are vertical.
-"""
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, TypeAlias
@@ -14,37 +9,31 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
-Spot: TypeAlias = tuple[float, int, float]  # a height [m], its leg, and the fraction of that leg
+Spot: TypeAlias = tuple[float, int, float]  # height [m], leg, fraction
 
 
 class Terrain(Protocol):
-    """Any terrain with a height over the plane."""
-
     @property
     def steepness(self) -> float:
-        """Return an upper bound of the slope [m/m]."""
+        """Bound the slope [m/m]."""
         ...
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Return the height of the ground [m] under points (n, 2) or (n, 3) east, north(, up), (n,)."""
+        """Return heights [m] (n,) under points (n, 2 or 3)."""
         ...
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Return the least height above ground of the legs between points (n, 3).
-
-        If it is at least `enough` [m], any bound from `enough` on may be returned.
-        """
+        """Return the least height above ground of legs, or a bound from `enough` [m] on."""
         ...
 
     def greatest_height(self, points: Points) -> Spot: ...
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Return lower bounds of the height above ground of legs (n, 3), (n,) [m]."""
+        """Bound legs' heights above ground (n,) [m]."""
         ...
 
 
 def _end(heights: Vector, i: int) -> Spot:
-    """Return end number i of legs whose ends have these heights (n,)."""
     leg = min(i, len(heights) - 2)
     return float(heights[i]), leg, float(i - leg)
 
@@ -72,22 +61,22 @@ class Flat:
         return np.full(len(points), self.level)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Return the least height above ground of the legs between `points` (n, 3); `enough` has no effect."""
+        """Return the least height of legs between `points`; `enough` has no effect."""
         return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Return the least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
+        """Return the least heights of legs from `starts` to `ends`, (n,) [m]."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
 @dataclass(frozen=True)
 class SeaLevel:
-    """Ground at a constant height above mean sea level: it falls below home's plane with the Earth's curvature.
+    """Constant height AMSL, which falls below home's plane.
 
-    Its height is `level` - `east_bend` east^2 - `north_bend` north^2 [1/m], within `reach` [m].
+    Height: `level` - `east_bend` east^2 - `north_bend` north^2 [1/m], within `reach` [m].
     """
 
     level: float
@@ -97,26 +86,24 @@ class SeaLevel:
 
     @classmethod
     def around(cls, home: Geodetic, level: float, reach: float) -> "SeaLevel":
-        """Return the ground `level` above home, by the local radii of curvature: accurate to 1 cm within 20 km."""
+        """Return the ground `level` above home: accurate to 1 cm within 20 km."""
         along, across = radii_of_curvature(home.latitude_deg)
         altitude = home.altitude + level
         return cls(level, 0.5 / (across + altitude), 0.5 / (along + altitude), reach)
 
     @property
     def drop(self) -> float:
-        """Return the greatest drop below home's plane within reach [m]."""
+        """Return the drop below home's plane [m]."""
         return max(self.east_bend, self.north_bend) * self.reach**2
 
     @property
     def steepness(self) -> float:
-        """Return the slope at the end of its reach."""
         return 2 * max(self.east_bend, self.north_bend) * self.reach
 
     def height(self, points: NDArray[np.float64]) -> Vector:
         return np.asarray(self.level - points[:, :2] ** 2 @ self._bends)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Return the least height above ground of the legs between points (n, 3): a convex parabola on each leg."""
         heights, lowest = self._lowest(points[:-1], points[1:])
         leg = int(np.argmin(heights))
         return float(heights[leg]), leg, float(lowest[leg])
@@ -143,7 +130,7 @@ class SeaLevel:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Heights on a regular grid, bilinear between its nodes, constant beyond its edge.
+    """Regular grid, bilinear, constant beyond its edge.
 
     `heights[row, column]` is at (`east` + column * `spacing`, `north` + row * `spacing`).
     """
@@ -163,7 +150,7 @@ class Grid:
 
     @cached_property
     def steepness(self) -> float:
-        """Return the greatest slope: in a cell each component is between those of its sides."""
+        """Bound each component in a cell by those of its sides."""
         along_north, along_east = (float(np.abs(np.diff(self.heights, axis=axis)).max()) for axis in (0, 1))
         return float(np.hypot(along_north, along_east)) / self.spacing
 
@@ -196,9 +183,9 @@ class Grid:
         return float(heights[best]), int(leg[best]), float(fraction[best])
 
     def _candidate_heights(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
-        """Return heights on legs (n, 3), their leg numbers and fractions, (k,) each, including the least of each leg.
+        """Return heights on legs, their numbers and fractions, (k,) each, including the least of each leg.
 
-        Within a cell the height above ground is quadratic along the leg, so its ends and vertex are tried.
+        Within a cell the height is quadratic along the leg: ends and vertex are tried.
         """
         everywhere = np.arange(len(starts))
         pieces = [(everywhere, np.zeros(len(everywhere))), (everywhere, np.ones(len(everywhere)))]
@@ -222,7 +209,6 @@ class Grid:
         return above(leg, fraction), leg, fraction
 
     def _crossings(self, starts: Points, ends: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:
-        """Return leg numbers and fractions where the legs cross the grid lines of one axis."""
         start, end = ((points[:, axis] - (self.east, self.north)[axis]) / self.spacing for points in (starts, ends))
         low = np.maximum(np.ceil(np.minimum(start, end)), 0.0)
         high = np.minimum(np.floor(np.maximum(start, end)), self.heights.shape[1 - axis] - 1.0)
@@ -234,7 +220,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Peak:
-    """One Gaussian mountain of eq. (2): height, center, and widths a and b along east and north [m]."""
+    """Gaussian mountain of eq. (2), wide `a` east and `b` north [m]."""
 
     height: float
     east: float
@@ -245,7 +231,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class Analytic:
-    """The paper's surface, eqs. (1)-(3): the greater of a rolling landform and a range of Gaussian peaks."""
+    """The paper's surface, eqs. (1)-(3)."""
 
     a: float
     b: float
@@ -259,13 +245,12 @@ class Analytic:
 
     @property
     def steepness(self) -> float:
-        """Return a bound of the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
+        """Bound the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
         landform = np.hypot(abs(self.b), 1 + abs(self.e + self.g)) + abs(self.c * self.d) + self.f**2
         mountains = sum(abs(p.height) * np.sqrt(2 / np.e) / min(p.a, p.b) for p in self.peaks)
         return float(max(landform, mountains))
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Return the height under points (n, 2 or 3), (n,): eq. (3)."""
         return np.maximum(self.landform(points), self.mountains(points))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
@@ -291,14 +276,13 @@ class Analytic:
         return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Return a lower bound of the height of the legs between points (n, 3), within 0.1 mm."""
+        """Bound the height within 0.1 mm."""
         return self._extreme(points, greatest=False, enough=enough)
 
     def greatest_height(self, points: Points) -> Spot:
         return self._extreme(points, greatest=True)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Return lower bounds of the heights of legs (n, 3), by the greatest slope of the ground, (n,)."""
         step = np.abs(ends - starts)
         at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
         return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))

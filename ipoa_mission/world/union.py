@@ -1,18 +1,16 @@
-"""Union of areas, checked for completeness."""
-
 from typing import Any
 
 import numpy as np
 import shapely
 
-GRID = 1e-9  # grid of the exact union, in metres or degrees
+GRID = 1e-9  # [m or degrees]
 
 
 def union_of(areas: Any) -> Any:
     """Return the union of shapely polygons (n,), or nothing.
 
-    GEOS 3.14 may lose some polygons where many just touch. On a grid it does not, but takes three times as long. The
-    grid is used only if an inner point of a polygon is missing.
+    GEOS 3.14 may lose some polygons where many just touch. A grid prevents this, but takes three times as long; it is
+    used only if an inner point of a polygon is missing.
 
     Example:
         >>> halves = [shapely.box(0.0, 0.0, 1.0, 2.0), shapely.box(1.0, 0.0, 2.0, 2.0)]

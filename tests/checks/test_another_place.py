@@ -1,5 +1,3 @@
-"""A mission that is held against the scenario of another place is an error at every door, not nonsense."""
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -55,7 +53,6 @@ def test_check_says_it_once_and_what_else_is_wrong_with_the_mission() -> None:
 
 
 def test_one_check_says_all_though_a_position_or_a_command_is_wrong() -> None:
-    """A wall stands in both legs, and the items at their ends have faults of their own."""
     walls = "obstacles = [{ kind = 'box', east = 0.0, north = 50.0, width = 9.0, depth = 3.0, height = 90.0 }]"
     away = replace(takeoff(HERE, 20.0), latitude_deg=0.0, longitude_deg=0.0)  # PX4 would fly to 0, 0
     back = replace(waypoint(HERE, 20.0), command=82)  # a spline waypoint, which PX4 does not take

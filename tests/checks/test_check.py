@@ -1,5 +1,3 @@
-"""Each rule of `check` by its code, and silence about missions that real autopilots have flown."""
-
 import math
 import re
 from collections.abc import Callable
@@ -9,6 +7,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -26,7 +25,6 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.held import PX4_117
@@ -49,7 +47,7 @@ def flight(*items: Item, autopilot: Autopilot = PX4, home: Geodetic = HOME) -> M
     return Mission(home, items, autopilot, firmware_version=PX4_117.get(autopilot))
 
 
-#: A mission, and all that is found in it.
+#: A mission and its findings.
 FOUND: dict[str, tuple[Mission, list[str]]] = {
     "nothing is wrong": (flight(UP, change_speed(5.0), AWAY, DOWN), []),
     "nothing to do": (flight(), ["error empty"]),

@@ -1,5 +1,3 @@
-"""The legs that are flown, and what a scenario's world has to say about them."""
-
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -10,15 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
@@ -72,7 +70,6 @@ def corners(leg: Leg) -> list[list[float]]:
 
 @pytest.mark.parametrize("command", [Command.NAV_PAYLOAD_PLACE, Command.NAV_LOITER_TO_ALT])
 def test_the_way_to_where_a_payload_is_put_down_or_a_height_is_taken_is_flown(command: Command) -> None:
-    """Through the hall it is told; round it the estimate has it as the built-in autopilot flies it."""
     scenario = world(px4="ardupilot", RTL_RETURN_ALT="RTL_ALT")
     there = replace(waypoint(place(scenario, 100.0, 20.0), 20.0), command=command, params=(0.0, 0.0, 0.0, 0.0))
     through = flight(scenario, (0.0, 20.0, 20.0), (100.0, 0.0, 20.0), autopilot=ARDUPILOT)
@@ -196,7 +193,7 @@ def test_a_leg_through_a_building_is_an_error_that_names_it_and_the_place() -> N
 
 
 def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> None:
-    """The hall is 30 m high, 2.5 m must be left over it: 35 m is the first of every five metres that does."""
+    """The hall is 30 m high, 2.5 m are required: of steps of 5 m, 35 m is the first that clears it."""
     scenario = world()
     px4, ardupilot = (flight(scenario, (100.0, 40.0, 20.0), autopilot=autopilot) for autopilot in (PX4, ARDUPILOT))
     (hint,) = [f.hint for f in check_mission(px4, scenario) if f.hint]
@@ -287,7 +284,6 @@ SPOT = st.tuples(st.floats(-40, 140), st.floats(-40, 40), st.floats(5, 45))
 @settings(max_examples=examples(30))
 @given(points=st.lists(SPOT, min_size=1, max_size=4))
 def test_an_error_is_found_exactly_where_sampling_the_legs_finds_one(points: list[tuple[float, float, float]]) -> None:
-    """Distance to the hall and to the ground from their definitions, every two centimetres."""
     scenario = world()
     mission = flight(scenario, *points)
     errors = {

@@ -1,10 +1,9 @@
-"""A landing where the ground is not as high as home is told: how fast it touches down, or how long it takes."""
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -12,7 +11,6 @@ from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_forecast
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.examples import vehicles
 from tests.held import waypoint
 
@@ -20,7 +18,7 @@ PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 
 
 def slope(height: float, autopilot: Autopilot, at_home: float = 0.0) -> Scenario:
-    """Ground that is level round home, and `height` above it round the goal, 200 m to the east."""
+    """Level round home, `height` above it round the goal, 200 m east."""
     row = [at_home, at_home, at_home, height, height]
     return parse_scenario(
         f"""

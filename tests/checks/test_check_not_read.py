@@ -1,5 +1,3 @@
-"""What a map holds and its reader does not understand is an error near the mission, unless it is ignored."""
-
 import json
 from pathlib import Path
 

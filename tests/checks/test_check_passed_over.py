@@ -1,5 +1,3 @@
-"""A flight near something that a map does not say to be nothing is refused, unless the scenario says so itself."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +16,7 @@ from tests.quick_search import search_quickly
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-#: Required are 0.5 m of radius and 2 m of distance; the path may leave its legs by 4 m: 6.5 m in all.
+#: Required: 0.5 m of radius, 2 m of distance, 4 m of lateral deviation: 6.5 m.
 WORLD = """
 home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
 start = { east = 0.0, north = 0.0, up = 20.0 }
@@ -31,7 +29,7 @@ Read = Callable[..., Scenario]
 
 @pytest.fixture
 def read(tmp_path: Path) -> Read:
-    """The flight with a map of one building far off and one polygon, 20 m square, whose near side is at `north`."""
+    """Return a flight near a polygon, 20 m square, whose near side is at `north`."""
 
     def make(north: float, keys: str = "", kind: str = "buildings", geometry: str = "Polygon") -> Scenario:
         features = [feature(40, 300, {"building": "yes"}), feature(40, north, {"name": "thing"}, geometry)]

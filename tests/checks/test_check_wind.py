@@ -1,5 +1,3 @@
-"""A wind in which the vehicle does not fly its mission is an error of the check, not of the plan alone."""
-
 from pathlib import Path
 
 import pytest

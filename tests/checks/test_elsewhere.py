@@ -1,8 +1,7 @@
-"""A file whose home is not where its mission is flown: ArduCopter puts in its place where it is armed."""
-
 from dataclasses import replace
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import home_elsewhere, refusals
 from ipoa_mission.flight.preflight import expect_fit
@@ -10,7 +9,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import write_export
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

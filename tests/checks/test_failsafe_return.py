@@ -1,5 +1,3 @@
-"""RTL from the middle of a mission: how far the real ones flew on, and what stands in the way home."""
-
 import csv
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
@@ -16,8 +16,6 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.vehicles.contingency import Contingency
 
 FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
@@ -125,7 +123,6 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
-    """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
     scenario = scene(autopilot, HALL)
     ways = ContingencyPaths(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
@@ -139,7 +136,7 @@ def nominal(scenario: Scenario) -> Scenario:
 
 
 def test_a_return_that_is_not_modeled_is_told_of() -> None:
-    """PX4 descends on its way to the landing of the mission."""
+    """PX4 descends on its way to the mission's landing."""
     forecast = flight_in(scene(Autopilot.PX4, HALL))
     items = (*forecast.mission.items[:-1], land(forecast.frame.geodetic(ROUND_THE_HALL[-1])))
     mission = replace(forecast.mission, items=items).with_parameters({"RTL_TYPE": 3.0})

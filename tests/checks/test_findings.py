@@ -1,5 +1,3 @@
-"""The codes of findings: each is of a rule, the page has them all, and none of a crash can be ignored."""
-
 import ast
 import json
 from pathlib import Path
@@ -23,7 +21,6 @@ MAKERS = {"Finding", "error", "warning", "report"}
 
 
 def codes_given() -> set[str]:
-    """The first argument of every finding that the package makes."""
     found = set()
     for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py")]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

@@ -1,19 +1,17 @@
-"""Missions of one or two items of any kind in the world of a scenario: judged and drawn, however little is flown."""
-
 from contextlib import suppress
 from itertools import product
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.page import report_html
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 SCENARIO = read_scenario(Path(__file__).parents[2] / "missions" / "sitl.toml")
 HOME = SCENARIO.home.geodetic()
@@ -37,5 +35,5 @@ def test_each_is_judged(autopilot: Autopilot) -> None:
 @pytest.mark.parametrize("name", ITEMS)
 def test_each_alone_is_drawn_or_it_is_said_why_not(name: str) -> None:
     forecast = Forecast(Mission(HOME, (ITEMS[name],), Autopilot.ARDUPILOT), SCENARIO)
-    with suppress(MissionError):  # which says why nobody can tell how it is flown
+    with suppress(MissionError):
         assert "From above" in report_html(forecast)

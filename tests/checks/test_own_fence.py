@@ -1,19 +1,17 @@
-"""The fence that the vehicle has by its own parameters: a mission that it would break off is not sent."""
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.failsafe import OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
@@ -23,7 +21,6 @@ AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 
 def mission(autopilot: Autopilot, away: float, height: float) -> Mission:
-    """Out to a place so far east of home, so high, and back [m]."""
     place = FRAME.geodetic(np.array([away, 0.0, height]))
     items = (takeoff(HOME, 20.0), waypoint(place, height), return_to_launch())
     return Mission(HOME, items, autopilot)

@@ -1,11 +1,11 @@
-"""Waypoints that PX4 1.18 may pass for good: h6_rally flew away so in simulation, three times of three."""
+"""PX4 1.18 may pass waypoints for good: h6_rally flew away in simulation, three times of three."""
 
 from dataclasses import replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

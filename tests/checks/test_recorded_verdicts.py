@@ -1,22 +1,20 @@
-"""Every verdict that real autopilots gave to generated items: the stand-ins give it too, and `check` says the same."""
-
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.link.messages import MissionType, Result
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.judgement import judge
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.verdicts import RECORDS, Record, read_record
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
-#: A build may leave these out, and the simulator that was asked did.
+#: Left out by some builds, as by the recorded one.
 LEFT_OUT = frozenset({Command.NAV_SCRIPT_TIME})
 FILES = sorted(RECORDS.glob("*.json"))
 
@@ -40,7 +38,6 @@ def test_the_stand_in_judges_as_the_real_one(file: Path) -> None:
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_check_passes_what_the_real_one_takes_and_nothing_else(file: Path) -> None:
-    """0 false refusals, 0 false passes: of what is sent, which is not always what stands in a file."""
     record = read_record(file)
     verdicts = asked(record)
     known = {repr(item): result for item, result in verdicts}

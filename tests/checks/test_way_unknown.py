@@ -1,20 +1,18 @@
-"""The law of every command that a firmware takes: its way is modeled, it has none, or nothing is promised."""
-
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import JUMPS, Command, Frame
+from ipoa_mission.autopilot.firmware_tables import Firmware
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import JUMPS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -31,7 +29,7 @@ TABLES = [
     for autopilot in registered()
     for series in autopilot.tables.series
 ]
-STOPS_FOR_IT = 2.5  # a corner that is not cut where a command is passed over [m]
+STOPS_FOR_IT = 2.5  # a corner is not cut where a command is passed over [m]
 
 
 @cache
@@ -110,13 +108,13 @@ def test_a_payload_at_another_height_than_the_waypoint_before_is_never_placed() 
 
 @pytest.mark.parametrize(("place", "is_known"), [((-40, 60), True), ((-5, 40), False)])
 def test_a_spline_that_turns_back_has_no_clearance(place: tuple[float, float], is_known: bool) -> None:
-    """Flown on ArduCopter 4.8.0-dev: 0.4 m off the forecast at a turn of 127 degrees, 1.5 m at a hairpin."""
+    """ArduCopter 4.8.0-dev: 0.4 m off the forecast at a turn of 127 degrees, 1.5 m at a hairpin."""
     assert clearance_is_known(after_a_spline(waypoint(at(*place), 20.0))) is is_known
 
 
 @pytest.mark.parametrize(("radius", "is_known"), [(150.0, True), (300.0, False)])
 def test_a_large_circle_has_no_clearance(radius: float, is_known: bool) -> None:
-    """Flown on ArduCopter 4.8.0-dev: 0.5 m off the forecast at a radius of 150 m, 1.0 m at 300 m."""
+    """ArduCopter 4.8.0-dev: 0.5 m off the forecast at a radius of 150 m, 1.0 m at 300 m."""
     circle = replace(waypoint(at(0, 500), 20.0), command=Command.NAV_LOITER_TURNS, params=(1.0, 0.0, radius, 0.0))
     mission = Mission(HOME, (takeoff(HOME, 20.0), FIRST, circle, return_to_launch()), Autopilot.ARDUPILOT)
     assert clearance_is_known(mission) is is_known

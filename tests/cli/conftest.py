@@ -1,5 +1,3 @@
-"""The command line, run in this process."""
-
 import shlex
 import sys
 import threading
@@ -12,6 +10,7 @@ from pathlib import Path
 import pytest
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
@@ -22,7 +21,6 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.held import waypoint
 from tests.quick_link import hurry
@@ -36,21 +34,18 @@ ZURICH = Geodetic(47.397742, 8.545594, 488.0)
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a command ended, and what it said."""
-
     code: int
     out: str
     err: str
 
 
 def verbs() -> list[str]:
-    """What `ipoa-mission` can be told to do."""
     return sorted(getattr(typer.main.get_command(app), "commands", {}))
 
 
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Run `ipoa-mission WORDS` in a folder of its own; the exit code, standard output and standard error."""
+    """Run `ipoa-mission WORDS` in a folder of its own."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
     hurry(monkeypatch.setattr)
@@ -70,10 +65,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
 @pytest.fixture(scope="session")
 def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
-    """A scenario of the repository planned with seed 5, once for all tests: the flight, and the folder of its files.
-
-    Without a return altitude, so that vehicles of both firmwares take the mission.
-    """
+    """Plan a scenario with seed 5, once for all tests, without a return altitude: for both firmwares."""
     missions = Path(__file__).parents[2] / "missions"
 
     @cache
@@ -92,7 +84,6 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
 
 @pytest.fixture
 def hop(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A mission of a few seconds, which is only flown for what is said of it."""
     there = Geodetic(47.397842, 8.545594, 488.0)
     items = (takeoff(ZURICH, 5.0), waypoint(there, 5.0), land(there))
     path = tmp_path_factory.mktemp("hop") / "hop.plan"
@@ -102,7 +93,7 @@ def hop(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def autopilot() -> Serve:
-    """The built-in autopilot behind a UDP port of this machine, 60 times as fast as real; `with` gives its link."""
+    """Serve the built-in autopilot on a UDP port, 60 times as fast as real."""
 
     @contextmanager
     def serve(

@@ -1,4 +1,4 @@
-"""Files made to stop a reader: an error in words within 5 s and 500 MB, whatever the format."""
+"""Malicious files: an error within 5 s and 500 MB."""
 
 import io
 import json
@@ -12,7 +12,7 @@ import pytest
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.maps.elevation import ground_altitude
 from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.mission.mission_io import read_mission
@@ -42,7 +42,7 @@ def nested(opening: str, times: int, closing: str = "") -> bytes:
 
 
 def holes() -> bytes:
-    """A GeoTIFF of 60,000 by 60,000 posts of which none is stored."""
+    """A GeoTIFF of 60,000 by 60,000 posts, none of them stored."""
     import rasterio
 
     with rasterio.io.MemoryFile() as memory:
@@ -119,7 +119,6 @@ BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
 
 
 def reader(suffix: str) -> Callable[[Path], object]:
-    """What reads a file called so."""
     if suffix in LOGS:
         return read_flights
     if suffix in (".tif", ".hgt"):

@@ -1,5 +1,3 @@
-"""One answer by every door: what Python's functions say of a scenario, the command line says, and so do its files."""
-
 import json
 import math
 import re
@@ -18,18 +16,18 @@ from tests.quick_search import once, search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 OTHERS = sorted(path.stem for path in MISSIONS.glob("*.toml") if path.stem != "sitl")
-#: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
+#: Slower than the autopilot's defaults.
 SLOW = {
     "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
     "px4": "MPC_ACC_HOR = 2.4\nMPC_JERK_AUTO = 3.5\nMPC_LAND_SPEED = 0.4",
 }
-#: NAME.json knows how high the ground is where a mission lands, not how it slopes beside it [s].
+#: NAME.json knows the ground's height at the landing, not its slope [s].
 SLOPE_S = 0.2
 
 
 @pytest.fixture(scope="module")
 def slowed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """A scenario of the repository, searched for a short time only, on such a vehicle; one file for all tests."""
+    """Return a quickly searched scenario on such a vehicle."""
 
     @cache
     def written(name: str) -> Path:
@@ -53,7 +51,6 @@ def slowed(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 @pytest.fixture
 def slow(slowed: Callable[[str], Path], name: str) -> Path:
-    """It, of this name."""
     if name == "oldtown":
         pytest.importorskip("rasterio")
     return slowed(name)
@@ -61,16 +58,12 @@ def slow(slowed: Callable[[str], Path], name: str) -> Path:
 
 @cache
 def planned(slow: Path) -> api.Flight:
-    """Python's flight of a scenario, planned once for all tests."""
     return api.plan_flight(api.read_scenario(slow), seed=4)
 
 
 @pytest.fixture(autouse=True, scope="module")
 def looked_for_once() -> Iterator[None]:
-    """Doors that ask for the same path, or what stands in the same ways home, are answered by one search.
-
-    That each search finds the same, others test.
-    """
+    """Answer equal searches once; other tests prove that they are equal."""
     paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
     ways_home = once(lambda one: tuple(check_failsafe_return(one)), lambda one: (one.mission, one.scenario))
     with pytest.MonkeyPatch.context() as patch:

@@ -1,5 +1,3 @@
-"""`compare` on logs of real autopilots: with a mission file and without, one flight and several."""
-
 import json
 from pathlib import Path
 
@@ -72,7 +70,6 @@ def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path)
 
 
 def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tmp_path: Path) -> None:
-    """A mast beside the second leg, whose distance is measured here from the log's own fixes."""
     log = LOGS / "sitl-ardupilot.bin"
     flight = read_flights(log).flights[0]
     assert flight.mission is not None
@@ -101,7 +98,6 @@ def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tm
 
 
 def test_the_climb_and_the_descent_are_no_clearance_of_the_ground(run: Run) -> None:
-    """It came through every height there; what was promised is of the way between, and of the mast beside it."""
     scenario = Path(__file__).parents[2] / "missions" / "sitl.toml"
     found = json.loads(run(f"compare {LOGS / 'sitl-px4.tlog'} {OF_117} --scenario {scenario} --json").out)["clearance"]
     assert (found["to"], found["kept"]) == ("mast", True)

@@ -1,5 +1,3 @@
-"""`fly` on a vehicle that flies otherwise than it was forecast: what is printed, and how it ends."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -7,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Forecast, read_mission
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
 from tests.cli.test_cli_surveying import SCENARIO

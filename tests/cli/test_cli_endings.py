@@ -1,5 +1,3 @@
-"""`show --endings`: a bar of characters for each ending over the time in the air, and in words what is not clear."""
-
 import json
 import math
 import re
@@ -8,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.cli.contingency_output import CELLS, bar_of
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"

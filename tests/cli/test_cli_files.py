@@ -1,5 +1,3 @@
-"""Verbs that read and write files: what they print, and how they end."""
-
 import json
 import shutil
 import subprocess
@@ -60,7 +58,7 @@ def test_a_parameter_changes_the_estimate(run: Run, mission: str) -> None:
         json.loads(run(f"estimate {mission} --autopilot ardupilot --json {option}").out)["total_s"]
         for option in ("--param WPNAV_SPEED_UP=50", "")
     )
-    assert slow > usual + 20  # 35 m at 0.5 m/s in place of 2.5 m/s
+    assert slow > usual + 20  # 35 m at 0.5 instead of 2.5 m/s
 
 
 def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run: Run, mission: str) -> None:

@@ -1,5 +1,3 @@
-"""The first minute of someone who has a wheel and an empty folder."""
-
 import os
 import re
 import shutil
@@ -27,7 +25,7 @@ def test_a_packed_scenario_is_planned_by_its_name_unless_a_file_has_it(run: Run,
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What a wheel of these sources installs, read-only; without the studio's page, which npm makes."""
+    """Install a read-only wheel of these sources, without the studio's page."""
     folder = tmp_path_factory.mktemp("wheel")
     sources = copy_sources(folder / "sources")
     build = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-build-isolation", "--no-deps", "-w", str(folder)]
@@ -45,7 +43,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compiled(
     installed: Path, tmp_path: Path
 ) -> None:
-    """numba is out of reach: what is needed of it was made when the wheel was built."""
+    """numba is out of reach."""
     hidden = "import sys; sys.modules['numba'] = None"
     lines = f"{hidden}; from ipoa_mission.cli.app import main; main()"
     env = {

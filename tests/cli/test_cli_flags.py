@@ -1,5 +1,3 @@
-"""One table of verbs and flags: a flag means the same wherever it is taken, and files are never lost by a verb."""
-
 import json
 import os
 import signal
@@ -26,10 +24,10 @@ from tools.generate import verbs
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
-#: Flags that say something else in `mock`, which is an autopilot, in `reproduce` and `demo` by what `--out` is without,
-#: in `learn`, which writes one file, and where a link may be left out; a vehicle is chosen on a link or in a log.
+#: Other meanings in `mock`, an autopilot; `reproduce` and `demo` (no `--out`); `learn`, which writes one file; where a
+#: link is optional. A vehicle is chosen on a link or in a log.
 SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "--seed": 2, "--system": 2}
-#: What goes together: who takes one of these takes all.
+#: Who takes one takes all.
 TOGETHER = (
     {"--param", "--param-file"},
     {"--log", "--timeout", "--backend"},
@@ -37,7 +35,7 @@ TOGETHER = (
     {"--loss", "--duplicate", "--delay", "--reorder"},
 )
 LINKED = "fly mock upload download set-current clear pause resume rtl"
-#: Flag -> the verbs that must take it.
+#: Flag: verbs that must take it.
 TAKEN = {
     "--json": "demo new plan studio check estimate show export fly mock compare learn "
     "scan upload download set-current clear pause resume rtl reproduce",
@@ -64,7 +62,7 @@ def test_a_flag_means_the_same_everywhere() -> None:
         assert len({tuple(sorted(of)) for flag, of in rows.items() if flag.name in group}) == 1, group
 
 
-#: Files of parts are flown one by one, and a survey as its scenario has it, or what is left of one by its files.
+#: Parts are flown one by one, a survey by its scenario or files.
 PLANNED_ONLY = {"SCENARIO", "[SCENARIO]", "--split"}
 PLANNED_ONLY |= {"--survey", "--height", "--line-spacing", "--width", "--camera", "--gsd", "--flown"}
 
@@ -240,7 +238,7 @@ def test_ctrl_c_at_any_time_has_words_for_machines(tmp_path: Path) -> None:
         assert [*tmp_path.iterdir()] == []
 
 
-#: Presses Ctrl-C when the module of this number is about to be imported, then runs the command line.
+#: Presses Ctrl-C at the import of module n, then runs the command line.
 PRESSED = """
 import signal, sys
 class Presser:
@@ -258,7 +256,7 @@ main()
 
 @pytest.mark.parametrize("number", some(3, [2, 60, 420, 3, 4, 15, 150, 300]))
 def test_ctrl_c_while_the_command_is_imported_is_one_line(number: int) -> None:
-    """Of the first two, the package and `__main__`, nothing of ours runs yet."""
+    """Of the first two modules, the package and `__main__`, nothing of ours runs yet."""
     command = [sys.executable, "-c", PRESSED.format(number=number + 1), "check", str(MISSIONS / "campus.plan")]
     ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert (ended.returncode, ended.stdout) == (130, "")
@@ -324,7 +322,6 @@ def test_new_goes_back_to_a_home_that_was_swapped(run: Run, monkeypatch: pytest.
 def test_new_reads_the_altitude_where_home_is(
     run: Run, monkeypatch: pytest.MonkeyPatch, home: str, altitude: str
 ) -> None:
-    """Whoever answers home has the ground there, not that of the home that the map would suggest."""
     pytest.importorskip("rasterio")
     maps = f"--buildings {MISSIONS / 'oldtown.geojson'} --elevation {MISSIONS / 'oldtown.tif'}"
     said = json.loads(run(f"new a.toml {maps} --yes --json --answer 'home={home}'").out)

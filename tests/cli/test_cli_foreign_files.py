@@ -1,7 +1,4 @@
-"""What became of other people's files, line by line of the findings about them (`findings.md` beside the samples).
-
-Each is accepted, or refused for a reason that its firmware or its format shares.
-"""
+"""Other people's files, by the findings about them (`findings.md` beside the samples)."""
 
 import json
 import os
@@ -10,22 +7,22 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from tests.cli.conftest import Run
 from tests.refused import refuses
 
-BEFORE_SPLIT = Version(1, 17)  # of PX4, which stops at waypoints that 1.18 may pass
+BEFORE_SPLIT = Version(1, 17)  # PX4 that stops at waypoints which 1.18 may pass
 
 MAVSDK = "mavlink+MAVSDK/cpp/src/mavsdk/plugins/mission_raw/test_plans/qgroundcontrol_sample"
 QGC = "DonLakeFlyer+qgroundcontrol/test"
@@ -44,7 +41,7 @@ def scenario(folder: Path, home: tuple[float, float], goal: tuple[float, float],
 
 
 def test_a_buildings_without_height_stand_in_the_way(samples: Path, tmp_path: Path) -> None:
-    """Overture's Utrecht: 15 of 3,754 buildings have a height, and all stand."""
+    """Overture's Utrecht: 15 of 3,754 buildings have a height."""
     path = samples / "bertt+overture" / "buildings.geojson"
     longitude, latitude = json.loads(path.read_text())["features"][0]["geometry"]["coordinates"][0][0]
     tail = f"maps = [{{ kind = 'buildings', file = {json.dumps(str(path))} }}]\n[bounds]\nmargin = 20000"
@@ -60,7 +57,7 @@ def test_c_the_plans_that_climbed_obliquely_have_a_time(samples: Path) -> None:
 
 
 def test_d_a_log_of_flights_by_hand_has_a_row_for_each(samples: Path, run: Run) -> None:
-    """Seven times armed; five of these it rose, none in AUTO."""
+    """Armed seven times; it rose five times, never in AUTO."""
     path = samples / "dronekit+dronekit-python/examples/flight_replay/flight.tlog"
     log = read_flights(path)
     assert [flight.in_mission for flight in log.flights] == [False] * 5
@@ -71,7 +68,7 @@ def test_d_a_log_of_flights_by_hand_has_a_row_for_each(samples: Path, run: Run) 
 
 
 def test_e_px4_1_12_is_compared_by_its_own_log_alone_and_said_to_be_older(samples: Path, run: Run) -> None:
-    """42.1 s flown; the items are those of the plan that lies beside the log."""
+    """42.1 s flown; the items are those of the plan beside the log."""
     folder = samples / "skhatiri+Aerialist/samples/flights"
     held = json.loads(run(f"compare '{folder / 'mission1.ulg'}' --json").out)
     assert held["flown_s"] == pytest.approx(42.1, abs=0.5)
@@ -107,8 +104,7 @@ def test_h_a_name_with_a_blank_is_a_name(tmp_path: Path) -> None:
     assert read_scenario(tmp_path / "mein Übungsplatz.toml").name == "mein Übungsplatz"
 
 
-#: Files that were refused without reason, the autopilot for those that do not say, and the code of what is warned of,
-#: or its words where it is of the file.
+#: Accepted files, the autopilot if unnamed, and the code (or the file's words) of a warning.
 TAKEN = [
     (f"{MAVSDK}_with_structured_scan.plan", None, "2 rounds are laid out as QGroundControl does"),
     ("mavlink+MAVSDK-Python/examples/example-mission.plan", None, "home has no altitude: taken as 0 m AMSL"),
@@ -139,7 +135,7 @@ def test_a_plan_that_says_two_heights_of_an_item_is_no_mission_to_send(samples: 
         read_mission(samples / f"{PX4_TESTS}/vtol_mission_with_land_start.plan")
 
 
-#: Files that are still refused, and why: the firmware, or every other reader, refuses them too.
+#: Still refused, as by the firmware or every other reader.
 REFUSED = [
     (f"{MAVSDK}_without_mission.plan", 'expected "mission", but there is none'),
     (f"{MAVSDK}_wrong_mission_version.plan", "mission.version: expected 2, not 7"),
@@ -202,10 +198,9 @@ def test_several_flight_areas_will_do(samples: Path, tmp_path: Path) -> None:
 
 
 def test_b_arducopters_own_missions_pass() -> None:
-    """Where ArduPilot's sources are at ARDUPILOT_HOME: all that ArduCopter's tests fly.
+    """ArduPilot's sources at ARDUPILOT_HOME: all that ArduCopter's tests fly.
 
-    One has no take-off, without which ArduCopter does not leave the ground. One flies in Japan and has its home in
-    Australia: armed there, ArduCopter 4.7.0-dev takes off and sets out for Japan.
+    One has no take-off. One flies in Japan with a home in Australia: ArduCopter 4.7.0-dev sets out for Japan.
     """
     home = Path(os.environ.get("ARDUPILOT_HOME", "nowhere"))
     folder = home / "Tools" / "autotest" / "ArduCopter_Tests"

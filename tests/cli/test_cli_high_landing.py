@@ -1,5 +1,3 @@
-"""A vehicle that has not the parameters for a landing above home is refused before it is armed."""
-
 from pathlib import Path
 
 import pytest
@@ -26,7 +24,7 @@ def test_fly_refuses_a_vehicle_that_would_touch_down_fast(
         )
         assert "hint: set the mission's parameters (NAME.params) by `fly --set-params`" in ended.err
         assert "not complete" not in ended.out
-        with monkeypatch.context() as lost:  # as by a reboot after it had said that it took them
+        with monkeypatch.context() as lost:  # as by a reboot
             lost.setattr(Vehicle, "set_parameter", lambda *_: None)
             ended = run(f"fly {tmp_path / 'slope.plan'} --link {link} --out {tmp_path} --set-params")
             assert (ended.code, "vehicle touches down at up to 1.5 m/s" in ended.err) == (1, True)

@@ -1,5 +1,3 @@
-"""What a verb has to import before it can begin: none of the large packages that it has no use for."""
-
 import subprocess
 import sys
 import threading
@@ -8,22 +6,22 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
 LARGE = {"numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pymavlink", "mavsdk", "rasterio"}
-#: Of our own: pydantic's models are built when their module is imported.
+#: pydantic's models are built at import.
 OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report.page"}
-#: Runs command lines, one a line, and tells what is imported when each ends.
+#: Runs command lines, and prints the imports after each.
 WATCHED = f"""
 import sys
 from ipoa_mission.cli.app import main
@@ -38,7 +36,7 @@ for line in sys.argv[1].splitlines():
 
 
 def imported(*lines: str, before: str = "") -> list[set[str]]:
-    """What is imported after each of these command lines, run one after the other."""
+    """Return the imports after each of these command lines."""
     run = subprocess.run(
         [sys.executable, "-c", before + WATCHED, "\n".join(lines)],
         capture_output=True, text=True, timeout=300, cwd=MISSIONS.parent,
@@ -51,7 +49,6 @@ def imported(*lines: str, before: str = "") -> list[set[str]]:
 
 @pytest.fixture
 def link() -> Iterator[str]:
-    """Where the built-in autopilot answers."""
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
     server = Server(channel, Station(Mock(Autopilot.PX4, Geodetic(47.397742, 8.545594, 488.0))), 60.0, Faults(), 0)
     stop = threading.Event()

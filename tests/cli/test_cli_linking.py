@@ -1,5 +1,3 @@
-"""Verbs that speak with a vehicle: the built-in autopilot behind a real port of this machine."""
-
 import json
 import signal
 from dataclasses import replace
@@ -7,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Planned, Run, Serve
 

@@ -1,16 +1,14 @@
-"""The main job: a scenario goes in; files, an estimate and a flown time come out, the same each time."""
-
 import json
 import re
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
 from tests.quick_search import search_quickly
@@ -74,7 +72,6 @@ def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
 
 @pytest.mark.parametrize("name", some(2, SCENARIOS))
 def test_both_formats_hold_the_same_mission_and_it_passes_the_checks(run: Run, missions: Path, name: str) -> None:
-    """The missions that ship beside their scenarios."""
     if name == "oldtown":
         pytest.importorskip("rasterio")
     plan = read_mission(missions / f"{name}.plan")

@@ -1,5 +1,3 @@
-"""Extracts of OpenStreetMap and Overture at every verb that takes a map; without their libraries, exit code 2."""
-
 import json
 import sys
 from pathlib import Path
@@ -20,7 +18,6 @@ RING = [(8.0003, 46.9999), (8.0005, 46.9999), (8.0005, 47.0001), (8.0003, 47.000
 
 
 def overture(path: Path) -> None:
-    """A building of 20 m between start and goal, as Overture has it."""
     pa, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
     rows = {"id": ["08f"], "height": [20.0], "num_floors": [5], "geometry": [shapely.to_wkb(shapely.Polygon(RING))]}
     geo = {"version": "1.1.0", "primary_column": "geometry", "columns": {"geometry": {"encoding": "WKB"}}}
@@ -28,7 +25,6 @@ def overture(path: Path) -> None:
 
 
 def extract(path: Path) -> None:
-    """The same in an extract of OpenStreetMap."""
     osmium = pytest.importorskip("osmium")
     with osmium.SimpleWriter(path) as writer:
         for number, place in enumerate(RING[:4], 1):

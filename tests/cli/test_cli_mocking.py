@@ -1,5 +1,3 @@
-"""`mock --scenario`: the built-in autopilot stands in a scenario's world, and lands on its ground."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""What was not read and may limit a flight is an error of every verb, unless `--ignore` names it."""
-
 import json
 from pathlib import Path
 
@@ -22,7 +20,7 @@ VERBS = ("plan one.toml", *(f"{verb} kept.plan --scenario one.toml" for verb in 
 
 @pytest.fixture
 def folder(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A scenario with a zone without a geometry beside one far away, and a mission there."""
+    """A scenario with a zone without a geometry, and a mission."""
     monkeypatch.chdir(tmp_path)
     corners = [[8.02, 47.0], [8.03, 47.0], [8.03, 47.01], [8.02, 47.0]]
     far = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [corners]}}

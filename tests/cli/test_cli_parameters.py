@@ -1,5 +1,3 @@
-"""`--param` and its like: the other firmware's names, and names that nobody has, are told with the right one."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -7,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
+from ipoa_mission.autopilot.autopilot import registered
+from ipoa_mission.autopilot.known_parameters import expect_known, expect_own, firmware_of, translated
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.vehicles.autopilot import registered
-from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of, translated
 from tests.cli.conftest import Run
 from tests.refused import refuses
 
@@ -96,7 +94,7 @@ def test_a_scenario_names_the_place(run: Run, missions: Path) -> None:
 
 
 def test_parameters_are_translated_for_another_autopilot_or_left_out(run: Run, missions: Path) -> None:
-    """Values by both firmwares' parameter references: ArduCopter counts centimetres and milliseconds, PX4 SI units."""
+    """By the parameter references: ArduCopter counts centimetres and milliseconds, PX4 SI units."""
     text = (missions / "sitl.toml").read_text().replace('"px4"', '"ardupilot"')
     own = "parameters = { RTL_ALT_M = 65.0, RTL_LOIT_TIME = 3000.0, WPNAV_JERK = 2.0 }"
     Path("x.toml").write_text(text.replace('"ardupilot"', f'"ardupilot"\n{own}'))

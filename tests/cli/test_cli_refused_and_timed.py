@@ -1,14 +1,12 @@
-"""What `check` refuses, `estimate` notes with the same words."""
-
 import json
 from pathlib import Path
 
 import pytest
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run
 

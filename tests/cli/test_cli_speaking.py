@@ -1,5 +1,3 @@
-"""How the command line speaks: to machines, to people, to terminals, and when it is stopped."""
-
 import io
 import json
 import logging
@@ -289,7 +287,7 @@ def test_an_extra_that_is_not_installed_is_named(
     assert "Traceback" not in ended.err
 
 
-#: Escape sequences, a bell, CSI as one character, text turned around, and a line that would be somebody else's.
+#: Escape sequences, a bell, CSI as one character, reversed text, a forged line.
 WICKED = "mast\x1b]0;owned\x07\x1b[2J\x9b31m\u202etxt\r\nerror: none"
 SHOWN = r"mast\x1b]0;owned\x07\x1b[2J\x9b31m\u202etxt\r\nerror: none"
 OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")

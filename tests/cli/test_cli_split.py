@@ -1,5 +1,3 @@
-"""`plan --split`: a survey's rows that one battery does not last for are written as missions for several."""
-
 import json
 from pathlib import Path
 

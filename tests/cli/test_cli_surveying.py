@@ -1,5 +1,3 @@
-"""`plan` of a survey, of an area without a scenario, and its flights flown on the built-in autopilot."""
-
 import json
 import subprocess
 import sys
@@ -9,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli import vehicles
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
 from tests.logs.several import write_several
@@ -122,8 +120,6 @@ def flown_lines(folder: Path, flight: int) -> int:
 
 
 class Terminal(StringIO):
-    """Somebody who answers."""
-
     def isatty(self) -> bool:
         return True
 

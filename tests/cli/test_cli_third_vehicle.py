@@ -1,8 +1,4 @@
-"""A third vehicle, whole, in this one file: read, checked, planned, timed, shown, uploaded to its stand-in and flown.
-
-It flies at one speed along straight lines, turns on the spot and keeps to its path within half a meter. No other file
-knows of it.
-"""
+"""A third vehicle in one file: it flies straight at one speed, within half a meter of its path."""
 
 import json
 import math
@@ -15,8 +11,18 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.quantiles import Quantiles
+from ipoa_mission.autopilot import autopilot as register
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.failsafe import OwnFence
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
+from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
+from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
+from ipoa_mission.autopilot.returning import Place
+from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics
@@ -24,25 +30,11 @@ from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
-from ipoa_mission.vehicles import autopilot as register
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
-from ipoa_mission.vehicles.mav_types import QUADROTOR
-from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters, ParameterTable, Quantity
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
-from ipoa_mission.vehicles.refusal import Refusals, Refused
-from ipoa_mission.vehicles.returning import Place
-from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
 
@@ -70,7 +62,6 @@ FIRMWARE = Firmware(
 
 
 def way(program: Program, index: int, here: Place, ground: float) -> list[Place]:
-    """The places to which item `index` leads, one after the other."""
     item, (east, north, up) = program.items[index], here
     match item.command:
         case Command.NAV_TAKEOFF:
@@ -86,8 +77,6 @@ def way(program: Program, index: int, here: Place, ground: float) -> list[Place]
 
 
 class Model(FlightModel):
-    """Straight lines at one speed."""
-
     scatter = (0.1, 0.01, 0.1)
     simulated: ClassVar[Mapping[str, float]] = {}
 
@@ -113,8 +102,6 @@ class Model(FlightModel):
 
 
 class StraightPilot:
-    """Goes on from place to place."""
-
     def __init__(self, body: SimulatedVehicle, now: Situation, *_: object) -> None:
         self.body, self.now = body, now
         self.ahead: list[Place] = []
@@ -198,8 +185,6 @@ LAW = DeviationLaw(
 
 
 class Toy(Autopilot):
-    """The third one."""
-
     name, model = "toy", "Toycopter"
     mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
     measured = (Version(1, 0),)
@@ -283,9 +268,8 @@ iterations = 8
 
 @pytest.fixture
 def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
-    """The third vehicle, registered for as long as a test lasts."""
     vehicle = Toy()
-    spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
+    spoken = replace(  # speaks as PX4, with its own numbers
         Autopilot.PX4.part(MockProfile),
         autopilot=vehicle,
         modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},
@@ -296,7 +280,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
         disarm_delay="TOY_WAIT",
     )
     monkeypatch.setattr(Toy, "parts", {**Toy.parts, "MockProfile": spoken})
-    monkeypatch.setitem(register._REGISTERED, vehicle.name, vehicle)
+    monkeypatch.setitem(register._registered(), vehicle.name, vehicle)
     return vehicle
 
 

@@ -1,5 +1,3 @@
-"""A version whose flights were not measured is refused at every door, and goes on only where it is asked for."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -16,14 +14,14 @@ from ipoa_mission import (
     read_scenario,
     upload_mission,
 )
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.version import Version
 from tests.cli.conftest import Run
 from tests.refused import refuses
 
@@ -38,7 +36,6 @@ def plain(autopilot: Autopilot) -> Mission:
 
 
 def aboard(autopilot: Autopilot, version: Version | None) -> Vehicle:
-    """A vehicle that says this version; None: that says none."""
     return board(Forecast(replace(plain(autopilot), firmware_version=version or Version(0, 0, 0, "dev"))))
 
 

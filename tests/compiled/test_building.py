@@ -1,5 +1,3 @@
-"""What is built: a source distribution of what git knows, machine code with whatever compiler there is."""
-
 import ctypes
 import importlib.util
 import json
@@ -28,7 +26,7 @@ def built(folder: Path, call: str, **environment: str) -> str:
 
 @pytest.fixture
 def clone(tmp_path: Path) -> Path:
-    """The sources as git knows them, with what somebody has left lying about."""
+    """Copy the sources as git knows them, with stray files."""
     there = copy_sources(tmp_path / "clone")
     subprocess.run(["git", "init", "--quiet"], cwd=there, check=True)
     subprocess.run(["git", "add", "."], cwd=there, check=True)
@@ -116,7 +114,7 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
         (folder / f"{part}.json").write_text(json.dumps({part: []}))
 
     def build(name: str) -> str:
-        """Make the library into a folder of this name, as from a fresh copy of the sources; what is said."""
+        """Build the library from a copy of the sources; return the output."""
         (tmp_path / name).mkdir()
         monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path / name), "x86-64"])
         maker.main()

@@ -1,5 +1,3 @@
-"""Machine code made when the package is built: it says what numba says, and only stands for the sources it is of."""
-
 import ast
 import json
 import os
@@ -16,7 +14,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY
 
-#: A small flight planned and both autopilots' times: everything that is compiled has its part in it.
+#: Every compiled function has a part in it.
 PLANNED = """
 import json, sys
 from pathlib import Path
@@ -72,7 +70,6 @@ def test_all_that_a_kernel_is_made_of_counts_for_its_hash() -> None:
         for node in ast.walk(ast.parse(written[path]))
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("ipoa_mission.")
     }
-    #: Compiled code takes neither numbers nor lines from these.
     besides = {"compiled", "errors", "wind", "vehicles.arducopter.dynamics", "vehicles.px4_multicopter.dynamics"}
     assert imported - counted <= besides
     assert len(counted) > 20
@@ -107,7 +104,7 @@ except MissionError as error:
 
 @pytest.mark.parametrize("made_of", ["no library", "a library without kernels"])
 def test_a_library_that_does_not_load_here_is_none(made_of: str, tmp_path: Path) -> None:
-    """As one of another system, or of a linker that shows no names; then numba compiles."""
+    """As one of another system, or without exported names; then numba compiles."""
     import _ctypes
 
     one = b"MZ" if made_of == "no library" else Path(_ctypes.__file__).read_bytes()
@@ -119,7 +116,6 @@ def test_a_library_that_does_not_load_here_is_none(made_of: str, tmp_path: Path)
 
 
 def test_a_library_of_another_index_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As one that was left of older sources, beside the index of newer ones."""
     made = library.PACKAGE / "compiled"
     if library.load(made) is None:
         pytest.skip("no machine code of these sources")
@@ -133,7 +129,7 @@ def test_a_library_of_another_index_is_none(tmp_path: Path, monkeypatch: pytest.
 
 
 def test_a_cache_of_other_module_names_is_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Numba would unpickle its index before it sees that the sources have changed."""
+    """Numba would unpickle the index before it sees that sources have changed."""
     numba = pytest.importorskip("numba")
     (tmp_path / "renamed_kernel.py").write_text("def more(x):\n    return x + 1\n")
     monkeypatch.syspath_prepend(tmp_path)

@@ -1,8 +1,6 @@
-"""`ipoa-mission` as a command of a shell, in processes that are forked from one that has imported all it needs.
+"""Run `ipoa-mission` as a shell command, forked from a process that has imported all.
 
-    with forked(folder) as programs: subprocess.run([str(programs.usual / "ipoa-mission"), "show", "campus.plan"])
-
-A command that runs so reads its own arguments, folder, environment, input and output, and takes signals, as any other.
+with forked(folder) as programs: subprocess.run([str(programs.usual / "ipoa-mission"), "show", "campus.plan"])
 """
 
 import json
@@ -23,7 +21,7 @@ import ipoa_mission
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
 
-#: What the shell runs: it hands on what it was given, waits, and passes signals on to the process that does the work.
+#: Hands on its input, waits, and passes signals on to the working process.
 CLIENT = """#!{python} -IS
 import json, os, signal, socket, sys
 there = socket.socket(socket.AF_UNIX)
@@ -39,7 +37,7 @@ sys.exit(int(answers.readline() or 1))
 
 
 class Programs(NamedTuple):
-    """Two folders with an `ipoa-mission` that begins at once; `quick` plans as `tests.quick_search` does."""
+    """Two folders with an `ipoa-mission`; `quick` plans as `tests.quick_search` does."""
 
     usual: Path
     quick: Path
@@ -47,7 +45,6 @@ class Programs(NamedTuple):
 
 @contextmanager
 def forked(folder: Path) -> Iterator[Programs]:
-    """The programs, in `folder`, while the block lasts."""
     address, programs = folder / "forked.socket", Programs(folder / "usual", folder / "quick")
     with subprocess.Popen([sys.executable, "-m", "tests.docs.forked", str(address)], stdout=subprocess.PIPE) as server:
         assert server.stdout is not None
@@ -63,12 +60,11 @@ def forked(folder: Path) -> Iterator[Programs]:
             server.terminate()
 
 
-#: What no command of the docs needs, or what starts threads, which a fork would lose.
+#: Unneeded by the docs, or starts threads, which a fork would lose.
 LEFT_OUT = ("__main__", "paper", "link.mavsdk_backend", "studio")
 
 
 def serve(address: str) -> None:
-    """Fork a process for every command."""
     for module in pkgutil.walk_packages(ipoa_mission.__path__, "ipoa_mission."):
         if not module.name.removeprefix("ipoa_mission.").startswith(LEFT_OUT):
             import_module(module.name)
@@ -90,7 +86,6 @@ def serve(address: str) -> None:
 
 
 def _run(client: socket.socket, main: object) -> None:
-    """Be the command that the client was given."""
     code = 1
     try:
         data, streams, *_ = socket.recv_fds(client, 1 << 20, 3)

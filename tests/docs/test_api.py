@@ -1,5 +1,3 @@
-"""The public face: all examples run, docs/api.md names what there is, and `help` tells of each parameter."""
-
 import dataclasses
 import doctest
 import inspect
@@ -17,6 +15,7 @@ import pytest
 from pydantic import BaseModel
 
 import ipoa_mission
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.planning.path_problem import PathTask
@@ -26,7 +25,6 @@ from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 from tests.quick_search import QUICK, search_quickly
@@ -38,7 +36,7 @@ PORT = "14550"
 
 @pytest.fixture
 def vehicle_at() -> Iterator[str]:
-    """A port to which the built-in autopilot speaks, a hundred times as fast as real, as if it were a vehicle."""
+    """Serve the built-in autopilot on a port, a hundred times as fast as real."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -55,13 +53,12 @@ def vehicle_at() -> Iterator[str]:
 
 @cache
 def planned(plan: Callable[..., Any], name: str, seed: int) -> Any:
-    """A plan of a shipped scenario, which several examples begin with."""
     return plan(read_scenario(REPOSITORY / "missions" / f"{name}.toml"), seed=seed)
 
 
 @pytest.fixture
 def quickly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A folder that has the shipped missions; plans are looked for less hard, the shipped scenarios' once."""
+    """A folder with the shipped missions, planned quickly and once."""
 
     def quick_path(task: PathTask, **options: Any) -> Plan:
         return plan_path(task, strategy=QUICK, **options)
@@ -148,7 +145,7 @@ def test_the_examples_in_docstrings_run(module: str, request: pytest.FixtureRequ
 
 
 def sections(documented: object) -> dict[str, str]:
-    """A docstring's parts by their headings: Args, Attributes, Returns, Raises, Example."""
+    """Split a docstring by headings: Args, Attributes, Returns, Raises, Example."""
     text = inspect.getdoc(documented) or ""
     parts = re.split(r"^(Args|Attributes|Returns|Raises|Example):\n", text, flags=re.MULTILINE)
     assert len(parts[1::2]) == len(set(parts[1::2]))
@@ -156,7 +153,6 @@ def sections(documented: object) -> dict[str, str]:
 
 
 def entries(part: str) -> set[str]:
-    """What a part has a line for."""
     return {name for names in re.findall(r"^ {4}(\w[\w, ]*): ", part, re.MULTILINE) for name in names.split(", ")}
 
 
@@ -180,13 +176,13 @@ def test_help_on_a_function_has_each_parameter_what_it_returns_and_an_example(na
 
 @cache
 def returned() -> set[str]:
-    """What functions return, whose examples show them; nobody else makes one."""
+    """Return types that functions return; their examples show them."""
     signatures = [inspect.signature(getattr(ipoa_mission, function)) for function in FUNCTIONS]
     given = " ".join(str(signature.return_annotation) for signature in signatures)
     return {name for name in TYPES if re.search(rf"\b{name}\b", given)}
 
 
-#: Its methods are asked by the rooms of the package, and are no part of the face.
+#: Internal methods.
 INSIDE = {"Autopilot"}
 
 

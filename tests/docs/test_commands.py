@@ -1,5 +1,3 @@
-"""The docs' pages do what they say: each of their commands is run, in order, and prints what stands below it."""
-
 import re
 import shutil
 from collections.abc import Callable, Iterator
@@ -16,14 +14,14 @@ from tools.generate import tutorial
 HOW_TO = sorted((tutorial.TUTORIAL.parent / "how-to").glob("*.md"))
 EXACT = (tutorial.TUTORIAL, tutorial.README)
 FILES = re.compile(r'^```python title="([\w.]+)"\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-#: How far a number may be from the one that stands in the page: another processor finds another path, a little.
+#: Another processor finds a slightly different path.
 SHARE, UNITS = 0.2, 1.5
 needs_a_shell = pytest.mark.skipif(shutil.which("bash") is None, reason="needs a shell")
 
 
 @dataclass(frozen=True)
 class Followed:
-    """A page's commands, what each of them printed, and the folder in which they were run."""
+    """A page's commands, their outputs, and the folder."""
 
     folder: Path
     steps: list[tutorial.Step]
@@ -44,9 +42,9 @@ def follow_page(page: Path, folder: Path, programs: Path) -> Followed:
 
 @pytest.fixture(scope="module")
 def follow(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Follow]:
-    """What has become of a page's commands. All pages are begun at once: most of their time they wait for a flight.
+    """Follow all pages at once: they mostly wait for a flight.
 
-    README and tutorial show the numbers of a plan; what the others plan may be looked for less hard.
+    README and tutorial show a plan's numbers; others may be planned quickly.
     """
     with forked(tmp_path_factory.mktemp("programs")) as programs, ThreadPoolExecutor(len(EXACT) + len(HOW_TO)) as pool:
         pages = [*((page, programs.usual) for page in EXACT), *((page, programs.quick) for page in HOW_TO)]
@@ -89,7 +87,7 @@ def test_every_command_of_the_readme_prints_what_stands_below_it(follow: Follow)
 
 
 def expect_shown(followed: Followed) -> None:
-    """That every command printed the lines that stand below it, numbers and all."""
+    """Compare every command's output with the lines below it."""
     for step, lines in zip(followed.steps, followed.printed, strict=True):
         assert "Traceback" not in "\n".join(lines)
         for here, there in tutorial.matched(step, lines):

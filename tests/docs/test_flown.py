@@ -1,5 +1,3 @@
-"""The table of flights on the real autopilots is what the command makes of the flights that were judged."""
-
 from pathlib import Path
 
 from tools.fly.judge import read_rows, table

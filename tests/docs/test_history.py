@@ -1,5 +1,3 @@
-"""The benchmark numbers of each release: rows are appended, read again and drawn."""
-
 from pathlib import Path
 
 from tools.benchmarks.history import HISTORY, Row, append, plotted, read

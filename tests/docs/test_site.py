@@ -1,5 +1,3 @@
-"""The site of the docs: it builds without a warning, holds every page, and asks no other server for anything."""
-
 import re
 from pathlib import Path
 

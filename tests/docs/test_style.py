@@ -1,5 +1,3 @@
-"""How the words are set: lines that fit a screen, and one spelling."""
-
 import re
 import subprocess
 from pathlib import Path
@@ -8,7 +6,7 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[2]
 WIDTH = 120
-#: British forms in small letters, and where one is somebody else's word.
+#: British forms, and their quotations.
 BRITISH = re.compile(
     r"(?<!ekf3 still )(?<!system not )"
     r"(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"
@@ -35,7 +33,7 @@ FILES = written()
     "path", [p for p in FILES if p.suffix == ".md"], ids=lambda p: p.relative_to(REPOSITORY).as_posix()
 )
 def test_lines_of_markdown_fit_unless_they_cannot_be_broken(path: Path) -> None:
-    """Tables, code, and a word longer than the line cannot."""
+    """Tables, code, and long words cannot be broken."""
     fenced = False
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
         if line.lstrip().startswith("```"):
@@ -54,14 +52,12 @@ def test_the_spelling_is_american() -> None:
 
 
 def test_names_in_the_code_say_meter() -> None:
-    """In prose a metre may stay one."""
     for path in FILES:
         if path.suffix == ".py" and "tests" not in path.parts:
             assert not METERS_IN_NAMES.search(path.read_text(encoding="utf-8")), path
 
 
 def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None:
-    """What was measured, and how, stands in docs/lab; the paper's reproduction by itself."""
     aside = {"lab", "reproduction", "reproduction.md"}
     pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not aside & set(page.parts)]
     assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 35_000

@@ -1,5 +1,3 @@
-"""The ground where a mission lands: NAME.json keeps it, and a flight that came down elsewhere is told of."""
-
 import json
 from pathlib import Path
 
@@ -46,7 +44,7 @@ def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> 
     assert (fast.code, fast.seq) == ("fast-touchdown", 3)
     assert api.check_mission(again.with_parameters({"LAND_ALT_LOW": 2200.0})) == ()
     told = json.loads(path.read_text(encoding="utf-8"))
-    told["mission"]["items"][-1]["params"][4] += 0.0001  # moved by somebody: nothing is known of the ground there
+    told["mission"]["items"][-1]["params"][4] += 0.0001  # moved: its ground is unknown
     path.write_text(json.dumps(told), encoding="utf-8")
     assert landing_height(api.read_mission(path)) is None
 

@@ -1,7 +1,6 @@
-"""What flights keep, held against the traces of recorded flights: as many fall short as are said to.
+"""What flights keep, by traces of recorded flights along a wall on one side.
 
-Every trace is flown along a wall on one side of it: the truth is how far it got to that side. `judged` are flights
-that came after the law was made.
+`judged` flights came after the law was made.
 """
 
 import csv
@@ -12,17 +11,17 @@ import numpy as np
 import pytest
 import scipy
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
-from ipoa_mission.forecast.deviation.measured_law import law_of
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.forecast.deviation.law import law_of
 
-LONG = 120.0  # a flight that is longer is a long one [s]
+LONG = 120.0  # [s]
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 @cache
 def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
-    """Of each flight whether it is judged, and second, bend, east, north, up (n, 5)."""
+    """For each flight: is it judged; second, bend, east, north, up (n, 5)."""
     found: dict[str, tuple[bool, list[list[float]]]] = {}
     for row in csv.DictReader((Path(__file__).parent / "traces.csv").read_text().splitlines()):
         if row["autopilot"] == autopilot.name:
@@ -40,7 +39,7 @@ def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray)
 
 
 def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shortest: float = 0.0) -> np.ndarray:
-    """The chance that was given to a flight's being as near as it was, of each flight and side."""
+    """Return the chance of each flight and side to be as near as it was."""
     found = []
     for is_judged, rows in traces(autopilot):
         seconds, across, level = rows[:, 0], rows[:, 1], rows[:, 2:4]
@@ -51,7 +50,7 @@ def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shor
 
 
 def shares(found: np.ndarray) -> list[float]:
-    """Shares that fell short of what 50, 90 and 99 % keep."""
+    """Return the shares below what 50, 90 and 99 % keep."""
     return [float((found <= chance).mean()) for chance in (0.5, 0.1, 0.01)]
 
 
@@ -70,7 +69,7 @@ def test_of_short_px4_flights_as_many_fall_short_as_are_said_to() -> None:
 def test_of_no_group_more_fall_short_than_are_said_to(
     autopilot: Autopilot, judged: bool, shortest: float, longest: float
 ) -> None:
-    """Four sides a flight; the fewer there are the more of them chance may bring."""
+    """Four sides a flight."""
     found = chances(autopilot, (judged,), longest, shortest)
     assert len(found) >= 12
     for share, chance in zip(shares(found), (0.5, 0.1, 0.01), strict=True):
@@ -102,7 +101,7 @@ def test_the_chance_of_a_flight_is_no_more_than_the_sum_of_its_moments(autopilot
 
 
 def test_twice_as_long_a_survey_keeps_centimetres_less() -> None:
-    """Beside a wall for 800 and 1600 s, as beside the trees of 100 and 200 legs."""
+    """Beside a wall for 800 and 1600 s, as beside trees for 100 and 200 legs."""
     flights = [beside_a_wall(Autopilot.PX4, np.arange(0.0, length), np.zeros(int(length))) for length in (800, 1600)]
     short, long = (10.0 - flight.kept(0.01) for flight in flights)
     assert short < long < short + 0.2
@@ -110,7 +109,7 @@ def test_twice_as_long_a_survey_keeps_centimetres_less() -> None:
 
 
 def _some_pairs(autopilot: Autopilot, rng: np.random.Generator) -> Approaches:
-    """Forty moments in two minutes at one of five obstacles, from beside, over or under them."""
+    """Forty moments in two minutes at one of five obstacles, beside, over or under them."""
     law, count = law_of(autopilot), 40
     numbers, seconds = rng.integers(0, 5, count), rng.uniform(0.0, 120.0, count)
     aside, above = rng.uniform(-1.0, 6.0, count), rng.uniform(-1.0, 6.0, count)

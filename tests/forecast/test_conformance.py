@@ -1,5 +1,3 @@
-"""The conformance monitor on recorded flights: a fly-away is found in time, and ordinary flights raise nothing."""
-
 import csv
 import json
 import math
@@ -11,18 +9,17 @@ import numpy as np
 import pytest
 
 from ipoa_mission import read_mission
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.conformance_watch import Conformance
+from ipoa_mission.link.conformance_watch import Conformance, OnDeviation
 from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.logbook import Logbook
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.logs.flight_log import read_flights as read_log
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.forecast.test_items_flown import FOLDERS as ITEMS_FLOWN
 from tests.forecast.test_items_flown import read as read_items
@@ -42,7 +39,7 @@ RECORDED = [
 
 
 def by_times(forecast: Forecast, done: dict[int, float], time: float) -> int | None:
-    """Which item is flown to; one whose time nobody reported was done with the next one."""
+    """An item whose time was not reported was done with the next one."""
     seqs = [visit.seq for visit in forecast.itinerary.visits]
     for n, seq in enumerate(seqs):
         if time < next((done[later] for later in seqs[n:] if later in done), math.inf):
@@ -72,7 +69,6 @@ def test_no_recorded_flight_deviates(folder: Path) -> None:
 
 
 def rally_on_px4() -> Forecast:
-    """The flight as promised for 1.17, for which it was planned."""
     return Forecast(replace(read_mission(AWAY / "h6_rally-px4.plan"), firmware_version=Version(1, 17)))
 
 
@@ -252,7 +248,7 @@ def test_a_hold_is_flown_where_it_is() -> None:
     assert flown(monitor, *((20.0 + t, 100.0, 0.0, 20.0, 1) for t in range(70))) == []
 
 
-#: In `spline_arc` the vehicle did not report that it began item 4.
+#: In `spline_arc` the begin of item 4 was not reported.
 ITEMS = [folder for folder in ITEMS_FLOWN if folder.name != "spline_arc-ardupilot"]
 
 

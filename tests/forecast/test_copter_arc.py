@@ -1,5 +1,3 @@
-"""NAV_ARC_WAYPOINT, ArduCopter 4.7's: its circle, the leg that is checked, the time, and the flight."""
-
 import math
 from dataclasses import replace
 
@@ -8,15 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_chords, arc_length, arc_radius, turn_of
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 

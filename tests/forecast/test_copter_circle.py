@@ -1,5 +1,3 @@
-"""NAV_LOITER_TURNS on ArduCopter: the circle as the board keeps it, its entry, what is flown, the leg, the exports."""
-
 import math
 
 import numpy as np
@@ -8,17 +6,17 @@ import shapely
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import forecast_text
-from ipoa_mission.vehicles.arducopter.circling import flown_circle
+from ipoa_mission.vehicles.arducopter.braking import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 
@@ -72,7 +70,7 @@ def test_the_entry_is_the_nearest_point_and_from_the_center_the_one_behind_the_n
 
 @settings(max_examples=examples(10))
 @given(radius=st.floats(5.0, 300.0), accel=st.floats(100.0, 500.0), speed=st.floats(2.0, 15.0), turns=st.just(2.0))
-@example(radius=20.0, accel=500.0, speed=3.4, turns=1.0)  # the speed limit cuts the pursuit: it falls back for long
+@example(radius=20.0, accel=500.0, speed=3.4, turns=1.0)  # the speed limit cuts the pursuit
 @example(radius=20.0, accel=500.0, speed=3.4, turns=8.0)
 def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
     radius: float, accel: float, speed: float, turns: float
@@ -110,7 +108,7 @@ def test_the_words_name_radius_and_sense() -> None:
 
 
 def test_the_way_past_a_church_by_a_circle_is_no_longer_clear() -> None:
-    """The circle led through it, and was judged as its center."""
+    """The circle leads through the church; it was checked as its center."""
     legs = [leg for leg in forecast(circle(1.0, 60.0)).legs if leg.seq == 3]
     center: Place = (40.0, 110.0, 20.0)
     distances = np.hypot(*(legs[-1].points[:-1, :2] - center[:2]).T)

@@ -1,17 +1,16 @@
 """Whole flights of ArduCopter 4.8.0-dev (531699d652, its simulator, calm air) that ended in RTL or LAND.
 
-The leg of some centimetres with which both begin takes from nothing to 2.6 s. The margins were chosen from 87 flights,
-these among them.
+Both begin with a leg of centimetres of 0 to 2.6 s. The margins come from 87 flights, these among them.
 """
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 Places = list[tuple[float, float, float]]

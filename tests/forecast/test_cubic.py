@@ -1,5 +1,3 @@
-"""The cubic spline against scipy's."""
-
 import numpy as np
 import pytest
 import scipy

@@ -1,5 +1,3 @@
-"""How a flight can end: every second of it, and what each way to end it keeps."""
-
 import json
 import math
 from dataclasses import replace
@@ -14,17 +12,17 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
 from ipoa_mission.forecast.contingency_paths import MAX_SPARE, ContingencyPaths
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.version import Version
 from tests.examples import examples
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -47,7 +45,6 @@ def sitl() -> Contingencies:
 
 @pytest.fixture(scope="module")
 def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]:
-    """The rows of the first example, worked out once for all who look into them."""
     return {contingency: campus.rows(contingency, timed=False) for contingency in COMPUTED}
 
 
@@ -91,7 +88,7 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
     assert (row.to, row.goal) == ("mast", "home")
     high = Contingencies(forecast_of("sitl", RTL_RETURN_ALT=80.0))
     unclear = [row for row in high.rows(Contingency.RTL, timed=False) if not row.clear]
-    # Where it brakes at a corner no height helps; and the flight may be early or late by two seconds.
+    # No height helps where it brakes at a corner; the flight may be two seconds early or late.
     assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
 
 
@@ -114,7 +111,7 @@ def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(camp
 
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
-    """As read in ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
+    """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
     autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
     ways = [
         autopilot.braking_way({}, level, 0.0 * level, one)[0, 0]
@@ -142,7 +139,7 @@ def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
 
 @pytest.mark.parametrize("kind", [1.0, 3.0])
 def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
-    """PX4 1.17 sinks all the way there: one that was flown went through a hangar."""
+    """PX4 1.17 descends all the way there: one flight went through a hangar."""
     (row,) = Contingencies(forecast_of("sitl", RTL_TYPE=kind)).rows(Contingency.RTL)
     assert (row.clear, row.goal) == (False, "unknown")
     assert "begin during the landing" in row.keeps
@@ -150,7 +147,6 @@ def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
 
 @pytest.mark.parametrize("parameters", [{"RTL_TYPE": 0.0}, {"RTL_TYPE": 2.0}])
 def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float]) -> None:
-    """Of the version that flies round them none could be measured."""
     forecast = forecast_of("sitl", **parameters)
     home = forecast.mission.home
     round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
@@ -180,7 +176,7 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Contingencies, kind:
 
 @pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
 def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencies, kind: float) -> None:
-    """Back along the mission it comes to every waypoint once more, and down over home."""
+    """It passes every waypoint again, and descends over home."""
     out = sitl.forecast.given
     items = (*out.items[:-1], Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION))
     parameters = {**out.parameters, "RTL_TYPE": kind}
@@ -199,7 +195,7 @@ def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencie
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> None:
-    """By dense points of the way from waypoint to waypoint, which the forecast does not look at."""
+    """By dense points of the way, which the forecast does not look at."""
     back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
     begin, end = back.ways.in_air
     time = begin + share * (end - begin)
@@ -229,7 +225,7 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
         for one in (assessments, replace(assessments, ways=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
-    level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
+    level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home
     seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
     assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == assessments.taken.sum() + 1
 

@@ -1,5 +1,3 @@
-"""What RTL and LAND would do at one second of a flight, for where the vehicle is then."""
-
 import math
 from contextlib import nullcontext
 from pathlib import Path
@@ -10,6 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.cli.real_flight import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingencies import Contingencies
@@ -17,7 +16,6 @@ from ipoa_mission.forecast.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import VehicleState
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.refused import refuses
 
@@ -60,7 +58,7 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 
 
 def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
-    """A few seconds later the same flight climbs by 45 m before it returns: 37 s become 98."""
+    """A few seconds later the flight climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []

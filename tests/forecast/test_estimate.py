@@ -1,16 +1,16 @@
-"""The estimate as a whole: what it numbers, how it follows jumps, what it refuses."""
-
 import math
 import re
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate as predict
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -21,8 +21,6 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -99,7 +97,7 @@ def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopil
 
 
 def test_no_route_takes_less_than_the_least() -> None:
-    """ArduCopter follows splines over a crest faster down than it may: what it takes is then the least."""
+    """ArduCopter follows splines over a crest faster down than it may."""
     heights = {243: 55.0, 271: 44.0, 294: 22.0, 318: 10.0}
     places = [(Geodetic(39.101, 121.82 + east * 1e-5, 20.0), up) for east, up in heights.items()]
     items = (
@@ -121,7 +119,7 @@ def test_a_result_is_one_line_to_look_at() -> None:
 
 def test_quite_another_number_is_quoted_for_qgroundcontrol() -> None:
     mission = replace(out_and_back(Autopilot.PX4), cruise_speed=10.0)
-    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, on a sphere of 6371 km
+    distance = 86.4  # 0.001 degrees of longitude at 39.1 north, radius 6371 km
     expected = 20.0 / 3.0 + distance / 10.0 + distance / 10.0 + 20.0 / 1.0
     assert estimate(mission).qgroundcontrol_s == pytest.approx(expected, abs=0.2)
 

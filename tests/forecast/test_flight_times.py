@@ -1,4 +1,4 @@
-"""The estimates against the flights, as in the table of docs/lab/flight-time.md: flight by flight, leg by leg."""
+"""Estimates against flights, as in the table of docs/lab/flight-time.md."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import Recorded, read_flights
 
@@ -30,7 +30,7 @@ def done(flight: Recorded) -> dict[int, float]:
 
 
 def error(flight: Recorded) -> float:
-    """Of the time from the first item done to the last waypoint, as a share of what was flown."""
+    """Of the time from the first item done to the last waypoint, as a share."""
     when = done(flight)
     return (when[flight.last] - when[flight.first]) / float(flight.spans.mean()) - 1
 
@@ -72,7 +72,7 @@ def test_px4_is_right_within_one_and_a_half_per_cent_as_often_as_not() -> None:
 
 @pytest.mark.parametrize("flight", [f for f in PX4 if f not in REPEATED], ids=lambda f: f.name)
 def test_what_px4_flew_once_lies_within_four_per_cent_or_the_interval(flight: Recorded) -> None:
-    """One flight is no mean: on dense waypoints one differs from the next by 3 to 8 s, so 4 % cannot be asked of it."""
+    """On dense waypoints one flight differs from the next by 3 to 8 s."""
     last = next(item for item in estimated(flight).items if item.seq == flight.last)
     flown = float(flight.spans.mean())
     missed = error(flight) * flown
@@ -81,14 +81,14 @@ def test_what_px4_flew_once_lies_within_four_per_cent_or_the_interval(flight: Re
 
 @pytest.mark.parametrize("flight", PX4, ids=lambda f: f.name)
 def test_px4s_take_off_within_ten_per_cent(flight: Recorded) -> None:
-    """Eleven per cent where it was flown once: of `survey` and `survey_again`, one mission, one is 3 s the quicker."""
+    """Eleven per cent where it was flown once: of `survey` and `survey_again`, one mission, one is 3 s quicker."""
     flown = float(np.mean([run[flight.first] for run in flight.runs]))
     assert done(flight)[flight.first] == pytest.approx(flown, rel=0.10 if flight in REPEATED else 0.11)
 
 
 @pytest.mark.parametrize("flight", PX4, ids=lambda f: f.name)
 def test_px4s_landing_within_ten_per_cent_but_for_one(flight: Recorded) -> None:
-    """`climb_gentle` hung over home for 12 s more than any other flight: 13 % is reached there, not 10."""
+    """`climb_gentle` hung over home for 12 s more than any other flight: 13 %."""
     contingency, found = len(flight.mission.items), estimated(flight)
     if contingency in flight.runs[0]:
         flown = float(np.mean([run[contingency] - run[flight.last] for run in flight.runs]))
@@ -112,7 +112,7 @@ def test_the_interval_keeps_what_was_flown(flights: tuple[Recorded, ...]) -> Non
 
 
 def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
-    """A waypoint that takes 3 s more than in most flights has been missed: seven of those recorded."""
+    """A waypoint that takes 3 s more than in most flights was missed: seven of those recorded."""
     predicted, recorded = 0.0, 0
     for flight in PX4:
         for before, item in pairwise(estimated(flight).items):

@@ -1,6 +1,6 @@
-"""Endings ordered at random seconds on the real autopilots: what was foretold of each second, and what was flown.
+"""Endings ordered at random seconds on real autopilots, against the forecast of each second.
 
-docs/returns.csv has every order, as `tools.fly.endings_judge` writes it; `flown_endings/` has some of the missions.
+docs/returns.csv has every order (`tools.fly.endings_judge`), `flown_endings/` some missions.
 """
 
 import csv
@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
-from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.version import Version
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
@@ -30,11 +30,11 @@ FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
 FLOWN_ON = {"ardupilot": Version(4, 8, 0, "dev"), "px4": Version(1, 17)}
 LEAST_ORDERS, LEAST_KINDS, LEAST_PLANNED = 400, 12, 60
-#: What no simulated vehicle does, so that nothing followed: propellers out of balance, a motor that is switched off.
+#: Impossible in simulation.
 NOT_MADE = ("propeller out of balance", "attitude or motor failure (SYS_FAILURE_EN")
-LIKELY, FALSE_ALARMS = 20, 0.1  # so many are called not clear at least; so many of them may keep what is required
+LIKELY, FALSE_ALARMS = 20, 0.1  # least number called not clear; greatest share of these that keep the distance
 SHORT = 10.0  # of shorter endings no share is counted [s]
-#: By which share times are off, in the median and in nine of ten.
+#: Relative errors: median, and nine of ten.
 TIMES = {
     ("ardupilot", Contingency.RTL): (0.015, 0.03),
     ("ardupilot", Contingency.LAND): (0.01, 0.04),
@@ -42,9 +42,9 @@ TIMES = {
     ("px4", Contingency.LAND): (0.07, 0.17),
 }
 WITHIN = 0.86  # the interval of nine in ten
-#: PX4's from this number on were flown later, with no look at how long they last: they are held against the interval.
+#: PX4's from this number on were flown later, against the interval.
 LATER, WITHIN_LATER = 1000, 0.8
-#: The same until the ground is touched, in the median; so many orders of each say it. Then it stands for so long.
+#: The same until touchdown, in the median; least number of orders; time on the ground.
 TOUCHES = [
     ("ardupilot", Contingency.RTL, 0.015),
     ("ardupilot", Contingency.LAND, 0.015),
@@ -60,7 +60,7 @@ def flown(autopilot: str) -> list[Row]:
 
 
 def by_obstacles(autopilot: str) -> Iterator[tuple[Row, bool, bool]]:
-    """Rows in which obstacles decide, whether they were called clear, and whether they kept what is required."""
+    """Return rows in which obstacles decide: called clear, kept the required distance."""
     for row in flown(autopilot):
         if row["ending"] in list(Contingency) and math.isfinite(float(row["least"])) and row["to"] != "the ground":
             kept = float(row["flown_least"]) >= float(row["required"])
@@ -82,7 +82,7 @@ def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
 
 
 def test_what_is_not_clear_comes_nearer_and_most_of_what_comes_nearer_is_not_clear() -> None:
-    """PX4's spread is wide: what only some of it does is called perhaps not clear."""
+    """PX4's spread is wide: some is perhaps not clear."""
     graded = [(row["grade"], kept) for row, _, kept in by_obstacles("px4") if row["grade"]]
     would, nearer = [kept for grade, kept in graded if grade == "would"], [grade for grade, kept in graded if not kept]
     assert len(would) >= LIKELY
@@ -101,7 +101,6 @@ def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
 
 
 def timed(autopilot: str, contingency: Contingency) -> list[Row]:
-    """What was ordered, and of which a time was forecast."""
     ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == contingency and not row["trigger"])
     return [row for row in ordered if math.isfinite(float(row["expected_s"]))]
 
@@ -129,7 +128,7 @@ def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency
 
 @pytest.mark.parametrize(("autopilot", "contingency", "median"), TOUCHES)
 def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency: Contingency, median: float) -> None:
-    """How long PX4 then stands there is its own affair: until it has disarmed the forecast is farther off."""
+    """PX4 then stays armed for a time of its own."""
     rows = [row for row in timed(autopilot, contingency) if math.isfinite(float(row["touched_s"]))]
     names = ("touch_low_s", "touch_expected_s", "touch_high_s", "touched_s", "flown_s")
     low, expected, high, touched, lasted = (np.array([float(row[name]) for row in rows]) for name in names)
@@ -140,7 +139,6 @@ def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency:
 
 
 def said_of(row: Row) -> str:
-    """What the model says of the failsafe of a row, by its parameters."""
     found = re.fullmatch(r"(.+) \(([^()]*)\)", row["trigger"])
     assert found
     cause, settings = found.groups()

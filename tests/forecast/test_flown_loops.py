@@ -1,14 +1,11 @@
-"""Ten loops as real autopilots flew them: ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 and release/1.18 (05deebf313).
-
-The places are those that MISSION_CURRENT named, in the order in which they were left.
-"""
+"""Ten loops of ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 and release/1.18 (05deebf313), by MISSION_CURRENT."""
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.3977, 8.5456, 488.0)
@@ -25,7 +22,7 @@ def jump(to: float, times: float) -> Item:
     return Item(Command.DO_JUMP, 2, (to, times, 0.0, 0.0))
 
 
-#: The items of each loop; the places flown to by ArduCopter, and by PX4.
+#: Items of each loop; places flown to by ArduCopter and PX4.
 LOOPS = {
     "simple": ((UP, NORTH, CORNER, EAST, jump(2, 2), SOUTH, BACK), "2342342346", "2342342346"),
     "nested": ((UP, NORTH, CORNER, jump(2, 1), EAST, jump(2, 1), BACK), "2323523235", "23235235"),

@@ -1,6 +1,6 @@
 """LAND on ground that is not as high as home, as real autopilots flew it.
 
-Home was set 40 m over, at, and 12 m under the ground (DO_SET_HOME); LAND from 25 m over home, 60 m from the take-off.
+Home was 40 m over, at, and 12 m under the ground (DO_SET_HOME); LAND from 25 m over home, 60 m from the take-off.
 ArduCopter 4.7.0-dev has no range finder; PX4 1.17 flew with SIH's own and without one (SIH_DISTSNSR_OVR 20000).
 """
 
@@ -9,18 +9,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.recorded_flights import FLOWN_ON
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 BLIND = {"SIH_DISTSNSR_OVR": 20_000.0}
-#: Autopilot, parameters, ground over home [m], LAND as flown to the disarming [s], and how far off is allowed [s].
+#: Autopilot, parameters, ground over home [m], flown LAND until disarming [s], tolerance [s].
 FLOWN = [
     (Autopilot.ARDUPILOT, {}, -40.0, (115.1,), 0.9),
     (Autopilot.ARDUPILOT, {}, 0.0, (35.2,), 0.9),
@@ -47,7 +47,7 @@ def test_a_landing_takes_as_long_as_the_ground_asks_for(
 ) -> None:
     asked = mission(autopilot, ground, parameters)
     told = estimate(asked)
-    here = [fly(asked, seed=seed) for seed in range(len(flown))]  # as many of ours as of theirs: each differs by 2 s
+    here = [fly(asked, seed=seed) for seed in range(len(flown))]  # each differs by 2 s
     landings = [one.item_reached_s[2] - one.item_reached_s[1] for one in here]
     assert told.items[2].duration_s == pytest.approx(np.mean(flown), abs=near)
     assert np.mean(landings) == pytest.approx(np.mean(flown), abs=near)

@@ -1,8 +1,7 @@
-"""Splines before other commands, circles, payloads, arcs: path and times against flights of ArduCopter 4.8.0-dev.
+"""Splines before other commands, circles, payloads, arcs: flights of ArduCopter 4.8.0-dev (531699d652, calm air).
 
-Each folder of tests/items_flown is one flight of its simulator in calm air (531699d652): the mission, when each item
-began, and the true position twice a second. Its true height is 0.1 m more than the height that the vehicle measures.
-Nothing was fitted to these flights but PLACED and LEVEL in vehicles/arducopter/dynamics.
+A folder of tests/items_flown is one flight: mission, begin of each item, true position twice a second, 0.1 m above the
+measured height. Only PLACED and LEVEL in vehicles/arducopter/dynamics were fitted.
 """
 
 import json
@@ -12,19 +11,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import LocalFrame
 
 FOLDERS = sorted((Path(__file__).resolve().parents[1] / "items_flown").iterdir())
 FLOWN = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name.removesuffix("-ardupilot"))
 WITHIN, SPLINES_WITHIN = 0.5, 0.45  # of the path [m]
-SHARE, SECONDS = 0.025, 0.3  # of the time from the end of the take-off; 2 % in all but loiter_to_alt
+SHARE, SECONDS = 0.025, 0.3  # from the end of the take-off; 2 % in all but loiter_to_alt
 
 
 def read(folder: Path) -> tuple[Forecast, dict[int, float], NDArray[np.float64]]:
@@ -40,7 +39,7 @@ def read(folder: Path) -> tuple[Forecast, dict[int, float], NDArray[np.float64]]
 
 
 def apart(points: Points, line: Points) -> NDArray[np.float64]:
-    """How far points (n, 3) are from a line (m, 3) [m]."""
+    """Return distances of points (n, 3) from a line (m, 3) [m]."""
     begins, ways = line[:-1], np.diff(line, axis=0)
     beside = points[:, None] - begins
     share = np.clip((beside * ways).sum(axis=2) / np.maximum((ways**2).sum(axis=1), 1e-12), 0.0, 1.0)

@@ -1,7 +1,7 @@
-"""Flights over crests, roofs, terraces and steep descents that no model was fitted to, held against the forecast.
+"""Flights over crests, roofs, terraces and steep descents that no model was fitted to.
 
-Real autopilots in simulation: ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 (5b73eed7) and release/1.18 (05deebf313),
-one folder a flight, by the simulator's true position every 0.5 s. docs/lab/flown.md has all flights of these series.
+ArduCopter 4.8.0-dev (531699d652), PX4 1.17.0 (5b73eed7) and release/1.18 (05deebf313), one folder a flight, by true
+position every 0.5 s; docs/lab/flown.md has all of them.
 """
 
 import json
@@ -13,20 +13,20 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.landing_ground import landing_on
-from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.version import Version
 from tests.examples import some
 
 FOLDERS = sorted((Path(__file__).parents[1] / "flights_judged").iterdir())
-#: These flights kept less than 99 % of flights keep [m]. All are on PX4, with a lateral deviation of 1.2 to 2.1 m.
+#: These kept less than 99 % of flights keep [m]: all PX4, 1.2 to 2.1 m of lateral deviation.
 BELOW_99 = {"crest7x025-px4-1.17": 0.8, "steep7x053-px4-1.17": 0.1, "crest1x085-px4-1.18": 0.55}
 
 
 @cache
 def flown(folder: Path) -> tuple[Forecast, dict[int, float], Points]:
-    """The forecast at 99 %, when each item was done [s], and time and place (n, 4) of the vehicle."""
+    """The forecast at 99 %, when each item was done [s], and time and place (n, 4)."""
     _, name, version = folder.name.rsplit("-", 2)
     autopilot = autopilot_named(name)
     mission = replace(

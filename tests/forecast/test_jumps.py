@@ -1,23 +1,21 @@
-"""Jumps by each firmware's own bookkeeping: inputs of public reports, and loops flown by real autopilots."""
-
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.mission.item_edits import without_item
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.refused import refuses
@@ -29,7 +27,7 @@ PHOTOS = Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (20.0, 0.0, 0.0, 0.0
 
 
 def at(north: float, east: float) -> Item:
-    """A waypoint so many thousandths of a degree from home."""
+    """A waypoint thousandths of a degree from home."""
     return waypoint(Geodetic(HOME.latitude_deg + north / 1000, HOME.longitude_deg + east / 1000), 20.0)
 
 
@@ -124,7 +122,6 @@ def test_a_loop_without_end_is_found_and_has_no_time(again: Item) -> None:
 
 
 def visits(flown: Mission) -> list[int]:
-    """The places in the order in which they are flown to."""
     return [v.seq for v in itinerary(flown).visits if v.item.command in FLOWN_TO - {Command.NAV_TAKEOFF}]
 
 

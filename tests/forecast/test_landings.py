@@ -1,8 +1,4 @@
-"""Take-off and landing against flights that were armed as `fly` arms, slow and fast, from 8 to 60 m high.
-
-Zero is the vehicle's arming and the end its disarming, by its own clock. None of these flights was used to make the
-models.
-"""
+"""Take-off and landing from 8 to 60 m high, from arming to disarming by the vehicle's clock; nothing was fitted."""
 
 from functools import cache
 
@@ -10,9 +6,9 @@ import numpy as np
 import pytest
 import scipy
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.recorded_flights import LANDINGS, Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT, LANDINGS)
@@ -26,7 +22,7 @@ def found(name: str) -> Estimate:
 
 
 def parts(flight: Recorded) -> tuple[float, float]:
-    """Estimated seconds of take-off and landing."""
+    """Return estimated seconds of take-off and landing."""
     done = {item.seq: item.done_s for item in found(flight.name).items}
     return done[flight.first], done[len(flight.mission.items)] - done[flight.last]
 
@@ -41,7 +37,7 @@ def flown(flight: Recorded) -> np.ndarray:
 def test_arducopter_takes_off_as_estimated_and_lands_within_two_per_cent_or_what_a_centimetre_takes(
     flight: Recorded,
 ) -> None:
-    """Whether LAND begins with a leg of one centimetre, which takes 1.1 s, nothing tells beforehand."""
+    """LAND may begin with a leg of one centimetre, which takes 1.1 s."""
     (take_off, landing), ((flown_off, flown_land),) = parts(flight), flown(flight)
     assert take_off == pytest.approx(flown_off, abs=0.1)
     assert landing == pytest.approx(flown_land, abs=max(0.02 * flown_land, 0.85))
@@ -61,12 +57,12 @@ def test_px4_takes_as_long_on_average_within_three_per_cent(part: int) -> None:
 
 @pytest.mark.parametrize("flights", [COPTER, PX4], ids=["ArduCopter", "PX4"])
 def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Recorded, ...]) -> None:
-    """Of PX4's 32 flights four missed a waypoint or hung in the air, which every item after that has to bear."""
+    """Of PX4's 32 flights four missed a waypoint or hung in the air, with all items after that."""
 
     def inside(estimated: Estimate, run: dict[int, float]) -> list[bool]:
         return [item.low_s <= run[item.seq] <= item.high_s for item in estimated.items if item.seq in run]
 
     kept = [one for flight in flights for run in flight.runs for one in inside(found(flight.name), run)]
-    # of so few items the share is known to a few per cent: it must not be told from one of 85 to 95 %
+    # few items: not distinguishable from a share of 85 to 95 %
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05

@@ -1,5 +1,3 @@
-"""Missions that nobody plans and everybody uploads once: no model may fail on them or tell nonsense."""
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -7,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -20,7 +19,6 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.forecast.test_timing_models import BOTH, HOME, lasted, place
 
 
@@ -133,7 +131,6 @@ def test_what_asks_for_nothing_costs_nothing(
 def test_long_simple_things_take_what_one_reckons_and_a_little_more(
     autopilot: Autopilot, leg: tuple[Item, ...], seconds: Mapping[str, float]
 ) -> None:
-    """To speed up and slow down; and PX4's clock waits for a vehicle that wanders, even straight up and down."""
     if autopilot.name in seconds:
         most = 1.1 if autopilot is Autopilot.ARDUPILOT else 1.3
         assert 0.99 < lasted(found(autopilot, *leg), 1 + len(leg)) / seconds[autopilot.name] < most

@@ -1,5 +1,3 @@
-"""A mission in the scenario of another autopilot: judged by what flies it."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,10 +5,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission import read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.contingency import Contingency
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

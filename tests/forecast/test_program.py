@@ -1,15 +1,13 @@
-"""The one reader of mission items: what comes after what, and where."""
-
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.itinerary.program import Program
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.simulator.situation import MissionState, Situation
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
@@ -29,7 +27,7 @@ def mission(*items: Item) -> Mission:
 def test_here_is_where_the_flight_comes_from_not_what_the_file_names_before() -> None:
     route = itinerary(mission(waypoint(HERE, 0.0), waypoint(NEAR, 20.0), waypoint(FAR, 30.0), jump(2, 1)))
     assert [visit.seq for visit in route.visits] == [1, 2, 3, 4, 2, 3, 4]
-    assert route.program.places[4] == pytest.approx(route.program.places[3])  # after the jump it stays at FAR, at 30 m
+    assert route.program.places[4] == pytest.approx(route.program.places[3])  # stays at FAR, at 30 m
     assert route.program.places[4][2] == 30.0
 
 
@@ -46,7 +44,7 @@ def test_a_jump_is_no_hindrance_to_what_is_flown_on_to() -> None:
     items = mission(waypoint(NEAR, 20.0), waypoint(FAR, 20.0), jump(2, 1), waypoint(NEAR, 30.0)).items
     program = Program(items, LocalFrame(HOME), Autopilot.ARDUPILOT)
     assert program.onward(2) == 1
-    assert program.after(2) == 1  # taken: the next time it goes on behind the jump
+    assert program.after(2) == 1  # the next time it continues behind the jump
     assert program.onward(2) == 4
 
 

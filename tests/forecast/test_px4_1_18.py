@@ -1,4 +1,4 @@
-"""PX4 release/1.18 (05deebf313) as it flew missions whose waypoints have a hold, and h6_rally without: it flew away."""
+"""PX4 release/1.18 (05deebf313): waypoints with a hold, and h6_rally without: it flew away."""
 
 import csv
 import json
@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 

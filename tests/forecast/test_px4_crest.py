@@ -1,6 +1,6 @@
-"""PX4 1.17 past a crest: above its leg by more than the acceptance radius it aims at the nearest point of the leg.
+"""PX4 1.17 above a leg by more than the acceptance radius aims at the nearest point of the leg.
 
-It nearly stops there and sinks. Four flights over h2_hill, by their true positions; one of them did not do so.
+It nearly stops there and sinks: three of four flights over h2_hill, by true positions.
 """
 
 from dataclasses import replace
@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
-from ipoa_mission.vehicles.version import Version
 
 FOLDER = Path(__file__).parents[1] / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]
@@ -28,7 +28,7 @@ def flights() -> Flights:
 
 
 def slowest(track: Points) -> float:
-    """The least level speed in the twenty seconds past the crest [m/s]; columns: time, east, north, up."""
+    """Return the least level speed in the twenty seconds past the crest [m/s]; columns: time, east, north, up."""
     past = track[(track[:, 1] > 225.0) & (track[:, 1] < 300.0)]
     return float((np.hypot(*np.diff(past[:, 1:3], axis=0).T) / np.diff(past[:, 0])).min())
 

@@ -1,15 +1,13 @@
-"""Where RTL leads: the rules of both firmwares, and that time, drawing and stand-in follow the same one."""
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -60,7 +58,7 @@ def test_the_height_of_a_rally_point_counts() -> None:
 
 @pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
 def test_a_return_to_a_rally_point_is_timed_and_drawn_as_it_is_flown(autopilot: Autopilot) -> None:
-    """Flown on ArduCopter 4.7 with the rally point: 136.1 s where home would have taken 145.8."""
+    """ArduCopter 4.7 with the rally point: 136.1 s where home would have taken 145.8."""
     beside, at_home = mission(autopilot, place(150.0, 30.0, 10.0)), mission(autopilot)
     ended = estimate(beside).track.points[-1]
     assert np.hypot(ended[0] - 150.0, ended[1] - 30.0) < 2.5

@@ -1,5 +1,3 @@
-"""The curves to spline waypoints, as ArduCopter has flown them, and what a scenario says of them."""
-
 import json
 from pathlib import Path
 
@@ -8,17 +6,17 @@ import pytest
 import scipy
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs, join
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some
 
@@ -88,7 +86,7 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
 
 @pytest.mark.parametrize("end", some(2, ["long curve", "short curve", "straight"]))
 def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str) -> None:
-    """On a curve it brakes by half of its acceleration and within the last leg only, so that a short one is overrun."""
+    """On a curve it brakes by half of its acceleration and within the last leg only: a short one is overrun."""
     _, scenario = zigzag((-40.0, -80.0), is_spline=True)
     east = {"straight": (30, 60, 90, 120), "long curve": (30, 60, 90, 150), "short curve": (30, 60, 90, 110)}[end]
     points = np.array([(0.0, 0.0, 20.0), *((x, 2.0 * (-1) ** n, 20.0) for n, x in enumerate(east))])

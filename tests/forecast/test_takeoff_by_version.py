@@ -1,6 +1,6 @@
-"""Take-offs of ArduCopter 4.8.0-dev (master of 21 March 2026), each flown once; nothing was fitted to them.
+"""Take-offs of ArduCopter 4.8.0-dev (master of 21 March 2026), each flown once; nothing was fitted.
 
-takeoffs-4.8.csv: of the 25 missions of docs/lab/flown.md height, climbing speed, and when the take-off was done.
+takeoffs-4.8.csv: height, climb speed and end of the take-off, for the 25 missions of docs/lab/flown.md.
 """
 
 import csv
@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 ROWS = list(csv.DictReader(Path(__file__).with_name("takeoffs-4.8.csv").read_text(encoding="utf-8").splitlines()))

@@ -1,5 +1,3 @@
-"""The lower bound, where it can be worked out by hand, and where something else is slower."""
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""What missions ask of the models beside legs: speeds, parameters, turns, wind, endings, things they do not know."""
-
 import math
 from typing import Any
 
@@ -8,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -23,8 +22,7 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE as ARDUCOPTER_BOOK
-from ipoa_mission.vehicles.arducopter.renamed import RENAMED
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.arducopter.parameter_table import RENAMED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import normal
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame

@@ -1,5 +1,3 @@
-"""The tube: held against recorded passes of real autopilots, and its chances against what can be written down."""
-
 import csv
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,10 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
-from ipoa_mission.forecast.deviation.measured_law import law_of, not_measured
+from ipoa_mission.forecast.deviation.law import law_of, not_measured
 from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.plan import Plan
@@ -19,8 +18,7 @@ from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
+from ipoa_mission.vehicles.px4_multicopter.flight_model import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
@@ -34,7 +32,7 @@ AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
 
 
 def beside(autopilot: Autopilot, later: str) -> np.ndarray:
-    """How far each recorded pass on the way led to each side, as if it had been straight [m]."""
+    """Return how far each recorded pass was to each side, as if straight [m]."""
     rows = [r for r in PASSES if r["autopilot"] == autopilot.name and r["on_the_way"] == "1" and r["later"] in later]
     across = np.array([float(row["across"]) for row in rows])
     sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
@@ -55,7 +53,7 @@ def wall(distance: float, length: float = 100.0) -> Obstacle:
 @pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
 def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
-    """In the four seconds of a pass there are a moment's chance and one more for each memory."""
+    """Four seconds have a moment's chance and one more for each memory."""
     found, law = beside(autopilot, "01"), law_of(autopilot)
     assert len(found) >= 600
     assert (found > law.level.distance(chance)).mean() <= (1 + 4.0 / law.memory) * chance
@@ -107,7 +105,7 @@ def test_a_bend_widens_the_tube() -> None:
 
 @pytest.mark.parametrize("obstacle", [wall(4.0), Sphere("balloon", (8.0, 9.0, 26.0), 5.0)])
 def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle) -> None:
-    """Drawn flights are moved to one side as a whole: of those, no more than the chance come nearer than is kept."""
+    """Drawn flights move to one side as a whole."""
     course, world = straight(obstacle)
     rng = np.random.default_rng(7)
     size = np.array([PX4.level.distance(chance) for chance in rng.uniform(1e-6, 1.0, 400)])
@@ -162,7 +160,7 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
 def test_where_there_is_no_path_none_with_more_room_is_sought(
     scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """These two poles leave no gap that could be kept open: what is left is the path without room, to tell why."""
+    """These poles leave no gap: the path without room is left, to name the reason."""
     sought = []
 
     def nowhere(task: Scenario, **_: object) -> Plan:

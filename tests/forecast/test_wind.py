@@ -1,15 +1,13 @@
-"""Both autopilots in wind: flights in their simulators, of which nothing was fitted; and winds too strong for them."""
-
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
@@ -24,7 +22,7 @@ def estimated(flight: Recorded, wind: Wind) -> Estimate:
 
 
 def error(flight: Recorded, wind: Wind) -> float:
-    """Of the time from the first item done to the last waypoint, as a share of what was flown."""
+    """Of the time from the first item done to the last waypoint, as a share."""
     done = {item.seq: item.done_s for item in estimated(flight, wind).items}
     return (done[flight.last] - done[flight.first]) / float(flight.spans.mean()) - 1
 
@@ -40,7 +38,7 @@ def test_half_of_the_flights_in_wind_are_right_within_one_per_cent_and_not_witho
 
 
 def test_px4_in_a_steady_wind_takes_as_long_as_estimated() -> None:
-    """Up to 6 m/s; in 8 m/s its simulated vehicle, whose drag allows 9.8 m/s, hardly gets on against the wind."""
+    """Up to 6 m/s: PX4's simulated vehicle, whose drag allows 9.8 m/s, hardly moves against 8 m/s."""
     steady = [flight for flight in PX4_FLOWN if flight.wind.speed <= 6 and not flight.turbulence]
     assert len(steady) >= 10
     assert max(abs(error(flight, flight.wind)) for flight in steady) < 0.035
@@ -73,7 +71,7 @@ def test_a_wind_in_which_the_copter_does_not_hold_its_path_is_refused(wind: Wind
 
 
 def test_a_wind_near_the_ground_alone_costs_nothing_on_the_way() -> None:
-    """Of a mission at 30 m: a wind that reaches its speed at 2 km is a light one there."""
+    """A mission at 30 m, in a wind that reaches its speed at 2 km."""
     light = Wind(8.0, 0.0, exponent=1.0, gradient_height=2000.0)
     assert light.at(30.0) == pytest.approx(0.12)
     calm, windy = error(CALM_FLIGHT, CALM), error(CALM_FLIGHT, light)

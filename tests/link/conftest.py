@@ -1,5 +1,3 @@
-"""A built-in autopilot behind a real socket on an ephemeral loopback port, for clients in other processes."""
-
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -7,12 +5,12 @@ from dataclasses import dataclass
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import TcpChannel, UdpChannel
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 
@@ -47,6 +45,6 @@ def running(
 
 @pytest.fixture
 def run_mock(monkeypatch: pytest.MonkeyPatch) -> Callable[..., object]:
-    """Run a mock while a `with` block lasts; it is many times as fast as real, and so silence is told much sooner."""
+    """Run a mock while a block lasts, many times as fast as real."""
     hurry(monkeypatch.setattr)
     return running

@@ -1,17 +1,17 @@
-"""MAVSDK in a process of its own, through the backend: a whole session, its results as one line of JSON."""
+"""MAVSDK in a process of its own, through the backend; results as one line of JSON."""
 
 import json
 import signal
 import sys
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 
@@ -19,7 +19,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 
 
 def held(vehicle: MavsdkVehicle) -> int:
-    """How many items of a mission it holds; MAVSDK may cancel before it begins; PX4 then waits for 5 s."""
+    """Count the items of its mission; after a cancel PX4 waits for 5 s."""
     for _ in range(3):
         try:
             return len(vehicle.download_items(MissionType.MISSION))
@@ -29,7 +29,7 @@ def held(vehicle: MavsdkVehicle) -> int:
 
 
 def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
-    """What is said of a mission that cannot be flown, and of one that is cancelled; whether that is so."""
+    """Try a mission that cannot be flown, and one that is cancelled."""
     told: dict[str, object] = {}
     try:
         vehicle.upload(Mission(HOME, (takeoff(HOME, 1.0),), Autopilot.PX4), checked=False)

@@ -1,4 +1,4 @@
-"""A MAVSDK MissionRawServer in a process of its own: prints each mission that it is given as one line of JSON."""
+"""A MAVSDK MissionRawServer in a process of its own: prints each mission as JSON."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""pymavlink's own tools (mavutil, mavparm, mavwp) in a process of their own: parameters, three lists, flight."""
+"""pymavlink's tools (mavutil, mavparm, mavwp) in a process of their own."""
 
 import json
 import sys
@@ -7,7 +7,6 @@ from pymavlink import mavparm, mavutil, mavwp
 
 
 def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
-    """Upload a list; the result."""
     kind = loader.mav_mission_type()
     link.mav.mission_count_send(link.target_system, link.target_component, loader.count(), kind)
     while True:
@@ -16,14 +15,13 @@ def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
         )
         assert asked is not None, "the upload stalls"
         if asked.mission_type != kind:
-            continue  # asked twice for the last item of the list before
+            continue  # last item of the list before
         if asked.get_type() == "MISSION_ACK":
             return int(asked.type)
         link.mav.send(loader.wp(asked.seq))
 
 
 def read(link: mavutil.mavfile, kind: int) -> list[int]:
-    """Download a list; its commands."""
     link.mav.mission_request_list_send(link.target_system, link.target_component, kind)
     count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=60).count
     commands = []

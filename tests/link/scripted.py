@@ -1,7 +1,8 @@
-"""A vehicle that is prepared, armed and started on a virtual clock, for tests that have it refuse or be silent."""
+"""A vehicle on a virtual clock that may refuse or be silent."""
 
 from collections.abc import Callable
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import Departure
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange
@@ -17,14 +18,13 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, PREARM_CHECK, VehicleState
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176, 224, 300, 400, 401, 511
 
 
 class Scripted:
-    """A vehicle that does as it is told, but for what a test changes; `told` is what it was told, in order."""
+    """Obeys, except for a test's changes; `told` has its orders."""
 
     def __init__(self, autopilot: Autopilot, first: int = 1) -> None:
         self.autopilot = autopilot
@@ -44,7 +44,7 @@ class Scripted:
         cancel_s: float = 1e9,
         cancel: MissionError | None = None,
     ) -> None:
-        """A dialogue with it, on a virtual clock; it streams four times a second."""
+        """Hold a dialogue on a virtual clock, with streams four times a second."""
         exchange = Exchange(make(Departure(self.state, self.first, self.first + 1, climb)), self.now, SPECIFIED)
         while not exchange.finished:
             heard = [answer for message in exchange.outgoing() for answer in self.answer(message)]

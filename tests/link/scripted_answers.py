@@ -1,5 +1,3 @@
-"""A dialogue with nobody but a script."""
-
 from collections.abc import Callable, Sequence
 from typing import TypeVar
 
@@ -20,7 +18,7 @@ def lead(dialogue: Dialogue[T], answers: dict[type[Message], list[list[Message]]
 
 
 def lead_by(dialogue: Dialogue[T], answer: Callable[[Message], Sequence[Message]]) -> Exchange[T]:
-    """Each thing said gets its answers, 0.2 s apart; where nothing is said time passes to the next deadline."""
+    """Answer each message, 0.2 s apart; in silence time passes to the next deadline."""
     exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
     while not exchange.finished:
         said = exchange.outgoing()

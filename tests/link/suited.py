@@ -1,5 +1,3 @@
-"""A mission as it is for whichever vehicle a test has."""
-
 from dataclasses import replace
 
 from ipoa_mission.link.vehicle import Vehicle
@@ -7,5 +5,4 @@ from ipoa_mission.mission.items import Mission
 
 
 def suited(vehicle: Vehicle, mission: Mission) -> Mission:
-    """The mission for this vehicle's autopilot."""
     return replace(mission, autopilot=vehicle.autopilot)

@@ -1,11 +1,11 @@
-"""A vehicle that has just booted is waited for until it can be armed; what waiting does not mend ends at once."""
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.flight.procedure import Stage, fly_mission
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -17,13 +17,11 @@ from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.refused import refuses
@@ -31,12 +29,12 @@ from tests.refused import refuses
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0), return_to_launch()))
-#: When each stand-in, long after its checks could first be told as passed, has its position [s].
+#: Position of each stand-in, long after passed checks [s].
 PLACED_S = {ARDUPILOT: 41.4, PX4: 40.0}
 
 
 class Booting(BuiltInAutopilot):
-    """Just powered up; it tells that its checks pass before it lets itself be armed, as real ones do."""
+    """Reports passed checks before it can be armed, as real ones do."""
 
     def __init__(self, autopilot: Autopilot, hinders: str = "", placed_s: float = 0.0) -> None:
         super().__init__(autopilot, HOME, cold=True)
@@ -57,8 +55,6 @@ def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehi
 
 
 class Told:
-    """What is told of each stage."""
-
     def __init__(self) -> None:
         self.words: list[tuple[Stage, str]] = []
 

@@ -1,18 +1,16 @@
-"""What pymavlink's users bring along: an open connection as our channel, its messages said and heard."""
-
 import socket
 from types import SimpleNamespace
 
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.mavutil_channel import MavutilChannel, own_line
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
 from tests.refused import refuses

@@ -1,5 +1,3 @@
-"""Serial lines that do not drain or are pulled out, and addresses that nobody can have."""
-
 import os
 import select
 import sys
@@ -26,7 +24,7 @@ AUTOPILOT = Codec(1, 1).encode(Heartbeat(2, MavAutopilot.PX4), EVERYONE, 0.0)
 
 
 class Cable:
-    """A serial line: the vehicle's end is `vehicle`, a file; ours has a name."""
+    """A serial line: `vehicle` is the vehicle's end, a file."""
 
     def __init__(self) -> None:
         self.vehicle, self._ours = os.openpty()
@@ -76,7 +74,7 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
         got += framer.feed(data)
         serial.receive(serial.now())
-    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more once it has moved some on
+    order = [sent.index(frame) for frame in got]  # a busy kernel may take a few more
     assert order == sorted(set(order))
     assert 20 < len(got) < len(sent)
 

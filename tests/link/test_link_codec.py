@@ -1,5 +1,3 @@
-"""Frames and messages, held against pymavlink's own encoder and parser."""
-
 import dataclasses
 import math
 import random
@@ -12,6 +10,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from pymavlink.generator.mavcrc import x25crc
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import codec, telemetry, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
@@ -21,7 +20,6 @@ from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 NOW = 1_767_225_600.0
@@ -31,7 +29,7 @@ KINDS = sorted({layout.kind for layout in wire._BY_NAME.values()}, key=lambda ki
 
 
 def example(kind: type[m.Message]) -> m.Message:
-    """Some message of a kind, each field with a value of its type that the wire can hold exactly."""
+    """Return a message with values that the wire holds exactly."""
     special = {
         m.ItemAt: m.ItemAt(7, Item(16, 3, (1.0, 2.0, 3.0, 4.0), 39.1234567, 121.7654321, 12.5), 1, 1),
         m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),
@@ -91,7 +89,7 @@ def test_pymavlink_s_frames_of_both_versions_are_read() -> None:
 
 
 def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
-    # PX4 1.17 sends MISSION_COUNT with an opaque_id behind its type, which this dialect does not know.
+    # PX4 1.17's MISSION_COUNT has an opaque_id, which this dialect lacks.
     kind = dialect.MAVLink_mission_count_message
     payload = b"\x05\x00\xf5\xbe\x00" + b"\x12\x34\x56\x78"
     body = bytes((len(payload), 0, 0, 0, 1, 1, kind.id, 0, 0)) + payload
@@ -103,7 +101,7 @@ def test_fields_that_a_newer_autopilot_adds_are_passed_over() -> None:
 
 
 def test_ids_of_missions_are_read_as_px4_sends_them() -> None:
-    # As PX4 1.17 sent them after an upload of seven items (payloads of a recording).
+    # PX4 1.17 after an upload of seven items (recorded payloads).
     for number, crc_extra, payload, message in (
         (47, 153, "f5be00008e66bf40", m.Ack(0, 0, 0x40BF668E)),
         (42, 28, "0000070002028e66bf40", m.Current(0, 7, 2, 2, 0x40BF668E)),

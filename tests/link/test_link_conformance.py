@@ -1,26 +1,24 @@
-"""A vehicle that flies otherwise than it was forecast is ordered once what was chosen, and never to disarm."""
-
 import logging
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.conformance_watch import OnDeviation
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Message
-from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.held import waypoint
 from tests.link_pair import far_end, line_of
@@ -38,7 +36,7 @@ def mission(family: Autopilot, *places: Geodetic) -> Mission:
 
 
 def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, list[CommandLong]]:
-    """A built-in autopilot that flies 150 m east, and 60 m north; it is compared with another forecast."""
+    """Fly 150 m east and 60 m north, against another forecast."""
     vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
     vehicle.upload(flown)

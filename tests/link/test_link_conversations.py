@@ -1,10 +1,9 @@
-"""The client's conversations, message by message, and against the mock's own end."""
-
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import (
@@ -31,7 +30,6 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
 
@@ -41,7 +39,7 @@ FAR = 1000.0
 
 
 class Talk:
-    """One end of a conversation, led by hand; each message comes a second after the last."""
+    """One end of a conversation; each message comes a second after the last."""
 
     def __init__(self, dialogue: Dialogue[object]) -> None:
         self.now = 0.0
@@ -65,7 +63,6 @@ class Talk:
         return self
 
     def until(self, kind: type[Message]) -> "Talk":
-        """Let time pass until this is said."""
         while not any(isinstance(message, kind) for message in self.said):
             self.now = max(self.now, self.exchange.deadline)
             self.exchange.tick(self.now)

@@ -1,5 +1,3 @@
-"""Corners of the link that a flight seldom comes to."""
-
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any

@@ -1,5 +1,3 @@
-"""The table of MAVLink's messages: pymavlink's, and more of them where a dialect is named."""
-
 from collections.abc import Iterator
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -16,7 +14,7 @@ from tests.refused import refuses
 
 @pytest.fixture
 def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """The table as it is imported, whatever was added before; what a test adds to it is taken out again."""
+    """Restore the table after a test."""
     monkeypatch.setattr(definitions, "_IN_USE", [ardupilotmega])
     tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
     before = [dict(table) for table in tables]

@@ -1,9 +1,9 @@
-"""From the ground into the mission: nothing is armed too early, and a refusal is told or waited out."""
-
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.kind import Kind
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import (
@@ -13,8 +13,6 @@ from ipoa_mission.link.messages import (
     Message,
 )
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.kind import Kind
 from tests.link.scripted import (
     ARDUPILOT,
     ARM,
@@ -115,7 +113,7 @@ def test_a_mission_that_stands_elsewhere_is_not_begun() -> None:
 
 @pytest.mark.parametrize(("words", "times"), [("Arming denied: high throttle", 1), ("", 5)])
 def test_an_arming_that_is_refused_for_good_is_an_error(words: str, times: int) -> None:
-    """One that gives no reason is asked some times more: a link may have lost it."""
+    """Without a reason it is asked again: a link may have lost it."""
     vehicle = Scripted(PX4, first=0)
     vehicle.hold(prepare)
     vehicle.refuses[ARM] = (1, words)
@@ -154,7 +152,6 @@ def test_it_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> N
 
 
 def test_what_was_refused_late_and_is_armed_all_the_same_is_begun() -> None:
-    """The answer heard is that to an order given before; the last one was taken."""
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     answer = vehicle.answer
@@ -210,7 +207,7 @@ def test_time_that_is_up_before_it_is_ready_says_what_hinders() -> None:
 
 
 def test_a_stream_that_does_not_come_is_asked_for_again() -> None:
-    """The answer that was heard was to another request: the vehicle never heard this one."""
+    """The answer was to another request."""
     vehicle = Scripted(ARDUPILOT)
     answer, asked = vehicle.answer, 0
     vehicle.streams = False

@@ -1,5 +1,3 @@
-"""The one rule about time: repeat what awaits an answer, adapt, give up."""
-
 import math
 from typing import Any
 
@@ -31,7 +29,7 @@ def asking(item: bool = False) -> Dialogue[Message | None]:
 
 
 def run_until(exchange: Exchange[Any], now: float) -> list[tuple[float, Message]]:
-    """Let time pass; what was said when."""
+    """Let time pass; return messages with times."""
     said = [(0.0, message) for message in exchange.outgoing()]
     while exchange.deadline <= now:
         moment = exchange.deadline
@@ -179,7 +177,7 @@ def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answer
     exchange.receive(Request(0), 0.65)  # PX4 asks every quarter of a second
     assert exchange.outgoing() == []
     exchange.receive(Request(1), 0.8)
-    exchange.receive(Request(1), 1.3)  # now something was lost, and twice is better than once
+    exchange.receive(Request(1), 1.3)  # after a loss
     exchange.receive(Request(1), 1.45)
     assert exchange.outgoing() == [Ack(0)] * 3
 
@@ -263,8 +261,6 @@ def test_an_answer_to_a_repeated_question_is_no_measure() -> None:
 
 
 def test_the_same_words_in_answer_to_a_new_question_are_no_echo() -> None:
-    """Ten streams are asked for, and each request is granted in the same words."""
-
     def asking_twice() -> Dialogue[int]:
         for n in range(2):
             heard = yield Ask(Request(n))

@@ -1,11 +1,10 @@
-"""What fails after the arming disarms again: on the ground, and never in the air."""
-
 from contextlib import suppress
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import depart, prepare
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
@@ -14,7 +13,6 @@ from ipoa_mission.link.messages import (
     Message,
 )
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted
 from tests.refused import refuses
@@ -43,7 +41,7 @@ def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
 
 @pytest.mark.parametrize("landed", [None, 2, 3, 4], ids=["untold", "in the air", "taking off", "landing"])
 def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | None) -> None:
-    """A plane that was taken for a copter went off into the air, and five seconds later was told to disarm."""
+    """A plane taken for a copter was ordered to disarm five seconds after its take-off."""
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     obey = vehicle.obey
@@ -75,7 +73,6 @@ STATES: list[int | None] = [None, 0, ON_GROUND, 2, 3, 4]
 def test_a_disarm_follows_the_vehicle_s_own_word_that_it_stands_on_the_ground(
     autopilot: Autopilot, landed: list[int | None], results: list[int], cancel_s: float, climb: float
 ) -> None:
-    """Whatever it answers, and wherever it says that it is, second by second: never a disarm in the air."""
     vehicle = Scripted(autopilot, first=0 if autopilot is PX4 else 1)
     vehicle.hold(prepare)
     begun, script = vehicle.now, iter(results)

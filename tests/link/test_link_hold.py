@@ -1,11 +1,13 @@
-"""A flying vehicle is told to stop, to go on, to come home.
+"""Pause, continue and return, as flown on ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation.
 
-Flown so on ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation: within a take-off ArduCopter refuses command 193, and is
-put into BRAKE; on its way to a waypoint it stops within two seconds and stays in AUTO; PX4 changes to AUTO.LOITER.
+Within a take-off ArduCopter refuses command 193, and is put into BRAKE; on its way to a waypoint it stops within two
+seconds and stays in AUTO. PX4 changes to AUTO.LOITER.
 """
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
@@ -13,11 +15,9 @@ from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 from tools import REPOSITORY
 
@@ -37,7 +37,6 @@ def flying(name: str) -> tuple[Mission, Vehicle]:
 
 
 def later(vehicle: Vehicle, seconds: float) -> Position:
-    """Where it is after so many seconds."""
     until = vehicle.line.now() + seconds
     while vehicle.line.now() < until:
         for one in vehicle.line.receive(until):
@@ -48,7 +47,7 @@ def later(vehicle: Vehicle, seconds: float) -> Position:
 
 
 def moved(vehicle: Vehicle, seconds: float) -> float:
-    """How far it comes in so many seconds [degrees, and m of height]."""
+    """Return its movement [degrees, and m of height]."""
     before, after = later(vehicle, 0.5), later(vehicle, seconds)
     return max(
         abs(after.latitude_deg - before.latitude_deg) * 111e3,
@@ -125,7 +124,7 @@ def test_px4_says_why_it_takes_back_its_yes() -> None:
 
 
 def answered(*answers: Message) -> Exchange[None]:
-    """A vehicle in AUTO.MISSION, told to come home, that answers so and shows nothing."""
+    """A vehicle in AUTO.MISSION, ordered home, that answers this and shows nothing."""
     state = VehicleState(Autopilot.PX4, armed=True, custom_mode=Autopilot.PX4.modes.mission)
     exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
     for n, answer in enumerate(answers, start=1):

@@ -1,11 +1,10 @@
-"""Directly before the arming the list on the vehicle is ours; afterwards another one is told of at once."""
-
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link import onboard_list as onboard_lists
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -22,7 +21,6 @@ from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.held import waypoint
 from tests.link.suited import suited
@@ -50,7 +48,6 @@ def mock_of(vehicle: Vehicle) -> Mock:
 
 
 def replaced_by(vehicle: Vehicle, mission: Mission) -> None:
-    """Another station puts its mission on the vehicle."""
     mock = mock_of(vehicle)
     items = to_wire(replace(mission, autopilot=vehicle.autopilot))
     mock.receive(Count(len(items)), STRANGER, vehicle.line.now())
@@ -79,7 +76,7 @@ def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilo
 
 @pytest.mark.parametrize("has_checksum", [True, False])
 def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: bool) -> None:
-    """To ArduPilot, that is: PX4 keeps the whole one that it has, by its id, until it has the new one."""
+    """PX4 keeps the whole list that it has until it has the new one."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(suited(vehicle, MISSION))
     for onboard_list in vehicle._onboard_lists.values():
@@ -137,7 +134,6 @@ def test_a_flight_is_watched_of_which_no_list_was_seen(family: Autopilot) -> Non
 
 
 def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Another checksum, and no list to be read just then: the next look tells."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
@@ -189,7 +185,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
     record = vehicle.record()
     assert not record.completed
     assert "the mission on the vehicle is no longer ours: " in record.why_not
-    is_asked = family is ARDUPILOT and other == "as long"  # it names no id, so its checksum is asked for now and then
+    is_asked = family is ARDUPILOT and other == "as long"  # without an id its checksum is requested
     assert told[1] - told[0] < (CHECK_INTERVAL_S + 2.0 if is_asked else 1.0)
     assert caplog.text.count("no longer ours") == 1
 

@@ -1,5 +1,3 @@
-"""Ctrl-C, whenever it is pressed: the vehicle is left with a whole mission, and the user is told which."""
-
 import contextlib
 import signal
 import sys
@@ -10,6 +8,7 @@ from types import FrameType
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
@@ -22,7 +21,6 @@ from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.link_pair import HOME, items_of
@@ -58,7 +56,7 @@ def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[
 
 @contextlib.contextmanager
 def each_instruction(act: Callable[[int], None]) -> Iterator[None]:
-    """Call `act` with its number before each instruction of the link that is executed."""
+    """Call `act` with a number before each instruction of the link."""
     done = 0
 
     def trace(frame: FrameType, event: str, argument: object) -> object:
@@ -97,7 +95,7 @@ def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_i
                 upload(new)
         except Cancelled as cancelled:
             words = str(cancelled)
-        except KeyboardInterrupt:  # pressed before the vehicle was told anything, or after it was all over
+        except KeyboardInterrupt:  # before the first message, or after the last
             words = "too late" if moment > counted[0] // 2 else "keeps"
         held = mock.transfers.listed(MissionType.MISSION)
         expected = old if "keeps" in words else new
@@ -130,7 +128,7 @@ def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None
 
 
 class Pressing(Loopback):
-    """Whoever sits before it presses Ctrl-C at these moments."""
+    """Presses Ctrl-C at these moments."""
 
     def __init__(self, *presses: float) -> None:
         super().__init__(Station(Mock(PX4, HOME)))

@@ -1,5 +1,3 @@
-"""Items that go in a row: byte for byte what the dialogue would have said, and nothing else is taken for the next."""
-
 import math
 from dataclasses import replace
 
@@ -7,6 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import plain_frame
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
@@ -17,12 +17,10 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.mission.commands import plain_frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import HOME, items_of
 
 US, VEHICLE = Target(245, 190), Target(1, 1)
@@ -99,8 +97,6 @@ def test_with_a_key_only_signed_frames_count_and_each_once() -> None:
 
 
 class Counting(Loopback):
-    """Counts the frames of each end."""
-
     said = heard = 0
 
     def send(self, data: bytes, peer: Peer | None) -> None:
@@ -159,7 +155,7 @@ def test_a_list_is_compared_in_bulk_as_it_is_item_by_item(
     one_by_one = compare(wanted, unpack_items(data), autopilot)
     if one_by_one is None:
         assert in_bulk is None
-    elif in_bulk != one_by_one:  # what came back bit by bit is no difference, whatever a rounding rule says of it
+    elif in_bulk != one_by_one:  # equal bits are no difference, whatever a rounding rule says
         assert one_by_one.seq is not None
         first, other = wanted[one_by_one.seq], got[one_by_one.seq]
         assert plain_frame(first.frame) == plain_frame(other.frame)

@@ -1,11 +1,12 @@
-"""What is no multicopter of a known firmware is named at its first heartbeat, and nothing but our presence is sent."""
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
@@ -19,9 +20,6 @@ from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -42,8 +40,6 @@ CHANGES: dict[str, Callable[[Vehicle], object]] = {
 
 
 class Disguised(Mock):
-    """An autopilot whose heartbeats say another kind."""
-
     def __init__(self, family: Autopilot, firmware: int, mav_type: int) -> None:
         super().__init__(family, HOME)
         self.told = firmware, mav_type
@@ -54,7 +50,7 @@ class Disguised(Mock):
 
 
 class Overheard(Loopback):
-    """Keeps what the station says; after it has said `turning`, the vehicle says that it is of another kind."""
+    """Keeps our messages; after `turning`, the vehicle says another kind."""
 
     def __init__(self, far: Any) -> None:
         super().__init__(far)
@@ -142,7 +138,7 @@ def fly_all(vehicle: Vehicle) -> None:
 def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
     after: object, other: tuple[int, int]
 ) -> None:
-    """From the first heartbeat on that says so, whatever the station was about to say; nor is it disarmed."""
+    """Nor is it disarmed."""
     line, channel = line_to(3, 2)
     vehicle = meet(line, fast=False)
     channel.turning = after, other

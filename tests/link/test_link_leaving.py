@@ -1,9 +1,10 @@
-"""A vehicle that leaves its mission in the air is told of at once, and so is its going on."""
-
 import logging
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
@@ -14,12 +15,9 @@ from ipoa_mission.link.mode_watch import SETTLED_S, ModeWatch
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import ON_GROUND, VehicleState
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.held import waypoint
@@ -42,7 +40,6 @@ def flying(family: Autopilot) -> Vehicle:
 
 
 def ordered_into(vehicle: Vehicle, mode: int) -> None:
-    """Another station changes the mode."""
     main, sub, *_ = (*vehicle.autopilot.modes.numbers(mode), 0.0)
     order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
     far_end(line_of(vehicle)).autopilot.receive(order, PILOT, vehicle.line.now())

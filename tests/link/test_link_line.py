@@ -1,5 +1,3 @@
-"""Connection strings, sockets, routes, logs, several vehicles, signed links: the client's verbs over real loopback."""
-
 import threading
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
@@ -23,7 +22,6 @@ from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypo
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
@@ -75,8 +73,6 @@ def test_nobody_at_the_other_end_is_an_error_that_says_so() -> None:
 
 
 class UdpChannelClosed:
-    """A port that nobody listens at."""
-
     def __enter__(self) -> int:
         channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
         port = channel.port
@@ -146,8 +142,6 @@ def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None
 
 
 class Flock:
-    """Several vehicles at the far end of one loopback."""
-
     def __init__(self, *stations: Station) -> None:
         self._stations = stations
 

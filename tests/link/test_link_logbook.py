@@ -1,13 +1,11 @@
-"""The logbook: what belongs to a flight, when it began, what was done when, and whether it is complete."""
-
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.logbook import Logbook, brings_down, watch
 from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -50,7 +48,7 @@ def test_time_zero_is_the_arming_and_not_the_time_since_boot() -> None:
 
 
 def test_an_item_is_done_when_the_next_one_is_flown_or_reached() -> None:
-    """ArduCopter never reports NAV_TAKEOFF and LAND; a DO item may be reported before what lies ahead of it."""
+    """ArduCopter never reports NAV_TAKEOFF and LAND; a DO item may be reported early."""
     flight = (Current(1), ARMING, armed(3), at(12.0), Reached(2), at(13.0), Current(3), at(20.0))
     assert noted(HOLDS, *flight, autopilot=ARDUPILOT).record().item_reached_s == {0: 12.0, 1: 12.0}
 

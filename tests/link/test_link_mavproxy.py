@@ -1,5 +1,3 @@
-"""MAVProxy, in a process of its own, goes through a whole session with the built-in autopilot."""
-
 import importlib.util
 import queue
 import subprocess
@@ -12,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 MAVPROXY = Path(sys.executable).parent / "mavproxy.py"
 pytestmark = [
@@ -35,8 +33,6 @@ RALLY = "RALLY 47.4005 8.5 25.0 20.0 0.0 0\n"
 
 
 class Console:
-    """A MAVProxy prompt."""
-
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self._process = process
         self._lines: queue.Queue[str] = queue.Queue()

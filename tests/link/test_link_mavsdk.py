@@ -1,5 +1,3 @@
-"""MAVSDK, which we did not write, on either side of our link: real sockets, a process of its own."""
-
 import json
 import subprocess
 import sys
@@ -10,6 +8,7 @@ import pytest
 
 pytest.importorskip("mavsdk")
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import upload
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import UdpChannel
@@ -20,7 +19,6 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import vehicles
 from tests.quick_link import hurry
@@ -74,7 +72,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
         ) as server,
     ):
         try:
-            vehicle = meet(line, reading=True)  # it says that it is a generic vehicle of no known firmware
+            vehicle = meet(line, reading=True)  # a generic vehicle
             vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             told = next(json.loads(words) for words in server.stderr if words.startswith("{"))

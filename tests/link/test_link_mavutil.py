@@ -1,12 +1,10 @@
-"""pymavlink's own tools go through a whole session with the built-in autopilot."""
-
 import json
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 MISSION = """QGC WPL 110
 0\t1\t0\t16\t0\t0\t0\t0\t47.4\t8.5\t400\t1

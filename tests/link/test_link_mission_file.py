@@ -1,5 +1,3 @@
-"""ArduPilot's fast path: the mission as one file by MAVFTP, verified the same way, with the ordinary way behind it."""
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -36,7 +35,6 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.examples import examples
 from tests.link_pair import HOME, items_of, line_of
 from tests.refused import refuses
@@ -187,7 +185,6 @@ def test_cancelled_while_closing_a_vehicle_that_refuses_or_is_silent(mute: bool,
 
 
 def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionError) -> None:
-    """Converse, and break off at this moment."""
     now = line.channel.now
     while not exchange.finished:
         for message in exchange.outgoing():
@@ -205,7 +202,7 @@ def drive(exchange: Exchange[int], line: Line, moment: float, error: MissionErro
 
 
 def when_asked(mock: Mock, opcode: int, act: Callable[[int], None]) -> None:
-    """Call `act`, with its number, before each file question of this kind is heard."""
+    """Call `act`, with its number, before each file question of this kind."""
     receive, heard = mock.receive, count()
 
     def hear(message: Message, source: Target, now: float) -> None:
@@ -244,7 +241,6 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
 
 
 def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
-    """The vehicle would repeat its answer, which was true before."""
     vehicle, mock = aboard(Faults())
     numbers: list[int] = []
     receive = mock.receive

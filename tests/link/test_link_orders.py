@@ -1,11 +1,10 @@
-"""Commands, the current item, home, streams, parameters: message by message."""
-
 import struct
 from collections.abc import Sequence
 from typing import TypeVar
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link import orders
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
@@ -28,7 +27,6 @@ from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.scripted_answers import lead_by
 from tests.refused import refuses
@@ -40,7 +38,6 @@ T = TypeVar("T")
 
 
 def lead(dialogue: Dialogue[T], *answers: Sequence[Message]) -> Exchange[T]:
-    """Each thing said gets the next of the answers; then there is silence."""
     script = list(answers)
     return lead_by(dialogue, lambda message: script.pop(0) if script else ())
 

@@ -1,5 +1,3 @@
-"""A link that is lost in flight comes back by itself; only the same vehicle with the same mission is watched on."""
-
 import logging
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
@@ -20,11 +20,9 @@ from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionT
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_setup import without_station
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.held import waypoint
@@ -40,7 +38,7 @@ ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 
 class Air(Loopback):
-    """A link that is lost while `ends_s` is ahead: silent, or broken until it is opened anew."""
+    """Lost while `ends_s` is ahead: silent, or broken until opened again."""
 
     ends_s = -1.0
     breaks = deaf = False
@@ -70,13 +68,10 @@ class Air(Loopback):
         return self
 
     def rest(self, seconds: float) -> None:
-        """In place of real time."""
         super().receive(self.now() + seconds)
 
 
 class Heard(Station):
-    """Notes what it is told."""
-
     def __init__(self, autopilot: Mock, system: int = 1) -> None:
         super().__init__(autopilot, system)
         self.told: list[Message] = []
@@ -90,7 +85,7 @@ class Heard(Station):
 
 
 class Flight:
-    """A vehicle in the middle of its mission, whose link is lost for so many seconds; `then` happens as it is lost."""
+    """A vehicle in its mission whose link is lost; `then` happens as it is lost."""
 
     def __init__(self, family: Autopilot, monkeypatch: pytest.MonkeyPatch, opens: bool = True) -> None:
         self.station = Heard(Mock(family, HOME))
@@ -109,7 +104,6 @@ class Flight:
         self.on_return: Callable[[], None] = lambda: None
 
     def lose(self, seconds: float, breaks: bool = False, at_m: float = 15.0) -> Any:
-        """The record of the flight."""
         vehicle, air = self.vehicle, self.air
 
         def overhear(message: Message) -> None:
@@ -130,13 +124,11 @@ class Flight:
         return vehicle.watch(progress)
 
     def order_elsewhere(self, mode: int) -> None:
-        """Another station, whose link is not lost, orders a mode."""
         main, sub, *_ = (*self.vehicle.autopilot.modes.numbers(mode), 0.0)
         order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
         self.station.autopilot.receive(order, Target(254, 190), self.air.now())
 
     def replaced_by(self, mock: Mock, system: int = 1) -> Heard:
-        """Another vehicle takes the place of the one that is lost."""
         other = self.air.far = Heard(mock, system)
         return other
 
@@ -146,7 +138,6 @@ def is_order(message: Message) -> bool:
 
 
 def loaded(family: Autopilot, mission: Mission) -> Mock:
-    """Another vehicle that holds a mission."""
     mock = Mock(family, HOME)
     other = meet(Line(Loopback(Station(mock)), Codec(245, 190)))
     other.upload(suited(other, mission))
@@ -241,7 +232,7 @@ def test_one_that_came_home_unheard_is_told_as_it_stands(
 def test_one_that_ended_its_mission_unheard_has_completed_it_if_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     record = Flight(PX4, monkeypatch).lose(120.0)
     assert record.completed, record.why_not
-    record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # it begins its mission anew as soon as it stands
+    record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # restarts its mission on the ground
     assert record.why_not.startswith("it was last heard at item 1 of 4, and landed while the link was lost, ")
 
 
@@ -320,7 +311,7 @@ def test_streams_that_were_forgotten_are_asked_for_again(refuses: bool, monkeypa
 
     flight.at_loss = forget
     record = flight.lose(10.0)
-    assert record.completed is not refuses  # it is watched by its heart alone, to its end
+    assert record.completed is not refuses  # watched by heartbeats only
     assert not record.armed
 
 

@@ -1,4 +1,4 @@
-"""Random radios: whatever they lose, double, delay and reorder, an upload is exact or an error, never false."""
+"""Random radios: an upload is exact or an error, never false."""
 
 from collections import Counter
 
@@ -6,6 +6,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import offer
@@ -13,7 +14,6 @@ from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.stored_mission import compare, home_item
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 from tools.fuzz import strangers
@@ -21,10 +21,10 @@ from tools.fuzz.strangers import Outcome
 
 DELAYS_S = (0.0, 0.01, 0.05, 0.3, 0.9, 0.3, 2.5)
 FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_s in DELAYS_S]
-#: A byte a message: drawn at once, a schedule costs a fraction of what it does piece by piece.
+#: Drawing a byte a message at once is much quicker.
 SCHEDULES = st.binary(min_size=1, max_size=40).map(lambda drawn: [FATES[byte % len(FATES)] for byte in drawn])
 NO_TOTAL = 65535
-HEARD_WITHIN_S = 1.2  # the vehicle speaks when it is spoken to, or beats once a second
+HEARD_WITHIN_S = 1.2  # answers, or a heartbeat a second
 UNHURRIED = settings(suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -46,7 +46,7 @@ def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot,
 
 
 class Rivalry(Air):
-    """Another station puts a mission of its own on the vehicle, which says five times a second how long its is."""
+    """Another station uploads its mission; the vehicle reports the count five times a second."""
 
     def begin(self, moment: float, count: int) -> None:
         self.moment, self.count, self.replaced = moment, count, False
@@ -122,7 +122,7 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
 
 @pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
-    """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
+    """`python -m tools.fuzz.strangers` runs many more."""
     ended = [strangers.schedule(seed) for seed in range(first, first + 15)]
     endings = Counter(ending for ending, _ in ended)
     assert endings[Outcome.FALSE] == 0
@@ -132,6 +132,6 @@ def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
 
 
 def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An uploader that believes the Ack, and neither reads back nor listens on."""
+    """An uploader that believes the Ack, and neither reads back nor listens."""
     monkeypatch.setattr(strangers, "upload", lambda job: offer(job.items, job.kind))
     assert any(strangers.schedule(seed)[0] is Outcome.FALSE for seed in range(30, 60))

@@ -1,5 +1,3 @@
-"""Sockets that break, fill up or are closed: what is lost is a frame or a connection, never half a frame."""
-
 import socket
 import time
 from collections.abc import Iterator
@@ -13,8 +11,6 @@ from tests.refused import refuses
 
 
 class Failing:
-    """A socket whose every call ends as `error` says."""
-
     def __init__(self, error: OSError) -> None:
         self._error = error
 
@@ -33,7 +29,7 @@ def served() -> Iterator[TcpChannel]:
 
 
 def joined(channel: TcpChannel) -> socket.socket:
-    """A client's end of a new connection, which the channel has taken."""
+    """Return a client's end of a new connection."""
     client = socket.create_connection(("127.0.0.1", channel.port), timeout=5.0)
     channel.receive(channel.now() + 0.2)
     return client
@@ -129,7 +125,7 @@ def test_a_serial_link_without_pyserial_names_the_extra(monkeypatch: pytest.Monk
 
 
 class Stubborn(socket.socket):
-    """A connection that reads nothing although it was announced, and of which one byte goes out at once."""
+    """Reads nothing, and sends one byte at once."""
 
     left = b""
 

@@ -1,17 +1,15 @@
-"""What a vehicle has told of its state, in words and as numbers, and by what it carries with a mission."""
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.messages import ARMED_FLAG, Current, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle_setup import idle_fence, other_values, own_values
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -45,8 +43,6 @@ def test_a_state_is_told_as_far_as_it_is_known(name: str) -> None:
 
 @dataclass
 class Table:
-    """A vehicle that has these parameters."""
-
     autopilot: Autopilot
     values: Mapping[str, float] = field(default_factory=dict)
 

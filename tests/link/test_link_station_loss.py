@@ -1,20 +1,16 @@
-"""What a vehicle does when it loses its ground station, in words, by its own parameters."""
-
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.vehicle_setup import without_station
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 
 def words(autopilot: Autopilot, values: Parameters) -> str:
-    """Of a vehicle with these values."""
-
     def parameters(wanted: Any) -> Parameters:
         names = {name for one in wanted for name in ((one,) if isinstance(one, str) else one)}
         assert values.keys() <= names

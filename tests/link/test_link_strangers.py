@@ -1,5 +1,3 @@
-"""A stranger's traffic: the same ids, made-up ids, torn frames, an old protocol. What comes of it is told or exact."""
-
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +5,7 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
@@ -21,7 +20,6 @@ from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import line_of
@@ -34,7 +32,7 @@ US, VEHICLE = Target(245, 190), Target(1, 1)
 
 
 class Net:
-    """A channel to several ends, each with its address; time passes while one waits. A frame takes 10 ms."""
+    """A channel to several ends with addresses; a frame takes 10 ms."""
 
     datagrams = True
 
@@ -265,7 +263,7 @@ def test_frames_that_are_cut_at_sixteen_bytes_are_heard(family: Autopilot) -> No
 
 
 class Drip(Net):
-    """A stream that is read sixteen bytes at a time, wherever a frame ends."""
+    """Reads sixteen bytes at a time."""
 
     datagrams = False
     _kept = b""
@@ -298,10 +296,7 @@ def test_what_is_said_to_others_and_what_we_do_not_read_is_logged_and_not_heard(
 
 
 class OldOnly:
-    """A vehicle of MAVLink 1: it beats, and understands nothing else; or it answers all of it, in MAVLink 1.
-
-    `tells_home`: it streams HOME_POSITION.
-    """
+    """A vehicle of MAVLink 1: it beats, or answers all in MAVLink 1; `tells_home`: it streams HOME_POSITION."""
 
     def __init__(self, station: Station | None = None, tells_home: bool = False) -> None:
         self._station, self._tells_home = station, tells_home

@@ -1,5 +1,3 @@
-"""Which mission a vehicle holds, overheard on a link; and its clock, behind a station's."""
-
 import numpy as np
 import pytest
 
@@ -8,7 +6,7 @@ from ipoa_mission.link.mavftp import FileMessage, Opcode
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
 from ipoa_mission.link.mission_upload_file import pack_mission
 from ipoa_mission.link.transfers import Items, Transfers
-from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_times
+from ipoa_mission.logs.telemetry_log import growing, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
 
 OLD = tuple(Item(16, 3, latitude_deg=47.0 + n / 100, longitude_deg=8.5, altitude=10.0) for n in range(3))
@@ -17,7 +15,6 @@ ACCEPTED = Ack(Result.ACCEPTED)
 
 
 def held(*said: tuple[Message, bool]) -> list[Items]:
-    """What the vehicle is known to hold, each time that it becomes known."""
     transfers = Transfers()
     return [found for message, by_vehicle in said if (found := transfers.note(message, by_vehicle)) is not None]
 
@@ -96,6 +93,5 @@ def test_a_torn_stamp_is_between_its_neighbors() -> None:
 
 
 def test_an_item_from_the_side_that_was_to_get_it_is_none_of_the_list() -> None:
-    """A stray one of another transfer, still on its way."""
     assert held(*sent(OLD, False), (ItemAt(1, NEW[1]), True), (ACCEPTED, True)) == [OLD]
     assert held(*sent(OLD, False)[:-1], (ItemAt(2, NEW[2]), True), (ACCEPTED, True)) == []

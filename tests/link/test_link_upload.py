@@ -1,7 +1,6 @@
-"""An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
-
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
@@ -18,7 +17,6 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link.scripted_answers import lead
 from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of
 from tests.refused import refuses
@@ -85,7 +83,7 @@ def test_a_refusal_by_an_atomic_vehicle_is_final_at_once() -> None:
 
 def test_another_station_that_uploads_is_waited_for() -> None:
     vehicle = Vehicle(ARDUPILOT)
-    vehicle.hear(Count(3), 0.0, STRANGER)  # and then says nothing more: the vehicle gives it up after 8 s
+    vehicle.hear(Count(3), 0.0, STRANGER)  # then silence: the vehicle gives it up after 8 s
     air = Air(vehicle)
     air.hold(upload(Upload(items_of(ARDUPILOT, 4), ARDUPILOT)))
     assert len(vehicle.holds()) == 4
@@ -95,8 +93,6 @@ def test_another_station_that_uploads_is_waited_for() -> None:
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_lost_final_acknowledgement_is_settled_by_reading_back(autopilot: Autopilot) -> None:
     class Deaf(Air):
-        """Every final acknowledgement is lost."""
-
         def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
             super()._launch([one for one in messages if to_vehicle or not isinstance(one, Ack)], to_vehicle)
 
@@ -108,8 +104,6 @@ def test_a_lost_final_acknowledgement_is_settled_by_reading_back(autopilot: Auto
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_transfer_that_broke_off_begins_anew(autopilot: Autopilot) -> None:
     class Tunnel(Air):
-        """For twelve seconds nothing comes through."""
-
         def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
             super()._launch([] if 1.0 < self.now < 13.0 else messages, to_vehicle)
 
@@ -189,8 +183,6 @@ def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> N
 
 def test_cancelled_while_it_is_read_back_the_vehicle_is_asked_what_it_holds() -> None:
     class Fading(Air):
-        """After this moment nothing comes through."""
-
         end = 1e9
 
         def _launch(self, messages: list[Message], to_vehicle: bool) -> None:

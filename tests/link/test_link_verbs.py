@@ -1,5 +1,3 @@
-"""The client's smaller verbs over loopback, and what becomes of them when something is in the way."""
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.procedure import load_mission, upload_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import connect as connecting
@@ -30,7 +29,6 @@ from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypo
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import line_of
@@ -59,7 +57,7 @@ def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_cou
     assert vehicle.download().rally == RALLY
     assert any("holds rally points of another mission" in remark for remark in upload_mission(vehicle, plain))
     vehicle.set_current(1)
-    vehicle.home()  # while it answers, it tells what its current item is
+    vehicle.home()  # meanwhile it reports its current item
     current = vehicle.state.current
     assert current is not None
     assert current.seq == (2 if autopilot is Autopilot.ARDUPILOT else 1)
@@ -151,7 +149,6 @@ def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pyt
 
 
 def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None:
-    """A ParamValue of another name comes between the order and its answer."""
     dialogue = setting(5.0)
     assert dialogue.send(ParamValue("MPC_Z_P", 1.0, 9, 1, 0)) is None
     with pytest.raises(StopIteration):
@@ -159,7 +156,7 @@ def test_the_other_values_that_a_vehicle_tells_meanwhile_are_no_answer() -> None
 
 
 def setting(value: float) -> Dialogue[None]:
-    """A parameter that was read as this is set to 3: the dialogue where it waits for what becomes of it."""
+    """Return the dialogue that sets a parameter to 3, where it waits for the result."""
     dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
     step = next(dialogue)
     while not (isinstance(step, Remark) and isinstance(step.message, ParamSet)):
@@ -174,7 +171,6 @@ def hear_nothing(dialogue: Dialogue[None], said: list[Step]) -> None:
 
 
 def test_a_late_answer_to_a_question_from_before_is_not_what_the_vehicle_keeps() -> None:
-    """Over a slow link the parameter is read twice before it is set: the second answer comes after the order."""
     dialogue = setting(5.0)
     for _ in range(6):
         assert dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0)) is None

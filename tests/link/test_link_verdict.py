@@ -1,7 +1,6 @@
-"""What a vehicle says of a mission after its upload: that it cannot be flown, or that another one came."""
-
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.events import event_number, mission_event, words_of
 from ipoa_mission.link.messages import (
     Ack,
@@ -16,7 +15,6 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.scripted_answers import lead
 from tests.link_pair import CLIENT, STRANGER, items_of
 from tests.refused import refuses
@@ -93,7 +91,7 @@ def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
         ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 2),
         ((Current(0, 1, 2, 2, 77), Ack(0, 0, 77)), 1),  # what comes twice says nothing new
         ((Ack(0, 0, 78), Current(0, 1, 2, 2, 77)), 2),
-        ((Current(0, 5, 2),), 2),  # said before the upload, and came late: it is read again to be sure
+        ((Current(0, 5, 2),), 2),  # from before the upload, late: read again
         ((Current(0, 1, 2, 2, 5),), 2),
     ],
 )
@@ -108,7 +106,7 @@ def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message,
 
 
 def test_the_first_id_after_our_count_is_ours_and_a_later_one_is_a_doubt() -> None:
-    """A second station with our ids: its Ack comes to us too, and the mission is its own from there on."""
+    """A second station with our ids: its Ack comes to us too."""
     theirs = items_of(PX4, 2)[1:]
     script = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 78)) | {
         ItemAt: [[Ack(0, 0, 77)]],
@@ -147,7 +145,7 @@ def test_what_an_event_says_has_its_numbers_in_it() -> None:
 
 
 def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
-    # FNV-1a's published test vectors, cut to 24 bits, with the autopilot's component id before them.
+    # FNV-1a's published vectors, cut to 24 bits, with the autopilot's component id before them.
     assert event_number("") == 0x01000000 | 0x811C9DC5 & 0xFFFFFF
     assert event_number("a") == 0x01000000 | 0xE40C292C & 0xFFFFFF
     assert event_number("foobar") == 0x01000000 | 0xBF9CF968 & 0xFFFFFF

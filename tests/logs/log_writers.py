@@ -1,7 +1,4 @@
-"""Writers of the three kinds of log, for tests: one flight, written down as a ground station, ArduPilot and PX4 do.
-
-By the formats' own descriptions: ArduPilot's FMT records, and ULog version 1.
-"""
+"""Write one flight as a ground station, ArduPilot and PX4 log it: FMT records, and ULog version 1."""
 
 import struct
 from collections.abc import Callable, Mapping
@@ -33,7 +30,7 @@ RATE = 10.0  # positions a second
 
 @dataclass(frozen=True)
 class Flown:
-    """What happened: times from arming [s], positions (n, 3) as degrees and height, speed north; done by item index."""
+    """Times from arming [s], positions (n, 3) as degrees and height, speed north; done by item index."""
 
     times: NDArray[np.float64]
     latitude_deg: NDArray[np.float64]
@@ -46,7 +43,7 @@ class Flown:
 
 
 def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
-    """As our client logs it: heartbeats once a second, the agreement to start, reached items, positions."""
+    """As our client: heartbeats once a second, start, reached items, positions."""
     first, firmware, mode = (1, MavAutopilot.ARDUPILOT, 3) if ardupilot else (0, MavAutopilot.PX4, 4 << 16 | 4 << 24)
     said: list[tuple[float, Message]] = [(0.0, CommandAck(400, CommandResult.ACCEPTED))]
     for beat in np.arange(-2.63, flown.landed_s + 3.0, 1.0):
@@ -56,7 +53,7 @@ def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     for index, time in flown.done.items():
         said += [(time, Reached(index + first)), (time, Current(index + first + 1))]
     said.append((1.0, Text(6, "Takeoff")))
-    said += [(time, _position(flown, time)) for time, _ in said]  # so that it does not depend on the telemetry rate
+    said += [(time, _position(flown, time)) for time, _ in said]  # independent of the telemetry rate
     said += [(float(time), _position(flown, float(time))) for time in flown.times]
     codec = Codec(7, 1)
     with TlogWriter(path) as log:
@@ -66,7 +63,7 @@ def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
 
 
 def write_dataflash(flown: Flown, path: Path, executed: bool = True) -> None:
-    """As ArduPilot does; `executed`: with MISE (4.5 and later), otherwise with words only."""
+    """`executed`: with MISE (4.5 and later), otherwise with words only."""
     records: list[tuple[float, str, tuple[object, ...]]] = [(-3.0, "MODE", (0, 0, 2)), (-0.5, "MODE", (3, 3, 2))]
     records += [(0.0, "ARM", (1, 0xFFFF, 0, 0)), (flown.landed_s, "ARM", (0, 0, 0, 0))]
     begun = {0: 0.0} | {index + 1: time for index, time in flown.done.items()}
@@ -92,7 +89,7 @@ def write_dataflash(flown: Flown, path: Path, executed: bool = True) -> None:
     path.write_bytes(data)
 
 
-#: Number, layout for struct, ArduPilot's format characters, column names.
+#: Number, struct layout, ArduPilot's format characters, columns.
 FORMATS = {
     "FMT": (128, "BB4s16s64s", "BBnNZ", "Type,Length,Name,Format,Columns"),
     "POS": (11, "Qiifff", "QLLfff", "TimeUS,Lat,Lng,Alt,RelHomeAlt,RelOriginAlt"),
@@ -110,10 +107,7 @@ FORMATS = {
 
 
 def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
-    """As PX4 does: the padding at the end of a topic is in its format and not in its rows.
-
-    Where its positions are `local` only, they are so by PROJ, about a place near the first one.
-    """
+    """Padding at the end of a topic is in its format and not in its rows; `local` positions are by PROJ."""
     n = len(flown.times)
     places = zip(flown.times, flown.latitude_deg, flown.longitude_deg, flown.height + flown.home_altitude, strict=True)
     reached = [(0.0, (-1, 0)), *((time, (index, index + 1)) for index, time in flown.done.items())]
@@ -165,7 +159,7 @@ def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
 
 
 def _local(flown: Flown) -> tuple[str, str, list[tuple[float, ...]]]:
-    """vehicle_local_position with its reference; the first two are of before there was one."""
+    """Return vehicle_local_position; the first two are from before its reference."""
     about = (float(flown.latitude_deg[0]) + 0.001, float(flown.longitude_deg[0]) - 0.002, 400.0)
     project = Proj(f"+proj=aeqd +R=6371000 +lat_0={about[0]!r} +lon_0={about[1]!r}")
     east, north = project(flown.longitude_deg, flown.latitude_deg)

@@ -1,4 +1,4 @@
-"""Logs of several vehicles, made of logs of one each: their frames by time, under other system ids."""
+"""Merge logs of one vehicle each, under other system ids."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -11,7 +11,7 @@ PLANE = 1  # MAV_TYPE
 
 
 def as_system(log: Path, system: int, of: int = 1) -> Iterator[Record]:
-    """The frames of a log from and to the vehicle `of`, as from and to another system id."""
+    """Return frames of vehicle `of` under another system id."""
     reader, writer = ardupilotmega.MAVLink(None), ardupilotmega.MAVLink(None)
     reader.robust_parsing = True
     for record in read_tlog(log):
@@ -26,13 +26,12 @@ def as_system(log: Path, system: int, of: int = 1) -> Iterator[Record]:
 
 
 def plane(system: int, unix_s: float) -> Record:
-    """The heartbeat of an ArduPilot plane."""
     writer = ardupilotmega.MAVLink(None, srcSystem=system, srcComponent=1)
     return Record(unix_s, writer.heartbeat_encode(PLANE, 3, 81, 0, 3).pack(writer))
 
 
 def write_several(path: Path, first: Path, others: Mapping[int, Path], plane_first: int | None = None) -> Path:
-    """One log of the first log's frames and those of the others, begun just after it."""
+    """Write the first log's frames and the others', begun just after it."""
     records = list(read_tlog(first))
     begins = records[0].unix_s
     for system, log in others.items():

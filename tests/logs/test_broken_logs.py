@@ -1,17 +1,15 @@
-"""Logs that are broken inside: what a fuzzer found."""
-
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.logs.flight_log import _Known, _Stretch, read_flights
 from ipoa_mission.logs.logged import Begun
 from ipoa_mission.mission.items import waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.vehicles.arducopter.log import _differences
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter import log as ulog
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
@@ -67,7 +65,6 @@ def test_speeds_that_are_no_numbers_are_passed_over(monkeypatch: pytest.MonkeyPa
 
 
 def test_places_off_the_earth_have_no_speed() -> None:
-    """What is no place makes neither a speed nor a warning."""
     latitude = np.array([47.0, 47.00001, 4700.0, 47.00003, 47.00004])
     speeds = _differences(np.arange(5.0), latitude, np.full(5, 8.0), np.full(5, 500.0))
     assert speeds[:, 0] == pytest.approx([1.11, 1.11, 0.0, 1.11, 1.11], rel=0.01)
@@ -92,7 +89,7 @@ def test_definitions_that_break_off_are_refused_at_once(tmp_path: Path) -> None:
 
 
 def test_an_item_beyond_the_list_that_was_held_is_not_looked_for_in_it() -> None:
-    """A damaged record names item 7 of a list of three: the list that was held is not what was flown."""
+    """A damaged record names item 7 of a list of three."""
     held = (home_item(HOME), waypoint(HOME, 20.0), waypoint(HOME, 30.0))
     known = _Known(held, HOME)
     stretch = _Stretch(True, 0.0, known, [], begun={7: Begun(7, 3, held[1])})

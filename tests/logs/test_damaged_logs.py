@@ -1,5 +1,3 @@
-"""What a log lost is said: where it is cut or spoiled, what the numbers of messages leave out, jumps in flight."""
-
 import struct
 from collections import Counter
 from collections.abc import Callable
@@ -54,7 +52,6 @@ def test_what_a_log_lost_is_said(tmp_path: Path, name: str, spoil: Spoil, words:
 
 
 def test_a_position_that_is_spoiled_is_said(tmp_path: Path) -> None:
-    """The latitude of one record is zero."""
     data = (LOGS / "sitl-ardupilot.bin").read_bytes()
     at = data.index(round(47.3977420 * 1e7).to_bytes(4, "little")[2:], 9000) - 2
     path = tmp_path / "spoiled.bin"

@@ -1,5 +1,3 @@
-"""One flight, written down in every kind of log, is read back as the same flight."""
-
 import struct
 from dataclasses import replace
 from pathlib import Path
@@ -7,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import Heartbeat
 from ipoa_mission.logs.flight_log import read_flight, read_flights
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.report.notebook import flight_html
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import vehicles
 from tests.logs.log_writers import WRITERS, Flown, write_dataflash, write_ulog
@@ -25,7 +23,7 @@ FRAME = LocalFrame(HOME)
 
 @pytest.fixture
 def flown() -> Flown:
-    """Up 20 m, 100 m north at 5 m/s, 40 m east, down: five items, the last of them done when it disarms."""
+    """Up 20 m, 100 m north at 5 m/s, 40 m east, down: five items."""
     corners = np.array([(0, 0, 0), (0, 0, 20), (0, 100, 20), (40, 100, 20), (40, 100, 0)], float)
     at = np.array([0.0, 8.0, 28.0, 38.0, 60.0])
     times = np.arange(-1.0, 62.0, 0.1)
@@ -155,7 +153,6 @@ def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopil
 def test_a_dataflash_log_that_begins_armed_has_its_flight_where_the_arming_opened_it(
     disarmed: float, flown: Flown, tmp_path: Path
 ) -> None:
-    """With LOG_DISARMED 1 it would have the arming if it had been there for it."""
     path = tmp_path / "armed.bin"
     write_dataflash(flown, path)
     armed = b"\xa3\x95" + struct.pack("<BQBIBB", 14, 100_000_000, 1, 0xFFFF, 0, 0)

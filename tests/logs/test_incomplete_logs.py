@@ -1,5 +1,3 @@
-"""Logs that lack something: a topic, a package, a heartbeat. What is missing is named, and the rest is read."""
-
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +7,7 @@ import numpy as np
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.messages import (
@@ -29,10 +28,8 @@ from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.logged import Fixes, Log, messages_of
-from ipoa_mission.logs.telemetry_log import read_telemetry_log
-from ipoa_mission.logs.vehicle_clock import unwrapped, vehicle_times
+from ipoa_mission.logs.telemetry_log import read_telemetry_log, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter import log as ulog
 from tests.refused import refuses
 
@@ -41,7 +38,7 @@ Break = Callable[[dict[str, Any]], None]
 
 
 def spoiled(monkeypatch: pytest.MonkeyPatch, spoil: Break) -> None:
-    """Have the log lack something: `spoil` gets its topics by name."""
+    """Change a log's topics by name."""
     opened = ulog._open
 
     def broken(path: Path) -> object:
@@ -129,7 +126,7 @@ def heartbeat(armed: bool, kind: int = 2) -> Heartbeat:
 
 
 def written(folder: Path, *said: tuple[float, Message]) -> Path:
-    """A log of what a vehicle (and, of orders, a station) said at these times."""
+    """Write a log of a vehicle's messages at these times."""
     path = folder / "said.tlog"
     vehicle, station = Codec(1, 1), Codec(245, 190)
     with TlogWriter(path) as log:
@@ -210,7 +207,7 @@ def test_arming_is_dated_back_to_the_agreement_and_an_order_to_another_vehicle_i
 
 
 def begun_armed(told: bool) -> Break:
-    """The first state that the log has is armed; `told`: with the time of the arming."""
+    """The first state is armed; `told`: with the time of the arming."""
 
     def spoil(topics: dict[str, Any]) -> None:
         status = topics["vehicle_status"].data

@@ -1,8 +1,7 @@
-"""Flights of other vehicles than the models are of, by real autopilots: half of them learned, judged on the rest.
+"""Learn half of the flights of other vehicles, judge the rest.
 
-`other_vehicle_*.json` holds missions, parameters and the times of items. ArduCopter 4.7.0-dev flew its simulated
-quadrotor with a drag that holds 11 m/s at 45 degrees of lean (15.08 as it comes); PX4 1.17.0-beta1 flew SIH with
-SIH_KDV 1.6 (1 as it comes) and SIH_T_TAU 0.12 s (0.05).
+`other_vehicle_*.json`: missions, parameters, times of items. ArduCopter 4.7.0-dev flew with a drag that holds 11 m/s at
+45 degrees of lean (default 15.08); PX4 1.17.0-beta1 flew SIH with SIH_KDV 1.6 (1) and SIH_T_TAU 0.12 s (0.05).
 """
 
 import json
@@ -14,16 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.logs.learn.evidence import Evidence, errors, evidence_between
-from ipoa_mission.logs.learn.fit import fit
-from ipoa_mission.logs.learn.judge import left_out, median_errors, timed
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle, write_vehicle
+from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
+from ipoa_mission.learn.fit import fit
+from ipoa_mission.learn.judge import left_out, median_errors, timed
+from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import vehicles
 from tests.recorded_flights import FLOWN_ON

@@ -1,4 +1,4 @@
-"""What logs measured of batteries: ArduPilot's records old and new, several batteries, MAVLink's two messages."""
+"""Batteries in logs: ArduPilot's records, MAVLink's two messages."""
 
 import math
 import struct
@@ -21,7 +21,7 @@ from tests.refused import refuses
 
 LOGS = Path(__file__).parent.parent / "logs"
 HEAD = b"\xa3\x95"
-#: Records as ArduCopter 3.3, 3.5, 4.0 and 4.7 lay them out: format for struct, ArduPilot's letters, columns.
+#: Records of ArduCopter 3.3, 3.5, 4.0 and 4.7: struct format, ArduPilot's letters, columns.
 LAYOUTS = {
     "3.3": ("CURR", "QhhhHfh", "QhhhHfh", "TimeUS,Throttle,Volt,Curr,Vcc,CurrTot,Volt2"),
     "3.5": ("CURR", "Qfff", "Qfff", "TimeUS,Volt,Curr,CurrTot"),
@@ -33,7 +33,7 @@ PARM = ("PARM", "Q16sf", "QNf", "TimeUS,Name,Value")
 
 
 def logged(path: Path, *kinds: tuple[tuple[str, str, str, str], Sequence[tuple[object, ...]]]) -> LoggedFlight:
-    """A recorded flight with these records too, their values after the time; every value a second later."""
+    """Write a flight with these records, a value a second."""
     data = (LOGS / "sitl-ardupilot.bin").read_bytes()
     armed_s = read_flights(LOGS / "sitl-ardupilot.bin").flights[0].armed_s
     for number, ((kind, layout, letters, columns), rows) in enumerate(kinds, 240):
@@ -88,7 +88,7 @@ def test_a_current_that_was_not_measured_is_named(amperes: tuple[float, ...], wo
 
 
 def with_messages(path: Path, *told: tuple[Message, Message]) -> LoggedFlight:
-    """A recorded .tlog in which each of these is told too, its two forms by turns."""
+    """Read a .tlog with each message in its two forms by turns."""
     codec = Codec(1, 1)
     with TlogWriter(path) as log:
         for n, record in enumerate(read_tlog(LOGS / "sitl-ardupilot.tlog")):

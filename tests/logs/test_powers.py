@@ -1,7 +1,7 @@
-"""Power by airspeed and climb, learned from one flight, foretells what the batteries of others gave.
+"""Power by airspeed and climb, learned from one flight.
 
-docs/energy.csv: flights of ArduCopter 4.8.0-dev in its simulator, whose battery draws by thrust. `survey_battery` is
-cut from the first of them by `tools.fly.trim_log`, and the only one that is learned from.
+docs/energy.csv: flights of ArduCopter 4.8.0-dev in its simulator. `survey_battery`, the only one that is learned from,
+is cut by `tools.fly.trim_log`.
 """
 
 import csv
@@ -13,17 +13,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.energy.consumption import Interval
+from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.logs.learn.evidence import flights_in
-from ipoa_mission.logs.learn.fit import fit
-from ipoa_mission.logs.learn.powers import PowerSeconds, learned_powers
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.learn.evidence import flights_in
+from ipoa_mission.learn.fit import fit
+from ipoa_mission.learn.powers import PowerSeconds, learned_powers
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import Interval
-from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 from tests.recorded_flights import FLOWN_ON
 
@@ -43,7 +43,7 @@ def learned() -> LearnedVehicle:
 
 
 def wind_of(row: dict[str, str]) -> Wind:
-    """In the simulator it grows with the root of the height; where that goes far up, given as a profile."""
+    """In the simulator it grows with the root of the height."""
     height = float(row["gradient_height_m"])
     law = Wind(float(row["wind_m_s"]), float(row["from_deg"]), 0.5 if height else 0.0, height)
     if height < FAR_UP or not law.speed:
@@ -87,7 +87,7 @@ def test_all_recorded_flights_are_foretold_within_five_per_cent_and_inside_their
 
 
 def test_numbers_that_made_the_seconds_are_found_again() -> None:
-    """A made vehicle with a bucket in its curve, as real ones have, and noise on every second."""
+    """A vehicle with a bucket in its curve, as real ones have, and noise on every second."""
     rng = np.random.default_rng(3)
     curve = PowerCurve(300.0, -1.2, 0.16, 25.0, -8.0)
     airspeed, climb = rng.uniform(0.0, 14.0, 900), rng.uniform(-2.0, 2.5, 900)
@@ -117,12 +117,12 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     vehicle = read_vehicle(out)
     assert vehicle.drag is None
     assert vehicle.hover_power is not None
-    assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V, as the simulator has it
+    assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V in the simulator
     assert fit(flights_in(LOG)[0]).square_power is not None
 
 
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
-    """Five flights of a real quadrotor in dronekit's replay log: what the others of that day tell of each."""
+    """Five flights of a real quadrotor in dronekit's replay log, each by the others."""
     flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
     seconds = [flight.witness.powers.flown for flight in flights if flight.witness.powers is not None]
     errors = []

@@ -1,5 +1,3 @@
-"""PX4's mission out of its own log, as PX4 1.12 and 1.17 write navigator_mission_item."""
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -7,11 +5,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 
 COLUMNS = ("timestamp", "sequence_current", "nav_cmd", "altitude_is_relative", "latitude", "longitude", "altitude")
-#: A take-off in two steps, a speed, a waypoint, and a landing in two steps; at the end PX4 tells of an item 5.
+#: Two steps each of take-off and landing, a speed, a waypoint; at the end PX4 reports item 5.
 STEPS = [
     (1e6, 0, 22, False, 47.4, 8.5, 503.0),
     (5e6, 0, 16, True, 47.40001, 8.5, 15.0),

@@ -1,8 +1,6 @@
-"""Logs of real autopilots, and what our own link wrote of the same flights: their times agree, and are the truth.
+"""Logs of ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation, and of our own link, trimmed by tools/fly/trim_log.py.
 
-ArduCopter 4.7.0-dev and PX4 1.17.0 in simulation; `tests/logs` holds the logs trimmed to what is read of them
-(tools/fly/trim_log.py). The truth is what the autopilots' own records say of the same flights, read by others:
-pymavlink's and pyulog's readers, and for campus the vehicle's clock beside every report on the link.
+Truth: the autopilots' own records by pymavlink and pyulog; for campus the vehicle's clock beside every report.
 """
 
 from collections.abc import Mapping
@@ -10,18 +8,18 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flight, read_flights
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 LOGS = Path(__file__).parents[1] / "logs"
 CLOSE = 0.3  # [s]
 
-#: By flight: seconds from the arming until items were done; the last one is the landing, done by disarming.
+#: Seconds from arming until items were done; the landing by disarming.
 SITL_COPTER = {1: 12.32, 3: 23.01, 4: 37.59, 5: 68.08}
 SLOW_COPTER = {1: 11.12, 3: 24.10, 4: 36.07, 5: 48.75, 6: 61.99, 7: 87.01}
 TWICE_COPTER = ({1: 11.12, 3: 21.30, 4: 29.36, 5: 54.38}, {1: 11.13, 3: 20.97, 4: 29.56, 5: 54.62})
@@ -42,7 +40,6 @@ FLOWN = [
 
 
 def mission_of(name: str) -> Mission:
-    """The mission of a flight, out of the .tlog of the same flight."""
     mission = read_flights((LOGS / name).with_suffix(".tlog")).flights[0].mission
     assert mission is not None
     return mission
@@ -81,7 +78,7 @@ def test_time_zero_is_the_arming_by_the_clock_of_the_vehicle(name: str, armed: f
 
 
 def test_the_clock_goes_back_to_the_arming_as_fast_as_the_vehicle_s(tmp_path: Path) -> None:
-    """Ten times as fast as the station's, with neither TIMESYNC nor a position until well after the arming."""
+    """Ten times as fast as the station's, without TIMESYNC or a position until well after the arming."""
     data = (LOGS / "sitl-ardupilot.tlog").read_bytes()
     path = tmp_path / "late.tlog"
     path.write_bytes(b"".join(record for record in records(data) if not tells_time_before(record, 202.2)))
@@ -90,7 +87,7 @@ def test_the_clock_goes_back_to_the_arming_as_fast_as_the_vehicle_s(tmp_path: Pa
 
 @pytest.mark.parametrize("name", ["sitl-ardupilot.bin", "sitl-ardupilot.tlog", "twice-ardupilot.bin", "sitl-px4.tlog"])
 def test_the_log_has_the_mission_that_was_flown(name: str) -> None:
-    """In the .tlog of ArduPilot it went up as a file, which the .bin of `twice` never wrote down as a list."""
+    """In ArduPilot's .tlog it went up as a file, which the .bin of `twice` never lists."""
     mission = flight_in(name)[0].mission
     assert mission is not None
     commands = [Command(item.command).name for item in mission.items]
@@ -130,7 +127,6 @@ def test_the_log_has_the_parameters_and_the_version(name: str, parameter: str, v
 
 
 def test_items_before_the_one_at_which_it_began_are_not_done() -> None:
-    """PX4 flew again from where it had stopped: straight to its sixth item."""
     _, record = flight_in("again-px4.tlog")
     assert sorted(record.item_reached_s) == [5, 6]
     assert record.item_reached_s[5] == pytest.approx(42.4, abs=CLOSE)
@@ -139,7 +135,6 @@ def test_items_before_the_one_at_which_it_began_are_not_done() -> None:
 
 @pytest.mark.parametrize("name", ["sitl-ardupilot.tlog", "sitl-px4.tlog"])
 def test_disarming_is_dated_better_than_the_heartbeat_does(name: str, tmp_path: Path) -> None:
-    """Also where the log ends with the words, before the next heartbeat."""
     data = (LOGS / name).read_bytes()
     words = b"Disarming motors" if "ardupilot" in name else b"Disarmed by landing"
     path = tmp_path / name
@@ -181,7 +176,6 @@ def test_a_log_of_another_autopilot_or_vehicle_is_refused(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("rest", [bytes(20_000_000), b"\xa3\x95\x80" * 700_000, b"\xa3\x95" * 1_000_000])
 def test_megabytes_of_nothing_in_a_dataflash_log_end_soon(rest: bytes, tmp_path: Path) -> None:
-    """pymavlink's reader stood still over them."""
     path = tmp_path / "nothing.bin"
     path.write_bytes((LOGS / "sitl-ardupilot.bin").read_bytes()[:3000] + rest)
     with refuses("log-incomplete", "nothing.bin", kind=BadInput):

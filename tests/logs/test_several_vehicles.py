@@ -1,12 +1,10 @@
-"""A `.tlog` of several vehicles: all are listed, and one is read, the first multicopter or that with a system id."""
-
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.learn.evidence import flights_in
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.logs.learn.evidence import flights_in
 from tests.logs.several import write_several
 from tests.refused import refuses
 
@@ -16,7 +14,6 @@ OTHERS = "the log holds {} vehicles: read is system {}, not read "
 
 
 def flown(path: Path, system: int | None = None) -> list[float]:
-    """How long the flights in a log took [s]."""
     return [round(flight.record(flight.mission).total_s, 1) for flight in read_flights(path, system).flights]
 
 

@@ -1,8 +1,8 @@
-"""What real logs measured besides times: power in hover, energy, and the drag by the lean.
+"""Hover power, energy and drag by lean in real logs.
 
-`other_vehicle-*` are cut from flights of the vehicles of `test_learning`, by `tools.fly.trim_log`: ArduCopter's
-missions 0 and 4 (its simulated battery gives 22 A at 12.09 V in hover, 266 W; 0 also as the ground station logged it,
-and in a wind of 5 m/s), and PX4's mission 0, whose simulated battery measures no current.
+`other_vehicle-*` are cut from flights of `test_learning` by `tools.fly.trim_log`: ArduCopter's missions 0 and 4 (22 A
+at 12.09 V in hover, 266 W; 0 also by the ground station, and in a wind of 5 m/s), and PX4's mission 0, whose battery
+measures no current.
 """
 
 import math
@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.cli.app import app
-from ipoa_mission.logs.learn.evidence import Evidence, flights_in
-from ipoa_mission.logs.learn.fit import fit
-from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors, timed
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle
-from ipoa_mission.logs.learn.witness import Witness, hover_power
+from ipoa_mission.learn.evidence import Evidence, flights_in
+from ipoa_mission.learn.fit import fit
+from ipoa_mission.learn.judge import energy_error, left_out, median_errors, timed
+from ipoa_mission.learn.witness import Witness, hover_power
+from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.logs.test_learning import ARDUPILOT, PX4, recorded
 from tests.refused import refuses
 
@@ -137,8 +137,8 @@ def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> 
 
 def test_where_times_get_no_better_only_the_power_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = LearnedVehicle(ARDUPILOT, drag=Learned(0.5, 0.4, 0.6), hover_power=Learned(266.0, 260.0, 272.0))
-    monkeypatch.setattr("ipoa_mission.logs.learn.fit.fit", lambda *_: vehicle)
-    monkeypatch.setattr("ipoa_mission.logs.learn.judge.fit", lambda *_: vehicle)
+    monkeypatch.setattr("ipoa_mission.learn.fit.fit", lambda *_: vehicle)
+    monkeypatch.setattr("ipoa_mission.learn.judge.fit", lambda *_: vehicle)
     out = tmp_path / "vehicle.toml"
     done = CliRunner().invoke(app, ["learn", *map(str, LOGS), "--out", str(out)])
     assert "do not improve other flights' times" in done.output

@@ -1,5 +1,3 @@
-"""Maps written by the tests themselves: small, and known to the last digit."""
-
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -14,14 +12,11 @@ WriteMap = Callable[..., Path]
 
 @pytest.fixture
 def frame() -> LocalFrame:
-    """A local frame in the Alps."""
     return LocalFrame(Geodetic(47.0, 8.0, 500.0))
 
 
 @pytest.fixture
 def write_map(tmp_path: Path) -> WriteMap:
-    """Writes geometries, given as (geometry, properties), as `map.geojson`."""
-
     def write(*features: tuple[Any, Mapping[str, Any]], **members: Any) -> Path:
         path = tmp_path / "map.geojson"
         rows = [{"type": "Feature", "geometry": shape, "properties": tags} for shape, tags in features]
@@ -33,7 +28,7 @@ def write_map(tmp_path: Path) -> WriteMap:
 
 @pytest.fixture
 def square() -> Callable[..., dict[str, Any]]:
-    """Makes square footprints whose lower left corner is near (east, north) [m] of 47 N, 8 E."""
+    """Make square footprints whose lower left corner is near (east, north) [m] of 47 N, 8 E."""
 
     def make(east: float, north: float, side: float = 20.0) -> dict[str, Any]:
         ring = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]

@@ -1,5 +1,3 @@
-"""When a zone is active: by Python's own calendar."""
-
 import json
 from datetime import UTC, datetime
 from pathlib import Path

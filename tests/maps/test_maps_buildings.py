@@ -1,5 +1,3 @@
-"""Features become obstacles of the right size at the right place; nothing is guessed without being said."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,3 @@
-"""CityJSON: buildings written here in a national grid, read back where pyproj says that they are."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -23,13 +21,11 @@ Write = Callable[..., Path]
 
 
 def block(first: int) -> list[list[list[list[int]]]]:
-    """The shell of a box whose eight corners begin at number `first`."""
     faces = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
     return [[[[first + corner for corner in face]] for face in faces]]
 
 
 def corners(west: float, south: float, wide: float, low: float, high: float) -> list[list[int]]:
-    """A box in millimetres from the grid's (EAST, NORTH)."""
     ring = [(0, 0), (1, 0), (1, 1), (0, 1)]
     return [[round(1000 * v) for v in (west + wide * x, south + wide * y, z)] for z in (low, high) for x, y in ring]
 
@@ -74,7 +70,6 @@ def test_a_block_stands_where_it_is_and_as_high(write: Write) -> None:
 
 
 def test_a_part_in_the_air_is_as_high_as_its_building(write: Write) -> None:
-    """The tower begins at 20 m, on a base that begins at the ground."""
     path = write(
         {
             "b1": {"type": "Building", "children": ["p1", "p2"]},

@@ -1,5 +1,3 @@
-"""Maps that were cut short or spoiled end in words, and a ring across longitude 180 stays where it is."""
-
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -25,7 +23,6 @@ KML = """<?xml version="1.0" encoding="UTF-8"?><kml><Placemark><Polygon><outerBo
 def test_a_ring_across_longitude_180_stays_where_it_is(
     aside: float, latitude: float, width: float, depth: float, holed: bool
 ) -> None:
-    """The same ring drawn with longitudes that go on beyond 180, of which no reader can be in doubt."""
     home = LocalFrame(Geodetic(latitude, 179.995 if aside > 0 else -179.995))
     box = shapely.box(180 + aside - width / 2, latitude, 180 + aside + width / 2, latitude + depth)
     hole = shapely.box(180 + aside - width / 9, latitude + depth / 3, 180 + aside + width / 9, latitude + depth / 2)

@@ -1,5 +1,3 @@
-"""Elevation models become local ground: held against rasterio's pixels, pymap3d's frame and pyproj's projections."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,7 +17,7 @@ pymap3d = pytest.importorskip("pymap3d")
 
 HOME = Geodetic(47.0, 8.0, 500.0)
 AREA = (-300.0, -200.0), (400.0, 350.0)
-#: Coordinate systems, with the size of a pixel in their own unit.
+#: Sizes of a pixel in each system's unit.
 SYSTEMS = {"EPSG:4326": 1 / 3600, "EPSG:32632": 25.0, "EPSG:2056": 12.0, "EPSG:3857": 30.0, "EPSG:3035": 25.0}
 
 Heights = Callable[[Any, Any], Any]  # of latitude and longitude, above mean sea level
@@ -70,7 +68,7 @@ def read(path: Path, home: Geodetic = HOME, area: Any = AREA, **rules: Any) -> t
 
 
 def ground_at(grid: Any, latitude: Any, longitude: Any, height: Any) -> tuple[Any, Any]:
-    """What the grid says under places given by pymap3d, and their own height above home's plane."""
+    """Return the grid's heights and true ones above home's plane, by pymap3d."""
     east, north, up = pymap3d.geodetic2enu(latitude, longitude, height, HOME.latitude_deg, HOME.longitude_deg, 500.0)
     return grid.height(np.column_stack([east, north])), up
 
@@ -100,7 +98,7 @@ def test_no_post_lies_above_the_ground(write_model: Write, crs: str, spacing: fl
     found, posts = ground_at(grid, latitude[inside], longitude[inside], heights[inside])
     assert inside.sum() > 300
     assert (found - posts).min() > -1e-3
-    if spacing != 90.0:  # and it is nowhere far above them, on its own posts' distance or finer
+    if spacing != 90.0:  # nowhere far above them
         assert (found - posts).max() < 3.5
 
 
@@ -124,7 +122,7 @@ def test_an_srtm_tile_is_read_as_its_posts(tmp_path: Path) -> None:
     path.write_bytes(posts.tobytes())
     home = Geodetic(46.5, 8.5, 505.0)
     grid, said = local_grid(path, ElevationRules(), LocalFrame(home), (-500.0, -500.0), (500.0, 500.0))
-    # The first row is 47 N, posts are 3 seconds apart and lie on whole degrees: home is row 600, column 600.
+    # Row 0 is 47 N, posts are 3 seconds apart on whole degrees: home is row 600, column 600.
     for row, column in ((600, 600), (598, 603), (603, 597)):
         east, north, up = pymap3d.geodetic2enu(
             47 - row / 1200, 8 + column / 1200, float(posts[row, column]), 46.5, 8.5, 505
@@ -216,7 +214,7 @@ def test_ellipsoidal_heights_lose_the_geoid(write_model: Write, tmp_path: Path) 
     plain, _ = read(write_model(hills, name="amsl.tif"))
     np.testing.assert_allclose(given.heights, plain.heights, atol=1e-9)
     assert said[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (as given)"
-    # The same from a grid in a format of PROJ's own (GTX: south, west, steps, size, then rows from south to north).
+    # GTX: south, west, steps, size, then rows from south to north.
     grid = tmp_path / "geoid.gtx"
     values = np.full((5, 5), 47.25, ">f4")
     header = np.array([46.0, 7.0, 0.5, 0.5], ">f8").tobytes() + np.array([5, 5], ">i4").tobytes()
@@ -293,8 +291,6 @@ def test_a_depth_is_no_height(write_model: Write) -> None:
 
 
 def test_zeros_among_mountains_are_missing_heights(write_model: Write) -> None:
-    """Where the ground may be as low, 0 m is a height."""
-
     def holed(least: float) -> Heights:
         return lambda lat, lon: np.where(
             abs(lat - 47.001) + abs(lon - 8.001) < 4e-4, 0.0, hills(lat, lon) - 500 + least

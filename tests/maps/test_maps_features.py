@@ -1,5 +1,3 @@
-"""Map files of several writers say the same; what is wrong in one is named with its place."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +18,7 @@ ENDINGS = (
 )
 TAGS = {"building": "yes", "height": "23", "name": 'The "Rose"'}
 
-#: The same building as each exporter writes its properties.
+#: A building by each exporter.
 WRITERS = {
     "Overpass turbo": {"@id": "way/1"} | TAGS,
     "osmtogeojson": {"type": "way", "id": 1, "tags": TAGS, "relations": [], "meta": {}},

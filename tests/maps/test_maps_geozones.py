@@ -1,5 +1,3 @@
-"""UAS zones as authorities publish them: their circles, limits and restrictions."""
-
 import json
 from pathlib import Path
 from typing import Any
@@ -131,7 +129,7 @@ def test_a_zone_that_makes_no_sense_is_refused_with_its_place(
 
 
 def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
-    """Name, lower and upper end of every zone above home [m], which are infinite where they lie outside the bounds."""
+    """Name, lower and upper end of every zone above home [m]; infinite outside the bounds."""
     least, most = scenario.airspace.bounds.lower[2], scenario.airspace.bounds.upper[2]
     ends = [(zone.name, *zone.bounds[:, 2].tolist()) for zone in scenario.airspace.obstacles]
     return [(name, -np.inf if low < least else low, np.inf if high > most else high) for name, low, high in ends]
@@ -161,7 +159,7 @@ def test_a_limit_that_is_not_understood_opens_no_hole_and_is_named(
 def test_limits_above_the_ellipsoid_are_counted_from_the_geoid(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make: Any
 ) -> None:
-    """By PROJ's grid; without one each limit is where the zone is larger, for any geoid."""
+    """By PROJ's grid, or else for any geoid."""
     grid, values = tmp_path / "geoid.gtx", np.full((5, 5), 47.25, ">f4")
     header = np.array([46.0, 7.0, 0.5, 0.5], ">f8").tobytes() + np.array([5, 5], ">i4").tobytes()
     grid.write_bytes(header + values.tobytes())

@@ -1,12 +1,10 @@
-"""Heights as OpenStreetMap's mappers write them."""
-
 import pytest
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.lengths import meters
 from ipoa_mission.maps.tag_heights import foot_of, height_of
 
-#: What the wiki's page on `height` allows, and what is met in exports, in metres.
+#: From the wiki's page on `height`, and exports [m].
 LENGTHS = {
     "23": 23.0,
     "23 m": 23.0,

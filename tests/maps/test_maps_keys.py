@@ -1,8 +1,4 @@
-"""Keys of height and width as maps really have them: OpenStreetMap's, those cut or rewritten by GDAL, other makers'.
-
-The right values are those of public reports: openstreetmap-carto #4236 (wind turbines), CityEnergyAnalyst #3218
-(est_height), blosm #339 (spellings).
-"""
+"""openstreetmap-carto #4236 (turbines), CityEnergyAnalyst #3218 (est_height), blosm #339 (spellings)."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -20,7 +16,7 @@ At = Callable[[float, float], list[float]]
 Square = Callable[..., dict[str, Any]]
 WIND = {"power": "generator", "generator:source": "wind"}
 
-#: Tags of a point, and the height and radius that it has [m].
+#: Tags of a point, height and radius [m].
 POINTS = [
     (WIND | {"height": "125", "rotor:diameter": "90"}, 125.0, 45.0),
     (WIND | {"height:hub": "80", "rotor:diameter": "90"}, 125.0, 45.0),
@@ -42,7 +38,7 @@ POINTS = [
     ({"building": "no", "man_made": "mast"}, 120.0, 10.0),
 ]
 
-#: Properties of an area, and its foot and height [m].
+#: Properties of an area, foot and height [m].
 AREAS = [
     ({"building": "yes", "est_height": "30"}, 0.0, 30.0),
     ({"building": "yes", "building:height": "45"}, 0.0, 45.0),
@@ -102,7 +98,6 @@ def test_an_area_is_as_high_as_any_spelling_says(
 def test_a_height_that_is_not_understood_is_named_where_it_is(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], named: str, height: float
 ) -> None:
-    """The number in it, or what is high for the kind, is taken; a flight beside it is refused."""
     found = find(write_map((square(0, 0), tags)), frame)
     (thing,) = found.standing
     (doubt,) = found.passed_over

@@ -1,7 +1,4 @@
-"""Every way to draw a zone in a KML is a zone, or is named: rings, collections, tracks, images, links.
-
-Cases of public reports: placemark/togeojson #104 and mapbox/togeojson #189 (LinearRing), GDAL #4031 (blanks).
-"""
+"""Public reports: placemark/togeojson #104 and mapbox/togeojson #189 (LinearRing), GDAL #4031 (blanks)."""
 
 import zipfile
 from collections.abc import Callable
@@ -17,7 +14,7 @@ from tests.refused import refuses
 
 RING = "8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.001 8.0,47.0"
 OTHER = RING.replace("8.00", "8.01").replace("8.0,", "8.01,")
-AREA = 76.05 * 111.18  # of the ring [m^2], by pymap3d's metres in a degree here
+AREA = 76.05 * 111.18  # of the ring [m^2], by pymap3d
 
 
 def ring(coordinates: str = RING) -> str:
@@ -120,7 +117,7 @@ def test_positions_that_run_together_are_refused(tmp_path: Path, frame: LocalFra
 def test_a_point_with_a_radius_is_a_circle(
     write_map: Callable[..., Path], frame: LocalFrame, tags: dict[str, object], radius: float
 ) -> None:
-    """As Leaflet draws them; no side of the polygon lies inside of the circle."""
+    """As Leaflet draws them; no side of the polygon is inside of the circle."""
     path = write_map(({"type": "Point", "coordinates": [8.0, 47.0]}, tags))
     (zone,) = find_zones(read_features(path), frame, path).zones
     assert zone.shape.exterior.distance(Point(0, 0)) == pytest.approx(radius, rel=1e-6)

@@ -1,5 +1,3 @@
-"""Of a large map only what is near is kept: what stands there, and every count, are those of the map read whole."""
-
 import json
 import random
 from collections.abc import Callable
@@ -40,7 +38,7 @@ At = Callable[[float, float], list[float]]
 
 
 def generated(seed: int, at: At) -> dict[str, Any]:
-    """A map of one writer, most of it away from home; a cadastre's may have a road behind its areas."""
+    """A map of one writer, most of it away from home."""
     rng = random.Random(seed)
     writer = rng.choice(list(AREAS))
     spread = rng.choice([100.0, 500.0, 3000.0, 150_000.0])

@@ -1,5 +1,3 @@
-"""No quiet loss: a map that is written otherwise, or spoiled, stands in the way as much, or the change is named."""
-
 import random
 from pathlib import Path
 
@@ -22,7 +20,6 @@ def test_no_change_of_many_is_lost_without_a_word() -> None:
 
 
 def test_a_quiet_loss_is_found(tmp_path: Path) -> None:
-    """A height that is lower, as if its unit had not been read."""
     house: Row = ({"type": "Polygon", "coordinates": [SQUARE]}, {"building": "yes", "height": "30"})
     lower: Row = (house[0], {"building": "yes", "height": "9"})
     path = tmp_path / "map.geojson"

@@ -1,5 +1,3 @@
-"""GeoParquet, Overture's among it, says the same as GeoJSON; of a large file only what is wanted is read."""
-
 import json
 import sys
 from collections.abc import Callable
@@ -37,7 +35,7 @@ ABOUT: dict[str, Any] = {
 COVERED = ABOUT | {
     "columns": {"geometry": {"encoding": "WKB", "covering": {"bbox": {side: ["bbox", side] for side in SIDES}}}}
 }
-#: Columns as Overture's buildings and building parts have them.
+#: Overture's columns.
 KINDS = {
     "id": pa.string(),
     "geometry": pa.binary(),
@@ -68,8 +66,6 @@ def house(east: float, north: float = 0.0) -> Any:
 
 @pytest.fixture
 def write(tmp_path: Path) -> Write:
-    """Writes rows with their shapes as a GeoParquet file."""
-
     def write(
         rows: list[dict[str, Any]], shapes: list[Any], geo: Any = COVERED, kinds: Any = KINDS, group: int = 3
     ) -> Path:

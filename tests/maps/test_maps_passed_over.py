@@ -1,5 +1,3 @@
-"""Nothing on a map vanishes without a word: each feature stands, or is passed over for a reason that is named."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,7 +13,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]
-#: Tags, and why a polygon with them is passed over on a map of OpenStreetMap, if it is, and whether it may stand.
+#: Tags, reason to pass over a polygon in OpenStreetMap, possible obstacle.
 POLYGONS: list[tuple[dict[str, Any], tuple[str, bool] | None]] = [
     ({}, ("an area untagged", True)),
     ({"name": "hall", "@id": "way/7"}, ("an area untagged", True)),
@@ -57,7 +55,7 @@ def test_a_polygon_beside_a_building_stands_or_is_named(
 
 
 def test_a_file_of_nothing_but_buildings_is_taken_whole(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
-    """A cadastre's, say: some have a height, none a tag of OpenStreetMap."""
+    """A cadastre's: some have a height, none a tag of OpenStreetMap."""
     path = write_map((square(0, 0), {"height": 12}), (square(50, 0), {"class": "garage"}), (square(90, 0), {}))
     assert [(s.shape.area > 390, s.height) for s in find(path, frame).standing] == [(True, 12), (True, 20), (True, 20)]
     assert len(find(path, frame, BuildingRules(take="tagged")).standing) == 1

@@ -1,5 +1,3 @@
-"""OpenStreetMap's binary extracts say the same as its XML, and of a large one only what is wanted is read."""
-
 import os
 import sys
 from collections.abc import Callable
@@ -21,7 +19,7 @@ from tests.refused import refuses
 
 osmium = pytest.importorskip("osmium")
 pytestmark = pytest.mark.alone
-#: The town, a wood far round it, a cable car across it, an area of two far ways, a hut, and a road far from all of it.
+#: The town, a far wood, a cable car, an area of two far ways, a hut, a far road.
 COUNTRY = TOWN.replace(
     "</osm>",
     "".join(
@@ -48,7 +46,7 @@ Make = Callable[[str], Path]
 
 @pytest.fixture
 def make(tmp_path: Path) -> Make:
-    """Has osmium make a binary file of an XML one, which stays beside it, nodes before ways, as extracts have them."""
+    """Make a binary file by osmium, nodes before ways, as extracts have them."""
 
     def made(text: str) -> Path:
         xml, binary = tmp_path / "town.osm", tmp_path / "town.osm.pbf"
@@ -71,7 +69,7 @@ def test_it_is_read_as_the_xml_it_was_made_from(make: Make) -> None:
 
 
 def test_things_that_are_only_drawn_yet_are_refused(make: Make) -> None:
-    """They have numbers below 0, under which no place of a node is kept."""
+    """Their numbers are below 0, and nodes are not kept."""
     for sort, number in (("way", 130), ("node", 500)):
         path = make(COUNTRY.replace(f'<{sort} id="{number}"', f'<{sort} id="-{number}"'))
         with refuses("bad-input", path.name, f"{sort} -{number}"):

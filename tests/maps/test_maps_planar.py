@@ -23,7 +23,7 @@ def test_polygons_found_sound_together_are_those_that_each_makes_alone() -> None
 
 
 def test_a_ring_that_is_all_in_one_place_is_none() -> None:
-    """GEOS takes no repeated corners from it, but fails."""
+    """GEOS fails on its repeated corners."""
     spot = [(5.0, 5.0)] * 4
     field, holed = (
         shapely.box(0.0, 0.0, 10.0, 10.0),

@@ -1,7 +1,4 @@
-"""Maps of public reports, most of 2025 and 2026, rebuilt small: each with the right value.
-
-Sources are named with each; the log is docs/lab/readers.md.
-"""
+"""Maps of public reports, rebuilt small; docs/lab/readers.md has the log."""
 
 import json
 from collections.abc import Callable
@@ -21,7 +18,7 @@ from ipoa_mission.world.frame import LocalFrame
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]
 
-#: Where it was reported, properties of an area, its foot and its height [m].
+#: Report, properties of an area, foot and height [m].
 AREAS: list[tuple[str, dict[str, Any], float, float]] = [
     ("onthegomap/planetiler#1323, 2025-08", {"building": "yes", "height": "574'"}, 0.0, 174.9552),
     ("Zkir/UrbanEye3D#52, 2026-04", {"building:part": "yes", "height": "81 m"}, 0.0, 81.0),

@@ -1,5 +1,3 @@
-"""Maps that others wrote: accepted, or refused for a reason that the format shares. Kept beside the repository."""
-
 from pathlib import Path
 
 import pytest
@@ -12,7 +10,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 QGC, FIELDS, INTERUSS = "DonLakeFlyer+qgroundcontrol/test", "Fields2Cover+Fields2Cover/data", "interuss+monitoring"
 RID = "monitoring/uss_qualifier/test_data"
-#: Files, how many zones they hold, and how many features that are none.
+#: Files, numbers of zones and of other features.
 ACCEPTED = {
     f"{QGC}/MissionManager/PolygonGood.kml": (1, 0),
     f"{QGC}/MissionManager/PolygonAreaTest.kml": (1, 0),

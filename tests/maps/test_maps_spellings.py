@@ -1,5 +1,3 @@
-"""One house in every format and spelling: the same obstacle comes out, or the reader says what is missing."""
-
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,7 +26,6 @@ def found(path: Path, frame: LocalFrame) -> Buildings:
 
 @pytest.fixture
 def shapefile(tmp_path: Path) -> Write:
-    """Writes one square with the fields and values that are given as a Shapefile, as GDAL does."""
     pyogrio = pytest.importorskip("pyogrio")
 
     def write(fields: Sequence[str], values: Sequence[Any]) -> Path:
@@ -205,7 +202,7 @@ def test_a_file_of_lines_that_is_cut_short_is_refused(tmp_path: Path, cut: float
 
 
 def test_the_public_cases_are_read(field4: Path, frame: LocalFrame) -> None:
-    """Overpass's raw JSON, and Microsoft's footprints, of which a height of -1 says that nobody knows."""
+    """Overpass's raw JSON, and Microsoft's footprints, whose height of -1 means unknown."""
     home = LocalFrame(frame.home.__class__(47.3977, 8.5456, 488.0))
     for name, heights in (("f4-26-overpass-raw.json", [30, 20]), ("f4-26b-one-feature-a-line.geojson", [30, 20])):
         path = field4 / name
@@ -225,7 +222,7 @@ def field4() -> Path:
 
 @pytest.mark.parametrize("kind", ["multipolygon", "boundary", "building", "site"])
 def test_a_relation_that_goes_round_an_area_is_one(tmp_path: Path, frame: LocalFrame, kind: str) -> None:
-    """`boundary` is how reserves and military areas are mapped."""
+    """`boundary`: reserves and military areas."""
     path = tmp_path / "town.json"
     tags = HOUSE | {"type": kind} | ({"boundary": "protected_area"} if kind == "boundary" else {})
     path.write_text(json.dumps({"elements": [{"type": "relation", "id": 2, "tags": tags, "members": [MEMBER]}]}))

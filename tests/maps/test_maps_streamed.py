@@ -1,5 +1,3 @@
-"""A GeoJSON file is read block by block; that changes nothing in what it becomes, or in what is said of it."""
-
 import json
 from pathlib import Path
 from typing import Any
@@ -46,7 +44,7 @@ def test_features_are_the_same_however_large_the_blocks(tmp_path: Path, block: i
 
 
 def _plain(geometry: dict[str, Any]) -> dict[str, Any]:
-    """The same with numbers, no heights, and closed rings, as GEOS's own reader wants them."""
+    """Keep numbers, drop heights, close rings, for GEOS's own reader."""
     if geometry["type"] != "Polygon":
         return geometry
     rings = [[[float(x), float(y)] for x, y, *_ in ring] for ring in geometry["coordinates"]]

@@ -1,5 +1,3 @@
-"""Shapefile, FlatGeobuf, GeoPackage and KMZ say the same as the GeoJSON they were made from."""
-
 import zipfile
 from collections.abc import Callable
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Of a large Shapefile, FlatGeobuf or GeoPackage only what is near is read, and nothing of that is lost."""
-
 import sqlite3
 from pathlib import Path
 
@@ -23,7 +21,7 @@ ROWS, NOWHERE = 4000, 7
 
 
 def houses(path: Path, crs: str = "EPSG:4326", west: float = 8.0, options: dict[str, str] | None = None) -> Path:
-    """Houses over a quarter of a degree, one of them where nobody knows unless the file keeps no such rows."""
+    """Houses over a quarter of a degree, one of unknown place."""
     rng = np.random.default_rng(3)
     longitude, latitude = west + rng.uniform(0.0, 0.4, ROWS), 46.7 + rng.uniform(0.0, 0.2, ROWS)
     shapes = shapely.box(longitude, latitude, longitude + 2e-4, latitude + 2e-4)
@@ -40,7 +38,7 @@ def houses(path: Path, crs: str = "EPSG:4326", west: float = 8.0, options: dict[
 
 
 def near(path: Path, frame: LocalFrame = HOME) -> tuple[set[str], set[str], Around]:
-    """Heights of what is read near home, of what is there by the whole file, and how much was left out."""
+    """Return heights read near home, true ones, and the count left out."""
     around = Around.of(frame, WITHIN)
     assert around.window is not None
     read, whole = read_features(path, around), read_features(path)

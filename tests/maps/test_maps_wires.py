@@ -1,5 +1,3 @@
-"""Power lines and aerialways stand though no map says how high they are; roads and fields never do."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -109,7 +107,6 @@ def test_no_road_and_no_field_becomes_a_wall(write_map: WriteMap, frame: LocalFr
 def test_no_rope_sticks_out_of_its_walls(
     end: tuple[float, float], reach: float, height: float, slope: float, hill: float
 ) -> None:
-    """Over a slope with a hill or a hollow: neither the line between the tops, nor the ground with the height on it."""
     span = shapely.LineString([(0.0, 0.0), end])
     if span.length < 1.0:
         return
@@ -124,7 +121,7 @@ def test_no_rope_sticks_out_of_its_walls(
     under = ground(places)
     straight = under[0] + share * (under[-1] - under[0])
     rope = np.maximum(under, straight) + height
-    for level in (rope - 1.0, under + 0.9):  # within what the ground bends between the places that are looked at
+    for level in (rope - 1.0, under + 0.9):  # as the ground bends between samples
         inside = np.min([wall.distance(np.column_stack([places, level])) for wall in walls], axis=0)
         assert (inside <= 1e-6).all()
     assert len(walls) <= max(span.length // 20, 1)

@@ -1,4 +1,4 @@
-"""Small rebuilt inputs of public reports of 2025 and 2026 on winds and zones; docs/lab/public-inputs.md has the log."""
+"""Inputs of public reports on winds and zones, rebuilt small; docs/lab/public-inputs.md has the log."""
 
 import json
 from importlib.util import find_spec

@@ -1,5 +1,3 @@
-"""Winds given as speed and direction, and winds on grids that are turned against the meridians."""
-
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +61,7 @@ def test_a_speed_without_its_direction_is_no_wind(xarray: Any, tmp_path: Path) -
 
 
 def turned(xarray: Any, path: Path, names: tuple[str, str], standards: tuple[str, str]) -> Path:
-    """A Lambert conformal grid about 30 km wide round a home in Colorado, another wind at every point."""
+    """A Lambert conformal grid about 30 km wide in Colorado, another wind at every point."""
     to_degrees = Transformer.from_crs(LAMBERT, "EPSG:4326", always_xy=True)
     x, y = np.meshgrid(np.arange(-670_000.0, -640_000.0, 3000.0), np.arange(175_000.0, 205_000.0, 3000.0))
     longitude, latitude = to_degrees.transform(x, y)
@@ -231,7 +229,7 @@ def test_grib_speed_and_direction_make_a_wind(eccodes: Any, tmp_path: Path) -> N
 
 
 def test_grib_on_a_lambert_grid(eccodes: Any, tmp_path: Path) -> None:
-    """Read where its winds point east and north, by eccodes' own coordinates; refused along the grid's axes."""
+    """East and north by eccodes' own coordinates; refused along the grid's axes."""
     keys = {
         "gridType": "lambert", "Nx": 12, "Ny": 12, "latitudeOfFirstGridPointInDegrees": 39.9, "LaDInDegrees": 38.5,
         "longitudeOfFirstGridPointInDegrees": 254.6, "LoVInDegrees": 262.5, "DxInMetres": 3000, "DyInMetres": 3000,

@@ -1,5 +1,3 @@
-"""Spellings of winds in forecasts: units, vertical datums, grids, times, members; GRIB against eccodes' coordinates."""
-
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,7 +20,7 @@ FIELD = next((each for p in Path(__file__).parents if (each := p / "shared/field
 def netcdf(
     path: Path, heights: dict[str, Any], unit: str | None = "m s-1", speeds: tuple[float, ...] = (2.0, 8.0, 12.0, 15.0)
 ) -> Path:
-    """Winds from the west at four heights; `heights`: name, values, attributes of the vertical coordinate."""
+    """West winds at four heights; `heights`: name, values, attributes of the vertical coordinate."""
     import xarray
 
     name, values = heights["name"], heights["values"]
@@ -41,7 +39,6 @@ def netcdf(
 
 
 def levels(path: Path, home: Geodetic = HOME, time: np.datetime64 | None = TEN) -> Any:
-    """Height above home and speed of every level."""
     wind = read_wind(path, home, time).wind
     return np.array([(level.height, np.hypot(level.east, level.north)) for level in wind.levels])
 
@@ -204,7 +201,7 @@ def eccodes() -> Any:
 
 
 def write_grib(eccodes: Any, path: Path, messages: list[dict[str, Any]], area: tuple[float, ...], step: float) -> Path:
-    """Both components of each message's `wind`, a function of latitude and longitude; `area` is N, W, S, E."""
+    """Write components of each `wind`, a function of latitude and longitude; `area` is N, W, S, E."""
     north, west, south, east = area
     ni, nj = round(((east - west) % 360) / step) + 1, round((north - south) / step) + 1
     grid: dict[str, Any] = {"numberOfDataPoints": ni * nj, "Ni": ni, "Nj": nj}
@@ -231,7 +228,7 @@ def write_grib(eccodes: Any, path: Path, messages: list[dict[str, Any]], area: t
 
 
 def nearest(eccodes: Any, path: Path, home: Geodetic) -> Iterator[float]:
-    """The eastward winds at the grid point nearest to home, by eccodes itself."""
+    """Return eastward winds nearest to home, by eccodes."""
     with path.open("rb") as file:
         while (handle := eccodes.codes_grib_new_from_file(file)) is not None:
             if eccodes.codes_get(handle, "parameterNumber", int) == 2:

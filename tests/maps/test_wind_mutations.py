@@ -1,5 +1,3 @@
-"""A forecast spelled otherwise gives the same wind, a stronger one, a refusal, or a note: nothing is lost quietly."""
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,7 +33,7 @@ LONG_NAMES = [None, "height above ground", "altitude above mean sea level", "geo
 
 @st.composite
 def forecasts(draw: st.DrawFn) -> Any:
-    """The same wind above home's ground in some spelling, its values in the units that it names."""
+    """Return the same wind in some spelling and units."""
     unit, height_unit = draw(st.sampled_from([*SPEED_UNITS])), draw(st.sampled_from([*HEIGHT_UNITS]))
     names, level = draw(st.sampled_from([*NAMES])), draw(st.sampled_from(LEVELS))
     standard, long_name = draw(st.sampled_from(STANDARD_HEIGHTS)), draw(st.sampled_from(LONG_NAMES))
@@ -68,7 +66,7 @@ def forecasts(draw: st.DrawFn) -> Any:
 
 
 def _right(above_sea: bool, level: str, standard: str | None, long_name: str | None) -> bool:
-    """Whether what the file says of its heights is so: a wrong datum cannot be seen."""
+    """Return whether the file's datum is true: a wrong one cannot be seen."""
     of_sea = ("altitude", "heightAboveSea", "height_above_mean_sea_level", "geopotential_height")
     words = [word for word in (standard, long_name, level) if word]
     sea = [word in of_sea or "sea level" in word for word in words if word not in ("z", "lev", "model level")]

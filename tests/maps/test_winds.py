@@ -1,5 +1,3 @@
-"""Wind out of forecast files, as xarray and eccodes write them; of these libraries, the reader uses the other side."""
-
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -22,7 +20,7 @@ HOURS = np.array(["2026-06-01T11:00", "2026-06-01T12:00", "2026-06-01T13:00", "2
 
 
 def forecast(heights: list[float], members: int = 1, longitudes: tuple[float, ...] = (8.0, 8.5, 9.0)) -> Any:
-    """East 1 m/s for each 10 m of height, 1 m/s more each hour; north 2 m/s, and a member is 0.5 m/s from the next."""
+    """East 1 m/s for each 10 m of height, 1 m/s more each hour; north 2 m/s, members 0.5 m/s apart."""
     import xarray  # which takes a second
 
     dims = ("number", "time", "height", "latitude", "longitude")

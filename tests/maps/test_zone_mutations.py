@@ -1,5 +1,3 @@
-"""A zone spelled otherwise keeps a flight out of as much, or is refused, or what changed is named."""
-
 import json
 from pathlib import Path
 from typing import Any
@@ -23,7 +21,6 @@ NEAR_KEYS = ["lower", "upper", "lowerLimit", "upperLimit", "lower_limit", "upper
 
 
 def shape(kind: str) -> dict[str, Any]:
-    """The square in some wrapping."""
     square: dict[str, Any] = {"type": "Polygon", "coordinates": [RING]}
     every: dict[str, dict[str, Any]] = {
         "Polygon": square,
@@ -37,7 +34,7 @@ def shape(kind: str) -> dict[str, Any]:
 
 @st.composite
 def zones(draw: st.DrawFn) -> tuple[dict[str, Any], Any]:
-    """A file with one zone, and its true limits [m], None where a unit or reference is not one of the schemas'."""
+    """A file with one zone, and its true limits [m], None for a unit or reference of no schema."""
     lower = draw(st.sampled_from([0, 20, 60]))
     upper = lower + draw(st.sampled_from([30, 100]))
     unit = draw(st.sampled_from([*UNITS]))

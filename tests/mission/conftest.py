@@ -1,4 +1,4 @@
-"""MAVSDK's own file import as an oracle, started once for all tests of this folder."""
+"""MAVSDK's file import as an oracle, started once."""
 
 import json
 import subprocess
@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 
 class MavsdkImport:
-    """Asks `mavsdk_import.py`, which runs in a process of its own because MAVSDK keeps threads."""
+    """Asks `mavsdk_import.py` in a process of its own: MAVSDK keeps threads."""
 
     def __init__(self) -> None:
         script = Path(__file__).with_name("mavsdk_import.py")

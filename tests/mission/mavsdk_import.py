@@ -1,6 +1,6 @@
-"""MAVSDK's own reading of mission files, in a process of its own: a JSON request a line in, an answer a line out.
+"""MAVSDK reads mission files in a process of its own: a JSON request a line in, an answer a line out.
 
-MAVSDK reads a file for a vehicle it has met: each autopilot is introduced by one HEARTBEAT over `raw://`.
+MAVSDK reads for a vehicle it has met: each autopilot sends one HEARTBEAT over `raw://`.
 """
 
 import json

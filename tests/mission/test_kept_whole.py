@@ -1,5 +1,3 @@
-"""A mission file that is changed by one item keeps all else that it says, and is read by others as before."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -7,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import BadInput
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.item_edits import with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.kept_whole import text_with

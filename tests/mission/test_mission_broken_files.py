@@ -1,5 +1,3 @@
-"""Each broken file is refused with exactly its message, which begins with the file and names the place."""
-
 import tomllib
 from pathlib import Path
 

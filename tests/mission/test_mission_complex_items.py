@@ -1,11 +1,9 @@
-"""QGroundControl's surveys and scans stay what they are: written as they were read, unless their items were changed."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Item, Mission, waypoint
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 
@@ -21,7 +19,6 @@ def document(*items: dict[str, Any]) -> str:
 
 
 def survey() -> dict[str, Any]:
-    """A survey as QGroundControl stores one, with its waypoints."""
     place = [47.398, 8.546, 40]
     items = [
         {"autoContinue": True, "command": 16, "frame": 3, "params": [0, 0, 0, None, *place], "type": "SimpleItem"},

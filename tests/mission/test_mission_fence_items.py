@@ -1,13 +1,11 @@
-"""Fence and rally lists: there and back, and what the two firmwares keep of them."""
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.mission.stored_mission import as_stored, compare
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -1,5 +1,3 @@
-"""Other people's readers, MAVSDK's import and pymavlink's mavwp, read what we write and agree item by item."""
-
 import math
 from pathlib import Path
 from typing import Any
@@ -8,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")
@@ -57,7 +55,7 @@ def test_mavsdk_reads_our_waypoints_and_agrees_item_by_item(
     got = mavsdk.read(path.read_text(), "waypoints", mission.autopilot)
     rows = read_by_mavsdk(got["mission"])
     if mission.autopilot is Autopilot.ARDUPILOT:
-        rows.pop(0)  # MAVSDK puts home before an ArduPilot list by itself, though the file has it
+        rows.pop(0)  # MAVSDK adds home to an ArduPilot list
     assert rows == [as_mavsdk_has_it(item) for item in (home_item(mission.home), *_as_written(mission))]
 
 
@@ -86,7 +84,7 @@ def _zeroed(item: Item) -> tuple[float, float, float, float]:
 
 
 def _as_written(mission: Mission) -> list[Item]:
-    """NaN stands only in a file for PX4: ArduPilot's ground stations cannot read it."""
+    """NaN is only in a file for PX4: ArduPilot's ground stations cannot read it."""
     if mission.autopilot is Autopilot.PX4:
         return list(mission.items)
     zeros = (_zeroed(item) for item in mission.items)

@@ -1,12 +1,10 @@
-"""Any mission file is read by what is in it, and written by its suffix."""
-
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.mission_io import read_mission, write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import same
 from tests.refused import refuses

@@ -1,4 +1,4 @@
-"""What goes over the wire and what comes back, against what was measured on ArduCopter 4.7.0-dev and PX4 1.17.0."""
+"""Measured on ArduCopter 4.7.0-dev and PX4 1.17.0."""
 
 import math
 from dataclasses import replace
@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -19,7 +20,6 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.mission.stored_mission import as_stored, compare, from_wire, to_wire
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

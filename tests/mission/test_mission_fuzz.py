@@ -1,5 +1,3 @@
-"""Whatever a file holds is read, or refused in words that begin with its name; `tools/fuzz/readers.py` runs longer."""
-
 import json
 from pathlib import Path
 from typing import Any

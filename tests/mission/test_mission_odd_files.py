@@ -1,18 +1,16 @@
-"""Files that are not as they should be and yet read: as their firmware reads them, and with what is to be said."""
-
 import tomllib
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.held import PX4_117
 

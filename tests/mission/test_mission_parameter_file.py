@@ -1,5 +1,3 @@
-"""Parameter files as ArduPilot's tools and QGroundControl write them, and as people spoil them."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,14 +5,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameter_file, read_parameters
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import SINGLE_MAX
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -122,7 +120,6 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
 def test_what_a_parameter_file_says_twice_or_oddly_is_named(
     tmp_path: Path, text: str, parameters: dict[str, float], words: list[str]
 ) -> None:
-    """Of several components the autopilot's are taken, of two values the last."""
     path = tmp_path / "a.params"
     path.write_text(text)
     read = read_parameter_file(path)
@@ -137,7 +134,6 @@ def test_what_a_parameter_file_says_twice_or_oddly_is_named(
 
 
 def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
-    """Of a thousand parameters that no model uses not one is named, but each that a model looks for and misses."""
     book = Autopilot.PX4.book
     lines = [*(f"ZZ_{n} 1" for n in range(200)), *(f"{name} {value}" for name, value in book.moving.items())]
     path = tmp_path / "whole.params"

@@ -1,5 +1,3 @@
-"""`.plan`: there and back, the rules of QGroundControl's loader, and files as QGroundControl writes them."""
-
 import json
 import math
 from dataclasses import replace
@@ -9,6 +7,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 
+from ipoa_mission.autopilot import autopilot as autopilots
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
@@ -16,8 +16,6 @@ from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameters
 from ipoa_mission.mission.plan_file import plan_text, write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
-from ipoa_mission.vehicles import autopilot as autopilots
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
@@ -213,7 +211,7 @@ def test_a_plan_is_for_the_autopilot_of_its_firmware_and_its_class_of_vehicle(
     assert (
         read_mission_file(path).mission.autopilot is Autopilot.ARDUPILOT
     )  # its firmware's, where none is known for planes
-    monkeypatch.setitem(autopilots._REGISTERED, plane.name, plane)
+    monkeypatch.setitem(autopilots._registered(), plane.name, plane)
     assert read_mission_file(str(path)).mission.autopilot is plane
     path.write_text(plan_text(replace(MISSION, autopilot=Autopilot.ARDUPILOT)))
     assert read_mission_file(path).mission.autopilot is Autopilot.ARDUPILOT

@@ -1,5 +1,3 @@
-"""Structure scans: no plan holds their waypoints, so they are laid out as QGroundControl does."""
-
 import json
 from pathlib import Path
 from typing import Any
@@ -8,8 +6,8 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.world.spherical_plane import SphericalPlane
@@ -63,7 +61,7 @@ def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], t
     flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     count = len(corners) + 1
     assert [item.altitude for item in (flown[0], flown[-1])] == [60.0, 60.0]
-    heights = [57.5, 32.5, 7.5] if tops else [22.5, 47.5, 72.5]  # 60 m in layers of 25 m, from half a layer on
+    heights = [57.5, 32.5, 7.5] if tops else [22.5, 47.5, 72.5]  # layers of 25 m from half a layer on
     assert [item.altitude for item in flown[1:-1]] == [height for height in heights for _ in range(count)]
     assert {item.frame for item in flown} == {Frame.GLOBAL_RELATIVE_ALT}
     ring = [[item.latitude_deg, item.longitude_deg] for item in flown[1 : 1 + count]]

@@ -1,5 +1,3 @@
-"""`.waypoints`: strict in writing, lenient in reading, and honest about what does not fit."""
-
 import math
 import re
 from dataclasses import replace
@@ -9,12 +7,12 @@ from typing import Any
 import pytest
 from hypothesis import assume, given
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.commands import TAKEOFFS
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST, write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
@@ -149,7 +147,6 @@ def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
 
 
 def test_a_fence_item_among_the_items_is_not_written(tmp_path: Path) -> None:
-    """The file would be read as a fence."""
     corner = replace(waypoint(HOME, 0.0), command=5003)
     with refuses("not-a-mission-item", "item 4 (NAV_FENCE_CIRCLE_INCLUSION)", kind=BadInput):
         write_waypoints(replace(FLIGHT, items=(*FLIGHT.items, corner)), tmp_path / "fenced.waypoints")

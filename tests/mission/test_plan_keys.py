@@ -1,5 +1,3 @@
-"""What a `.plan` spells otherwise, lacks or has twice is named: as an error where it may be a fence or rally points."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,21 +1,19 @@
-"""A `.waypoints` file does not say for which autopilot it is: what decides it, and that nobody guesses in silence."""
-
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.waypoints_file import waypoints_text, write_waypoints
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME, NORTH = Geodetic(47.06, 9.71, 612.0), Geodetic(47.061, 9.71)
 UP, AWAY, DOWN = takeoff(HOME, 20.0), waypoint(NORTH, 20.0), return_to_launch()
-#: As Mission Planner writes a take-off: at no place.
+#: Mission Planner's take-off: no place.
 HERE = replace(UP, latitude_deg=0.0, longitude_deg=0.0, params=(0.0, 0.0, 0.0, 0.0))
 
 

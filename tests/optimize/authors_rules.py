@@ -1,7 +1,7 @@
-"""The rivals' rules once more, written apart from the package: one member, one coordinate at a time.
+"""The rivals' rules, written apart from the package: one member, one coordinate at a time.
 
-After the authors' published MATLAB code (HHO, DBO) and the SSA paper, with Table 2's constants; slow and plain. Each
-takes a cost of one point, the bounds, N, T and a generator, and returns the best cost it ever saw.
+After the authors' MATLAB code (HHO, DBO) and the SSA paper, with Table 2's constants. Each takes a cost of one point,
+the bounds, N, T and a generator, and returns the best cost.
 """
 
 import math

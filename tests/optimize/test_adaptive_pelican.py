@@ -1,5 +1,3 @@
-"""The adaptive pelican: what its docstring promises."""
-
 from itertools import pairwise
 
 import numpy as np

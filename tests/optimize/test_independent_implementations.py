@@ -1,8 +1,7 @@
-"""The algorithms come out as independent implementations of them do: two-sample tests over many short runs.
+"""Two-sample tests over many short runs against independent implementations.
 
-POA is held against mealpy's, HHO, DBO and SSA against their authors' rules written once more. mealpy has no DBO; its
-HHO accepts greedily and takes a hundredth of the Levy step, its SSA multiplies by exp(+i / ...) where the paper has
-exp(-i / ...): they are other algorithms, and no authority on these.
+POA against mealpy's; HHO, DBO and SSA against their authors' rules. mealpy has no DBO; its HHO accepts greedily and
+takes a hundredth of the Levy step, its SSA multiplies by exp(+i / ...) where the paper has exp(-i / ...).
 """
 
 from collections.abc import Callable
@@ -74,6 +73,6 @@ def test_poa_is_distributed_as_mealpy_has_it(function: Callable[[np.ndarray], np
 
 
 def test_so_many_runs_tell_a_reading_from_its_neighbor() -> None:
-    """What `rand` of eq. (14) is drawn for is the finest point in which POA and its readings differ."""
+    """The finest difference is what `rand` of eq. (14) is drawn for."""
     each = ours(POA(population=10, iterations=25, rand="dimension"), rosenbrock)
     assert scipy.stats.ks_2samp(ours(POA(population=10, iterations=25), rosenbrock), each).pvalue < 0.001

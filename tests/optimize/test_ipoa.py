@@ -1,5 +1,3 @@
-"""IPOA's strategies and readings: what each formula gives, what each switch does, how many evaluations each costs."""
-
 import numpy as np
 import pytest
 import scipy
@@ -34,7 +32,7 @@ def bowl(x: Candidates) -> Costs:
 def test_the_evaluations_of_thirty_pelicans_and_a_thousand_iterations(
     settings: dict[str, object], evaluations: int
 ) -> None:
-    """2 N + 3 N T with everything on; the formulas' document has the same numbers."""
+    """2 N + 3 N T with everything on."""
     found = minimize(lambda x: np.zeros(len(x)), BOX, build_optimizer("ipoa", settings), np.random.default_rng(1))
     assert found.evaluations[-1] == evaluations
 
@@ -82,7 +80,7 @@ def test_without_its_four_strategies_it_is_poa() -> None:
 
 
 def test_the_literal_reading_is_the_worse_one_away_from_the_origin() -> None:
-    """What the whole matter is about: (1 + s) on the position is a blow where the optimum is not at the origin."""
+    """(1 + s) on the position hurts where the optimum is not at the origin."""
     step, literal = (
         np.median(
             [
@@ -118,7 +116,7 @@ def test_refraction_draws_the_opposite_towards_the_middle() -> None:
 
 
 def test_levy_factors_have_mantegnas_scale_and_a_heavy_tail() -> None:
-    """sigma_u is 0.6966 for beta = 1.5; P(|s| > a) falls as a^-1.5, so that a factor of ten costs one of 31.6."""
+    """sigma_u is 0.6966 for beta = 1.5; P(|s| > a) falls as a^-1.5: a factor of ten costs one of 31.6."""
     s = np.abs(levy_factor(1.5, (400_000,), np.random.default_rng(1)))
     u = np.abs(np.random.default_rng(2).normal(0, 0.696575, 400_000))
     v = np.abs(np.random.default_rng(3).normal(size=400_000))

@@ -1,5 +1,3 @@
-"""One referee for every optimizer in the registry: what any of them must keep to, whatever its metaphor."""
-
 import numpy as np
 import pytest
 
@@ -14,16 +12,15 @@ OPTIMUM = LOWER + (UPPER - LOWER) * np.linspace(0.3, 0.7, D)
 
 
 def ellipsoid(x: Candidates) -> Costs:
-    """Shifted, rotated, condition 100: multiplying coordinates does not lead to its optimum."""
+    """Shifted, rotated, condition 100."""
     return np.asarray(((x - OPTIMUM) @ ROTATION) ** 2 @ np.logspace(0, 2, D))
 
 
 def small(name: str) -> Optimizer:
-    """About six thousand evaluations."""
     return build_optimizer(name, {"evaluations": 6000} if name == "adaptive-pelican" else {"iterations": 100})
 
 
-#: The median error over eleven runs that each reaches on the ellipsoid, within a factor of five: its known ability.
+#: Known median error over eleven runs on the ellipsoid, within a factor of five.
 ABILITY = {
     "ipoa": 20.0,
     "dbo": 250.0,
@@ -81,7 +78,6 @@ def test_the_best_cost_known_never_rises_and_is_that_of_the_best_candidate(name:
 
 @pytest.mark.parametrize("name", optimizer_names())
 def test_a_cost_that_is_sent_is_not_changed(name: str) -> None:
-    """Costs and candidates belong to whoever made them: a caller may keep both."""
     search = small(name).search(BOX, np.random.default_rng(1))
     x = next(search)
     kept: list[tuple[Candidates, Candidates, Costs, Costs]] = []

@@ -1,14 +1,18 @@
-"""An optimizer is made from a name and settings that a user wrote: what is wrong is said in the user's own terms."""
-
 import dataclasses
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
+from ipoa_mission.optimize.search import Box, Search
+from ipoa_mission.optimize.settings import SHORT_EVALUATIONS
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.refused import refuses
 
 
@@ -63,7 +67,7 @@ def test_what_is_wrong_is_named_with_what_was_expected(
 
 
 def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    entries = {name: EntryPoint(name, value, registry.GROUP) for name, value in OTHERS.items()}
+    entries = {name: EntryPoint(name, value, "ipoa_mission.optimizers") for name, value in OTHERS.items()}
     monkeypatch.setattr(registry, "_registered", lambda: entries)
     assert build_optimizer("mine", {"population": 8}) == POA(population=8)
     for name, value in {"gone": "nowhere", "function": "wing"}.items():
@@ -76,3 +80,18 @@ OTHERS = {
     "gone": "ipoa_mission.optimize.nowhere:POA",
     "function": "ipoa_mission.optimize.poa:wing",
 }
+
+
+@dataclasses.dataclass(frozen=True)
+class Endless:
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        while True:
+            yield box.sample(100, rng)
+
+
+def test_a_short_search_of_any_optimizer_ends(monkeypatch: pytest.MonkeyPatch, missions: Path) -> None:
+    monkeypatch.setitem(registry.BUILT_IN, "endless", Endless)
+    text = (missions / "sitl.toml").read_text() + '\n[optimizer]\nname = "endless"\n'
+    plan = plan_path(parse_scenario(text, missions / "sitl.toml"), seed=1)
+    assert plan.proof.holds
+    assert plan.evaluations[-1] % SHORT_EVALUATIONS == 0

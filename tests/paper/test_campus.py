@@ -1,5 +1,3 @@
-"""Table 8: what is found on the campus is flown and timed, wherever the package is installed."""
-
 import tomllib
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""The CEC2022 functions: known values, from outside."""
-
 import sys
 
 import numpy as np
@@ -23,7 +21,7 @@ def test_a_batch_costs_what_its_candidates_cost_one_by_one(function: str, dimens
 
 @pytest.mark.parametrize("function", ["f1", "f3", "f5"])
 def test_the_error_at_the_optimum_is_zero(function: str) -> None:
-    """Found by restarted CMA-ES, which knows nothing of where it is; and nothing near is below it."""
+    """Found by restarted CMA-ES."""
     algorithms = pytest.importorskip("minionpy").algorithms
     problem = cec2022(function, 10)
     bounds = list(zip(problem.box.lower.tolist(), problem.box.upper.tolist(), strict=True))

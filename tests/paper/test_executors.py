@@ -1,5 +1,3 @@
-"""Runs on other processes and on a Dask cluster: the same rows, and a worker that dies loses nothing."""
-
 import os
 import signal
 from collections.abc import Iterator
@@ -17,7 +15,7 @@ from tests.refused import refuses
 pytest.importorskip("minionpy")
 
 SMALL = settings_text(population=10, iterations=30)
-#: Half a dozen runs of two functions, and one that uses linear algebra, which must not depend on how many threads.
+#: Runs of two functions, one by linear algebra, independent of the number of threads.
 TRIALS = [Trial("cec2022", function, 10, "ipoa", SMALL, 0, run) for run in range(6) for function in ("f1", "f4")]
 TRIALS.append(Trial("map", "map-6-1", 24, "adaptive-pelican", settings_text(evaluations=2000), 0, 0))
 

@@ -1,11 +1,9 @@
-"""The page of tables and figures says what the recorded rows say."""
-
 from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
-from ipoa_mission.paper.markdown import filled
+from ipoa_mission.paper.markdown_table import filled
 from ipoa_mission.paper.reproduce import ITEMS, page
 from ipoa_mission.paper.rows import TrialRow, read_rows
 

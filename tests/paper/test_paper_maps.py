@@ -1,5 +1,3 @@
-"""The random maps: seeded, the same as the files in the repository, and measured by definitions that can be checked."""
-
 import tomllib
 from pathlib import Path
 

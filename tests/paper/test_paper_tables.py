@@ -1,5 +1,3 @@
-"""Tables, figures and the page are functions of rows: made-up rows say what must be in them."""
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
@@ -22,13 +20,13 @@ SLOWLY_DRAWN = {f"figure-{number}" for number in (7, 8, 9, 11)}
 
 
 def made_up(series: Series) -> list[TrialRow]:
-    """Every trial costs 1 for the first algorithm of the series, 2 for the next, and so on, with a little spread."""
+    """Every trial costs 1 for the first algorithm, 2 for the next, with a little spread."""
     order = list(dict.fromkeys((t.algorithm, t.settings) for t in series.firsts))
     return [_row(t, cost_of(order.index((t.algorithm, t.settings)) + 1, t.run)) for t in series.trials(RUNS)]
 
 
 def cost_of(place: int, run: int) -> float:
-    """Spread more the better: nobody is first by deviation who is first by mean."""
+    """Spread more the better: the first by mean is not first by deviation."""
     return place + run / 100 / place
 
 
@@ -63,8 +61,6 @@ def rows() -> dict[str, Sequence[TrialRow]]:
 
 @pytest.fixture(scope="module")
 def made(rows: dict[str, Sequence[TrialRow]]) -> Callable[[str], Table | str]:
-    """An item of these rows, made once."""
-
     @cache
     def make(name: str) -> Table | str:
         return ITEMS[name].make(rows)

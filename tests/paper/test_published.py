@@ -1,5 +1,3 @@
-"""The published numbers were copied without a slip: what the paper's text counts in its tables comes out of ours."""
-
 import numpy as np
 import pytest
 

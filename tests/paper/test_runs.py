@@ -1,5 +1,3 @@
-"""Measuring: nothing is run twice, nothing half-written counts, and it does not matter who runs it."""
-
 import math
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
@@ -18,8 +16,6 @@ TRIALS = [Trial("cec2022", function, 10, "poa", SMALL, 0, run) for run in range(
 
 
 class Here(Executor):
-    """Runs everything at once in this process, and counts."""
-
     def __init__(self, breaks_after: float = math.inf) -> None:
         self.count = 0
         self.breaks_after = breaks_after
@@ -35,7 +31,7 @@ class Here(Executor):
 
 
 def results(rows: list[TrialRow]) -> list[tuple[object, ...]]:
-    """All of the rows but the seconds they took."""
+    """Leave out seconds."""
     return [(r.trial, r.cost, r.evaluations, r.history, r.measures) for r in rows]
 
 
@@ -99,14 +95,12 @@ def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
     ):
         measure(TRIALS, path, Here())
     measure(TRIALS, path, Here())
-    with open_to_append(path):  # who has nothing to add may still tell what is there
+    with open_to_append(path):
         assert len(measure(TRIALS, path, Here(breaks_after=0))) == 4
 
 
 def test_what_waits_is_cancelled_when_the_series_is_stopped(tmp_path: Path) -> None:
     class Busy(Here):
-        """Has one run done, and all others waiting."""
-
         def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
             future: Future[Any] = super().submit(fn, *args, **kwargs) if not self.count else Future()
             waiting.append(future)

@@ -1,5 +1,3 @@
-"""The statistics, held against published numbers and textbook cases."""
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -71,12 +69,12 @@ def test_friedman_is_the_textbook_case() -> None:
 
 
 def test_after_friedman_the_control_is_compared_as_in_demsars_example() -> None:
-    """His Table 6 and section 3.2.2: C4.5 against its three variants over 14 data sets, z of 2.416, 2.342, 0.512."""
+    """Table 6 and section 3.2.2: C4.5 against its three variants over 14 data sets, z of 2.416, 2.342, 0.512."""
     test = Friedman(np.array([3.143, 2.000, 2.893, 1.964]), 14, 9.28, 0.026)
     itself, m, cf, both = post_hoc(test, 0)
     assert itself == 1
     assert both == pytest.approx(3 * 0.0157, abs=2e-4)
-    assert m == pytest.approx(both, abs=1e-12)  # twice 0.0192 is less than that, and Holm's p never fall
+    assert m == pytest.approx(both, abs=1e-12)  # Holm's p never fall, as twice 0.0192 would
     assert cf == pytest.approx(0.609, abs=2e-3)
 
 

@@ -1,5 +1,3 @@
-"""Scenarios in which everything that a planner must mind occurs."""
-
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -24,7 +22,7 @@ def place(point: Spot) -> dict[str, float]:
 
 @pytest.fixture
 def scenario() -> Make:
-    """A scenario from start, goal, obstacles and further tables, in a box of 200 x 200 x 100 m over flat ground."""
+    """A scenario in a box of 200 x 200 x 100 m over flat ground."""
 
     def make(
         start: Spot = (0, 0, 20),

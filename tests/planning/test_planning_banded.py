@@ -1,5 +1,3 @@
-"""What stands for SciPy in a plan, held against SciPy."""
-
 import numpy as np
 import pytest
 from scipy.linalg import solveh_banded

@@ -1,5 +1,3 @@
-"""Where climbs are limited: a way climbs sooner rather than in loops, and every seed finds the same one."""
-
 from dataclasses import replace
 
 import numpy as np
@@ -50,7 +48,7 @@ def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
     level = np.hypot(step[:, 0], step[:, 1])
     assert (step[:, 2] <= LIFT_SLOPE_SHARE * np.tan(CLIMB) * level + 1e-9).all()
     assert (-step[:, 2] <= LIFT_SLOPE_SHARE * np.tan(DESCENT) * level + 1e-9).all()
-    assert lifted[1, 2] == pytest.approx(290.0)  # where it went straight up it is as high before
+    assert lifted[1, 2] == pytest.approx(290.0)  # went straight up
 
 
 @pytest.mark.parametrize(("distance", "long"), [(1100.0, False), (300.0, True)])

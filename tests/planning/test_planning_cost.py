@@ -1,5 +1,3 @@
-"""Cost: the paper's sums by hand, and integrals that do not care how many nodes there are."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""The compiled kernels, held against their plain twins, and these against differentiation."""
-
 import subprocess
 import sys
 from collections.abc import Callable
@@ -27,7 +25,7 @@ LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
 
 
 def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
-    """Control points of rough ways across the town, (count, control, 3); some leave the bounds."""
+    """Rough ways across the town, (count, control, 3); some leave the bounds."""
     rng = np.random.default_rng(seed)
     way = np.linspace((0.0, 0.0, 4.0), (100.0, 0.0, 30.0), control)
     bulge = np.sin(np.linspace(0, np.pi, control))[:, None]
@@ -61,7 +59,7 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
         found, expected = path_costs(paths, grid, rules), twins.path_costs(paths, airspace, rules, limits)
         np.testing.assert_allclose(found, expected, rtol=1e-7)
         feasible += (expected < rules.collision).sum()
-    assert (feasible > 20) != limited  # with limits next to nothing keeps them: the penalty is what is tested
+    assert (feasible > 20) != limited  # with limits next to nothing keeps them
 
 
 def model(
@@ -121,7 +119,7 @@ def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
     ("length", "soft"), [(1.0, SOFT._replace(evenness=0.0)), (0.0, SOFT._replace(evenness=0.0, reach=80.0))]
 )
 def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, length: float, soft: Soft) -> None:
-    """Length alone, or the walls of the bounds alone: the Hessian is the derivative of the gradient."""
+    """Length alone, or bounds alone: the Hessian is the derivative of the gradient."""
     problem = in_the_open(prepare(town(1)), length=length, turning=0.0, climbing=0.0)
     rng = np.random.default_rng(2)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + rng.normal(size=(9, 3))
@@ -133,7 +131,7 @@ def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, l
 
 
 def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -> None:
-    """Each angle's derivatives by the control points, here found by differences, times themselves (Gauss-Newton)."""
+    """Each angle's derivatives, by differences, times themselves (Gauss-Newton)."""
     problem, soft = in_the_open(prepare(town(1)), length=0.0), SOFT._replace(evenness=0.0)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + np.random.default_rng(2).normal(size=(9, 3))
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))[1:-1]  # as in `model`

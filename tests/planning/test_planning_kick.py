@@ -1,10 +1,8 @@
-"""Kicks: what is worse than it must be somewhere is mended there, and what is best stays."""
-
 from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.planning.perturb import perturbed
+from ipoa_mission.planning.planner import perturbed
 from ipoa_mission.planning.problem import Candidate, follow, prepare
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.planning.strategy import USUAL

@@ -1,5 +1,3 @@
-"""Quick guesses: the distinct ways through a lattice."""
-
 import numpy as np
 import pytest
 

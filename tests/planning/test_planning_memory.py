@@ -1,5 +1,3 @@
-"""What a plan among very many obstacles holds in memory at a time."""
-
 import tracemalloc
 
 import numpy as np
@@ -27,4 +25,4 @@ def test_a_lattice_among_thousands_of_gaps_is_laid_in_little_memory() -> None:
     most = tracemalloc.get_traced_memory()[1] / 2**20
     tracemalloc.stop()
     assert np.isfinite(lattice.price).any()
-    assert most < 100  # MB; 20,000 obstacles must be planned in 500, and imports are 110
+    assert most < 100  # MB; limit 500 for 20,000 obstacles, imports 110

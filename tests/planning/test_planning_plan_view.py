@@ -1,5 +1,3 @@
-"""The airspace from above: closed where the gaps that were drawn are too narrow, and only there."""
-
 import numpy as np
 import pytest
 import shapely
@@ -13,7 +11,7 @@ from tests.refused import refuses
 
 
 def walls(gaps: Vector, rng: np.random.Generator) -> list[dict[str, object]]:
-    """Turned walls across everything, each with a gap of that width [m]."""
+    """Turned walls across everything, each with a gap [m]."""
     found = []
     for k, gap in enumerate(gaps):
         turn, middle = (

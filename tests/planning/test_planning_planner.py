@@ -1,5 +1,3 @@
-"""Whole plans: safe, repeatable, as good as can be told, or explained."""
-
 from typing import Any
 
 import numpy as np
@@ -21,13 +19,11 @@ TOWER = {"kind": "box", "name": "tower", "east": 100, "north": 0, "width": 20, "
 
 
 def fort(height: float) -> dict[str, object]:
-    """Four walls round the goal."""
     outer, inner = ((70, -30), (130, -30), (130, 30), (70, 30)), ((74, -26), (126, -26), (126, 26), (74, 26))
     return {"kind": "prism", "name": "fort", "footprint": outer, "holes": (inner,), "height": height, "base": 0.0}
 
 
 def gap(width: float) -> list[dict[str, Any]]:
-    """A wall across everything with a gap."""
     sides = {"left": 60 + width / 2, "right": -60 - width / 2}
     return [TALL | {"name": f"{name} wall", "north": north, "depth": 120} for name, north in sides.items()]
 

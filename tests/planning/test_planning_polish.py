@@ -1,5 +1,3 @@
-"""Polish, held against shortest paths that are known in closed form."""
-
 import numpy as np
 import pytest
 
@@ -15,14 +13,13 @@ VEHICLE = {"radius": 0.5}
 
 
 def bulging(job: Scenario, aside: float, up: float) -> Candidate:
-    """A curve that bulges out of the straight way."""
     straight = follow(job.places, 8, job)
     bulge = np.sin(np.linspace(0, np.pi, 10))[:, None] * (0.0, aside, up)
     return Candidate(Spline(straight.curve.control + bulge), straight.via_at)
 
 
 def round_a_cylinder(distance: float, radius: float) -> float:
-    """The shortest way between points `distance` away on opposite sides of a circle: two tangents and an arc."""
+    """Two tangents and an arc between points `distance` away on opposite sides of a circle."""
     return float(2 * np.sqrt(distance**2 - radius**2) + 2 * radius * np.arcsin(radius / distance))
 
 
@@ -46,7 +43,7 @@ def test_over_a_ball_the_way_is_the_same_turned_upright(scenario: Make) -> None:
 
 
 def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> None:
-    """Over a thin wall of 40 m: two straight legs and an arc of the clearance round its upper edge."""
+    """Over a thin wall of 40 m: two straight legs and an arc of the clearance."""
     wall = {
         "kind": "box",
         "name": "wall",
@@ -59,7 +56,7 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> 
     }
     job = scenario(obstacles=[wall], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.5)
     candidate, proof = settle(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
-    reach = np.hypot(49.9, 20)  # to an edge, round which the clearance makes an arc of 2 m
+    reach = np.hypot(49.9, 20)  # to an edge, with an arc of 2 m
     tangent, angle = np.sqrt(reach**2 - 2**2), np.arctan2(20, 49.9) + np.arcsin(2 / reach)
     assert proof.worst.slack >= 0
     assert candidate.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)

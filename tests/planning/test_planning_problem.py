@@ -1,9 +1,7 @@
-"""Encodings: what the origin and the axes of a search space stand for."""
-
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.null_space_basis import spread_of
+from ipoa_mission.planning.polish import spread_of
 from ipoa_mission.planning.problem import encode, follow, null_space, pinned, prepare, refine, surround
 from tests.planning.conftest import Make, Place
 

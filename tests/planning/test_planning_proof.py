@@ -1,5 +1,3 @@
-"""Proof: never more than the truth, less by two millimetres at most, and in words."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""A room of a few meters is planned as well as a town, and no loop of millimeters hides in a curve."""
-
 import numpy as np
 import pytest
 
@@ -15,7 +13,7 @@ STICKS = ((0.36, 0.29), (0.48, 0.88), (0.73, -0.17), (1.52, 1.13), (1.36, 0.22),
 
 
 def room() -> PathProblem:
-    """A wall with a gap five centimeters wider than what is required, among sticks."""
+    """A wall with a gap five centimeters wider than required, among sticks."""
     low, high = -0.47 - REQUIRED - 0.025, -0.47 + REQUIRED + 0.025
     walls = tuple(
         Prism(name, ((2.34, a), (2.44, a), (2.44, b), (2.34, b)), (), 0.0, 4.0)

@@ -1,5 +1,3 @@
-"""The spline, held against scipy's."""
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,4 @@
-"""The kernels in plain NumPy, name for name: slow, but to be read, and what the tests hold the kernels against.
-
-They ask the airspace itself where the kernels ask its grid.
-"""
+"""The kernels in plain NumPy, name for name; they ask the airspace, not its grid."""
 
 from dataclasses import replace
 
@@ -16,7 +13,7 @@ from ipoa_mission.world.airspace import Airspace
 
 
 def path_costs(paths: NDArray[np.float64], airspace: Airspace, rules: Rules, limits: Limits) -> Vector:
-    """Cost of each of many paths (m, 3, n), those that break limits included, (m,)."""
+    """Return costs of paths (m, 3, n), those that break limits included, (m,)."""
     return np.array([_search_cost(path.T, airspace, rules, limits) for path in paths])
 
 
@@ -47,7 +44,7 @@ def _search_cost(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits
 
 
 def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, soft: Soft, even: float) -> float:
-    """The value of the smoothed cost; the kernel's gradient is its derivative. `even` is the mean leg, held fixed."""
+    """Return the smoothed cost; `even` is the mean leg, held fixed."""
     legs, share = leg_lengths(nodes), node_weights(nodes, per_node=False)
     angles = np.array([signed_turns(nodes), np.diff(climb_angles(nodes))])
     smooth = np.sqrt(angles**2 + soft.bend**2) - soft.bend
@@ -77,7 +74,7 @@ def path_model(nodes: Points, airspace: Airspace, rules: Rules, limits: Limits, 
 
 
 def _wall(slack: Vector, soft: Soft) -> Vector:
-    """-log(t) less its Taylor series about 1 as far as the square; nearer than it is stiff, the series about that."""
+    """-log(t) less its Taylor series about 1 to the square; below the stiff distance, the series there."""
     t, stiff = slack / soft.reach, np.sqrt(soft.wall / soft.stiffness) / soft.reach
     near = np.maximum(t, stiff)
     barrier = -np.log(near) + (near - 1) - (near - 1) ** 2 / 2
@@ -86,7 +83,7 @@ def _wall(slack: Vector, soft: Soft) -> Vector:
 
 
 def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float) -> tuple[Vector, Vector]:
-    """For each point (n, 3) how much it has more than required of everything solid [m], and the threat per metre."""
+    """Return for points (n, 3) the spare distance to everything solid [m], and the threat per metre."""
     height = points[:, 2] - airspace.ground(points)
     slack = np.minimum(height - limits.required_height(points), rules.ceiling - height)
     slack = np.minimum(slack, reach - rules.clearance)
@@ -103,7 +100,7 @@ def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, rea
 
 
 def spread(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector, source: int) -> Vector:
-    """Least cost from one lattice node to every other, (nodes,), by relaxing all steps until nothing gets cheaper."""
+    """Return least costs between lattice nodes, by relaxing all steps."""
     cost = np.full(price.shape, np.inf)
     cost.ravel()[source] = 0.0
     while True:
@@ -117,14 +114,14 @@ def spread(price: NDArray[np.float64], steps: NDArray[np.int64], lengths: Vector
 
 
 def _slopes(nodes: Points, climb: float, descent: float) -> Points:
-    """By how much each leg climbs and descends less than the greatest slopes allow, (2, n-1) [m]."""
+    """Return how much legs are below the greatest slopes, (2, n-1) [m]."""
     step = np.diff(nodes, axis=0)
     level = np.hypot(step[:, 0], step[:, 1])
     return np.array([climb * level - step[:, 2], descent * level + step[:, 2]])
 
 
 def signed_turns(nodes: Points) -> Vector:
-    """Of each node but the ends, to the left, (n-2,) [rad]."""
+    """Left turns at inner nodes, (n-2,) [rad]."""
     step = np.diff(nodes[:, :2], axis=0)
     before, after = step[:-1], step[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]

@@ -1,5 +1,3 @@
-"""Flights to report on: a bowed path over a scenario of the repository, estimated."""
-
 from collections.abc import Callable
 from functools import cache
 
@@ -25,8 +23,6 @@ Planned = Callable[[str], tuple[Forecast, Plan]]
 
 @pytest.fixture(scope="session")
 def bowed(forecast: Foreseen) -> Bowed:
-    """Such a flight: its scenario, its mission, its estimate."""
-
     def flight(name: str) -> Flight:
         one = forecast(name)
         assert one.scenario is not None
@@ -37,7 +33,7 @@ def bowed(forecast: Foreseen) -> Bowed:
 
 @pytest.fixture(scope="session")
 def forecast() -> Foreseen:
-    """A mission of nine waypoints on an arc from start to goal, west of the straight line, over the campus's roofs."""
+    """Nine waypoints on an arc from start to goal, west of the straight line, over the campus's roofs."""
 
     @cache
     def fly(name: str) -> Forecast:
@@ -61,7 +57,7 @@ def forecast() -> Foreseen:
 
 @pytest.fixture(scope="session")
 def planned(forecast: Foreseen) -> Planned:
-    """The same with a plan: a curve along the arc, and a search that came there."""
+    """Add a plan: a curve along the arc."""
 
     @cache
     def plan(name: str) -> tuple[Forecast, Plan]:

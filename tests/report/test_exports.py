@@ -1,5 +1,3 @@
-"""Exports as independent libraries read them: fastkml, geojson, gpxpy, and the way measured by PROJ's geodesics."""
-
 import csv
 import io
 from dataclasses import replace
@@ -10,6 +8,7 @@ import pytest
 import shapely
 from pyproj import Geod
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import (
     FenceCircle,
@@ -26,7 +25,6 @@ from ipoa_mission.report.exports import EXPORTS, write_export
 from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -1,7 +1,4 @@
-"""The page in a real browser: it renders without a complaint, its views answer, and it fits a telephone.
-
-Needs Chromium and playwright; without them these tests are skipped. IPOA_MISSION_CHROMIUM may name the browser.
-"""
+"""The page in Chromium by playwright; skipped without. IPOA_MISSION_CHROMIUM may name the browser."""
 
 import json
 import os
@@ -30,13 +27,12 @@ pytestmark = pytest.mark.skipif(
 
 @dataclass(frozen=True)
 class Tab:
-    """A tab of a browser, and what was complained about or asked for in it."""
+    """A tab, and its complaints and requests."""
 
     page: Any
     complaints: list[str]
 
     def visit(self, file: Path, width: int = 1280, scheme: str = "light") -> Any:
-        """Open a report in it, anew."""
         self.page.set_viewport_size({"width": width, "height": 900})
         self.page.emulate_media(color_scheme=scheme)
         self.page.mouse.move(0, 0)
@@ -47,7 +43,7 @@ class Tab:
 
 @pytest.fixture(scope="module")
 def only_tab() -> Iterator[Tab]:
-    """One for all: another one is another process, which takes longer to begin than a report to be drawn."""
+    """Open one tab for all tests: another is another process."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as play:
@@ -63,7 +59,7 @@ def only_tab() -> Iterator[Tab]:
 
 @pytest.fixture
 def tab(only_tab: Tab) -> Iterator[Tab]:
-    """It; at the end nothing may have been complained about or asked for."""
+    """Expect no complaint and no request."""
     only_tab.complaints.clear()
     yield only_tab
     assert only_tab.complaints == []
@@ -71,7 +67,6 @@ def tab(only_tab: Tab) -> Iterator[Tab]:
 
 @pytest.fixture(scope="module")
 def report(planned: Planned, tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """The report on a scenario, written once."""
     folder = tmp_path_factory.mktemp("reports")
 
     @cache
@@ -85,8 +80,6 @@ def report(planned: Planned, tmp_path_factory: pytest.TempPathFactory) -> Callab
 
 @pytest.fixture
 def open_page(tab: Tab, report: Callable[[str], Path]) -> Callable[..., Any]:
-    """Open the report on a scenario."""
-
     def visit(name: str = "campus.toml", width: int = 1280, scheme: str = "light") -> Any:
         return tab.visit(report(name), width, scheme)
 
@@ -187,7 +180,7 @@ def test_pointing_at_a_moment_draws_the_way_home_from_there(open_page: Callable[
     assert way[-1] == pytest.approx((0.0, 0.0), abs=0.5)  # home
     view = page.evaluate("({...document.getElementById('map').dataset})")
     left = 100 * (way[0][0] - float(view["west"])) / float(view["width"])
-    assert left == pytest.approx(here, abs=8.0)  # where the mark is, or within a second of it
+    assert left == pytest.approx(here, abs=8.0)  # within a second of it
     page.keyboard.press("Escape")
     assert page.evaluate(drawn) == ""
 
@@ -264,13 +257,13 @@ def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_o
     assert zoom() == pytest.approx(3.0, rel=0.05)
 
 
-#: The mark at the moment that was chosen lies on the button that was clicked.
+#: The mark is on the clicked button.
 HERE_IS_ON_ITS_STOP = """() => {
   const middle = (e) => { const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]; };
   const [a, b] = [middle(document.querySelector("#map .here")), middle(document.querySelector("#map .chosen"))];
   return Math.hypot(a[0] - b[0], a[1] - b[1]) < 12;
 }"""
-#: Two fingers 40 pixels apart at a place on the map, then 120.
+#: Two fingers 40, then 120 pixels apart.
 PINCH = """([x, y]) => {
   const map = document.getElementById("map");
   const send = (kind, id, dx) => map.dispatchEvent(new PointerEvent(kind,
@@ -282,7 +275,7 @@ PINCH = """([x, y]) => {
 
 
 def _within(box: dict[str, float], part: dict[str, float]) -> tuple[float, float]:
-    """Where the middle of a part lies, from the corner of the whole [pixels]."""
+    """Return the middle of a part, from the corner of the whole [pixels]."""
     return part["x"] + part["width"] / 2 - box["x"], part["y"] + part["height"] / 2 - box["y"]
 
 
@@ -308,7 +301,7 @@ def test_words_and_lines_stand_out_from_what_they_are_on(open_page: Callable[...
 
 
 def contrast(page: Any, one: str, other: str) -> float:
-    """Contrast ratio of two of the page's colors, by WCAG's definition."""
+    """WCAG's definition."""
     found = page.evaluate(
         """(names) => names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim())""",
         [one, other],
@@ -341,7 +334,7 @@ def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, t
     file = tmp_path / "flown.html"
     write_report(Forecast(mission, scenario), file, None, fly(mission))
     page = tab.visit(file, width=390)
-    assert page.locator("path.flown").count() == 3  # on the map, in the height profile, in the speed
+    assert page.locator("path.flown").count() == 3  # map, height profile, speed
     for text in ("flown", "Estimate against flight", "off by"):
         assert page.get_by_text(text).first.is_visible()
     assert page.locator("#drift .dot").count() == len(timed.items)

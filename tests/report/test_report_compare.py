@@ -1,5 +1,3 @@
-"""A flight against its estimate: legs, totals, and the flown path; held against flights of real autopilots."""
-
 import csv
 import json
 import math
@@ -11,6 +9,7 @@ import pytest
 import shapely
 
 import ipoa_mission as api
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
@@ -18,7 +17,6 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.page import report_html
-from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
 from tests.held import PX4_117
 from tests.report.conftest import Bowed, Foreseen
@@ -27,7 +25,7 @@ RECORDED = Path(__file__).parents[1] / "flights"
 
 
 def flown_as(timed: Estimate, mission: Mission, factor: float, offset: float) -> FlightRecord:
-    """The flight that the estimate predicts, but slower by a factor, and later by an offset."""
+    """Fly as estimated, slower by a factor, later by an offset."""
     track = timed.track
     latitude, longitude, altitude = LocalFrame(mission.home).to_geodetic(track.points)
     times = offset + factor * track.times
@@ -130,7 +128,7 @@ def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     assert sum(leg.flown_s for leg in comparison.legs) == pytest.approx(facts["item_done_s"][str(known[-1])])
     track = flown_track(mission, flight)
     assert track is not None
-    # the autopilot passed every waypoint that it says it reached
+    # the autopilot passed every waypoint that it reports
     for item in timed.items:
         place = mission.items[item.seq - 1]
         if str(item.seq) in facts["item_done_s"] and place.has_position:

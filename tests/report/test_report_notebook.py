@@ -1,5 +1,3 @@
-"""What a notebook shows: tables, by IPython's own formatter."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""The report's page as a file: whole, self-contained, safe, and its numbers those of the flight."""
-
 import json
 import re
 from collections.abc import Callable
@@ -11,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.centimeters import down
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
@@ -29,18 +27,17 @@ from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Foreseen, Planned
 
-VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
+VOID = {"meta", "br", "i", "path", "rect"}  # without an end, or closed at once
 
 
 def _data(page: str) -> str:
-    """What the page's script is given."""
     found = re.search(r'id="data">(.*?)</script>', page)
     assert found is not None
     return found[1]
 
 
 class Reader(HTMLParser):
-    """Collects elements and complains where tags do not pair."""
+    """Expects tags to pair."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -72,13 +69,11 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def planned_page(planned: Planned) -> Callable[[str], str]:
-    """The page of a bowed flight with its plan, made once for all tests that only read it."""
     return cache(lambda name: report_html(*planned(name)))
 
 
 @pytest.fixture(scope="module")
 def bowed_page(forecast: Foreseen) -> Callable[[str], str]:
-    """The same without a plan."""
     return cache(lambda name: report_html(forecast(name)))
 
 
@@ -155,7 +150,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, 
     scenario, _, _ = bowed("downtown.toml")
     found = stops(forecast("downtown.toml"))
     least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
-    assert least.distance < 0  # an arc through a city does not miss its towers
+    assert least.distance < 0  # an arc through a city hits towers
     page = report_html(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg

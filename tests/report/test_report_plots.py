@@ -1,5 +1,3 @@
-"""Pictures: the same bytes each time, readable by the color-blind, and geometry that is right."""
-
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -59,7 +57,7 @@ def test_another_ending_is_refused_by_name(tmp_path: Path) -> None:
         api.write_picture(Figure(), tmp_path / "picture.bmp")
 
 
-#: Full dichromacy: Machado, Oliveira and Fernandes 2009, table 1, severity 1.0 (linear RGB).
+#: Machado, Oliveira and Fernandes 2009, table 1, severity 1.0 (linear RGB).
 DICHROMACY = {
     "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
     "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],

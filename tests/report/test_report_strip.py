@@ -1,5 +1,3 @@
-"""The strip of endings under the profile: its bars are the rows of the forecast, and lie where the vehicle is."""
-
 import re
 from dataclasses import replace
 from html import unescape
@@ -25,7 +23,6 @@ WAY = re.compile(
 
 
 def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
-    """The course of a forecast, and the bars that are drawn of it."""
     assert forecast.scenario is not None
     course = follow(forecast.estimate.track, forecast.scenario.airspace)
     return course, WAY.findall(contingency_strip(forecast, course))

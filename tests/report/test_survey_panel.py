@@ -1,5 +1,3 @@
-"""What a report shows of a survey: shaded is as much as is seen, and a flight has one color in map and table."""
-
 import re
 from functools import reduce
 
@@ -8,8 +6,8 @@ import pytest
 import shapely
 
 from ipoa_mission import plan_survey
-from ipoa_mission.report.panels.survey_panel import survey_panel
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey.survey_panel import survey_panel
 
 HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}
 FIELD = [[[20.0, 10.0], [120.0, 10.0], [120.0, 90.0], [20.0, 90.0]], [[60, 40], [80, 40], [80, 60], [60, 60]]]

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.timing.track import thinned
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -20,22 +21,21 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 
 FLIGHTS = Path(__file__).parent.parent / "flights"
-#: The best that was flown on this curve, from take-off done to the last waypoint [s], and how far from it [m].
+#: Best flown on this curve, from take-off done to the last waypoint [s], and its distance [m].
 BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
 WITHIN = 4.0
-#: What the route chosen may take of the least time on the curve.
+#: Greatest ratio to the least time on the curve.
 RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
 
 
 @cache
 def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
-    """The curve behind the waypoints that stand every five metres on it, and a scenario with nothing in the way."""
+    """The curve behind waypoints every five metres, and a scenario with nothing in the way."""
     mission = read_mission(FLIGHTS / f"ways_even5-{autopilot}" / "mission.waypoints", autopilot)
     flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     latitude, longitude, height = (
@@ -91,7 +91,7 @@ def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was
     some(1, [(Autopilot.PX4, 3), (Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2)]),
 )
 def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
-    """Corners cut and overshot: the distance is measured here, from every place of the predicted path."""
+    """Measured here, from every place of the predicted path."""
     rng = np.random.default_rng(seed)
     curve, free = curve_of_the_ways(autopilot)
     at = np.sort(rng.uniform(0.1, 0.9, 5))
@@ -116,7 +116,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
 def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_and_to_its_goal(
     autopilot: Autopilot,
 ) -> None:
-    """It has another model of the vehicle than the one by which the route was chosen."""
+    """It has another model of the vehicle."""
     curve, free = curve_of_the_ways(autopilot)
     inside = curve.points(np.array([0.5, 0.75]), order=2)[:, :2]
     at = curve.points(np.array([0.5, 0.75]))[:, :2] + 6.0 * inside / np.linalg.norm(inside, axis=1)[:, None]
@@ -157,7 +157,6 @@ def test_a_thinned_path_keeps_its_bends_from_above_and_from_the_side() -> None:
 
 @pytest.mark.parametrize("legs", [1, 2, 3, 4, 5])
 def test_a_thinned_path_that_climbs_to_and_fro_over_itself_is_not_folded(legs: int) -> None:
-    """From above it is one line, and from the side too."""
     along = np.linspace(0.0, legs, 100 * legs + 1)
     path = np.column_stack([50.0 * np.abs((along + 1.0) % 2.0 - 1.0), np.zeros(len(along)), 10.0 * along])
     few = thinned(path)
@@ -168,7 +167,7 @@ def test_a_thinned_path_that_climbs_to_and_fro_over_itself_is_not_folded(legs: i
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
-    """Out 60 m and back to 3 m beside the start: all of the short cut lies within the tolerance of the curve."""
+    """Out 60 m and back to 3 m beside the start."""
     text = f"""
     home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
     start = {{ east = 0.0, north = 0.0, up = 20.0 }}
@@ -199,7 +198,7 @@ def test_a_quicker_way_that_is_not_flown_says_why() -> None:
 
 
 def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
-    """A curve just above the tube over a round hill: straight legs below it are raised by what the tube needs."""
+    """A curve just above the tube over a round hill."""
     along = np.arange(-60.0, 361.0, 20.0)
     hill = np.round(40 * np.exp(-(((along - 150) / 60) ** 2)), 2)
     text = f"""

@@ -1,5 +1,3 @@
-"""A landing on ground above home is planned: the vehicle slows down as high above it as it else does above home."""
-
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import estimate
@@ -16,8 +16,6 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.checks.test_check_ground import ARDUPILOT, PX4, slope
 from tests.examples import some
@@ -42,7 +40,6 @@ def landing_scenario(height: float, autopilot: Autopilot, parameters: Parameters
 
 
 def slowed(height: float, autopilot: Autopilot, parameters: Parameters | None = None) -> dict[str, float]:
-    """The parameters of a mission that lands on ground so high above home."""
     scenario = landing_scenario(height, autopilot, parameters)
     goal = scenario.frame.geodetic(np.array([200.0, 0.0, 0.0]))
     items = (takeoff(scenario.frame.home, 50.0), waypoint(goal, 200.0), land(goal))
@@ -55,7 +52,7 @@ def flight_to_high_ground(autopilot: Autopilot) -> Flight:
 
 
 def sink_at_last(mission: Mission) -> float:
-    """How fast the built-in autopilot, which has no range finder here, comes down its last two metres [m/s]."""
+    """Return the descent rate of the last two metres, without a range finder [m/s]."""
     if mission.autopilot is PX4:
         mission = mission.with_parameters(NO_RANGE_FINDER)
     path = fly(mission).path
@@ -92,7 +89,7 @@ def test_a_planned_landing_on_high_ground_is_slow(
     ("autopilot", "height", "parameters", "wanted"),
     [
         (ARDUPILOT, 7.0, {}, {}),  # a slow stretch of 3 m is left
-        (ARDUPILOT, 8.5, {}, {"LAND_ALT_LOW": 1900.0}),  # 1.5 m are too few, as heights are off by 2
+        (ARDUPILOT, 8.5, {}, {"LAND_ALT_LOW": 1900.0}),  # 1.5 m are too few: heights are off by 2
         (ARDUPILOT, -40.0, {}, {}),
         (ARDUPILOT, 12.0, {"LAND_ALT_LOW": 500.0}, {"LAND_ALT_LOW": 500.0}),  # the scenario's own, told by the check
         (ARDUPILOT, 12.0, {"LAND_ALT_LOW_M": 5.0}, {"LAND_ALT_LOW_M": 5.0}),
@@ -137,7 +134,7 @@ def test_rally_points_count_too() -> None:
 def test_arducopters_land_counts_from_its_own_altitude(
     parameters: dict[str, float], altitude: float, flown_s: float
 ) -> None:
-    """Flown on ArduCopter 4.7.0-dev from 45 m to ground 12 m above home; touched down at 1.50, 0.50, 0.50 m/s."""
+    """ArduCopter 4.7.0-dev from 45 m to ground 12 m above home; touched down at 1.50, 0.50, 0.50 m/s."""
     there = LocalFrame(HOME).geodetic(np.array([0.0, 60.0, 0.0]))
     items = (takeoff(HOME, 20.0), waypoint(there, 45.0), replace(land(there), altitude=altitude))
     mission = landing_on(Mission(HOME, items, ARDUPILOT, parameters=parameters), 12.0)

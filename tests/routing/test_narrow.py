@@ -1,17 +1,15 @@
-"""What is refused without a search: no promise of any passage asks for less than what is called the least."""
-
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide, least_reach
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.refused import refuses
 
 
@@ -48,7 +46,7 @@ def test_one_passage_nearer_than_the_least_reach_breaks_the_promise(
 
 
 def gate(width: float, autopilot: str, confidence: float | str = 0.99) -> dict[str, Any]:
-    """80 m to the east over a via point, through a gate between two walls that are higher than one may fly."""
+    """80 m east over a via point, through a gate between two walls above the ceiling."""
     wall = {"kind": "box", "east": 40.0, "width": 4.0, "depth": 60.0, "height": 60.0}
     return {
         "home": {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0},

@@ -1,5 +1,3 @@
-"""Nothing is written that keeps less than was required: measured by shapely, on the numbers of the scenario itself."""
-
 from itertools import pairwise
 from typing import Any
 
@@ -9,6 +7,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import MissionError
@@ -19,7 +18,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.quick_search import search_quickly
 from tests.refused import refuses
@@ -31,7 +29,7 @@ WAYS = [(pilot, mode) for pilot in registered() for mode in ("even", "corridor",
 
 
 def table(rng: np.random.Generator, autopilot: Autopilot, mode: str, confidence: float | str) -> dict[str, Any]:
-    """Five trees and blocks on 60 m, and a way between them; some are near to the start, the goal or the via point."""
+    """Five trees and blocks on 60 m, some near to the start, the goal or the via point."""
     bodies: list[dict[str, Any]] = []
     for n, east in enumerate(np.linspace(2.0, 58.0, 5)):
         where = {"name": f"{n}", "east": float(east + rng.uniform(-4, 4)), "north": float(rng.uniform(-14, 14))}
@@ -56,7 +54,7 @@ def table(rng: np.random.Generator, autopilot: Autopilot, mode: str, confidence:
 
 
 def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
-    """The distance of points (n, 3) to the nearest body, (n,) [m]."""
+    """Return distances of points (n, 3) to the nearest body, (n,) [m]."""
     spots, least = shapely.points(points[:, :2]), np.full(len(points), np.inf)
     for body in bodies:
         if body["kind"] == "cylinder":
@@ -71,7 +69,7 @@ def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
 
 
 def way(flight: Flight) -> np.ndarray:
-    """Places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
+    """Return places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
     predicted = Forecast(flight.mission, flight.scenario).promise.flight
     points = predicted.pieces.part(*predicted.way).points
     legs = [np.linspace(a, b, max(2, int(np.linalg.norm(b - a) / STEP) + 1)) for a, b in pairwise(points)]
@@ -100,7 +98,7 @@ def test_what_is_written_passes_the_check_and_keeps_what_is_required(
 
 
 def beside(confidence: float | str, aside: float) -> Scenario:
-    """A straight way of 80 m east, and a wall beside the middle of it at this distance."""
+    """80 m east, beside a wall at this distance."""
     wall = {
         "kind": "box",
         "name": "wall",
@@ -134,7 +132,7 @@ def straight(scenario: Scenario) -> Mission:
 def test_too_near_by_a_centimetre_is_an_error_also_where_only_the_predicted_path_counts(
     aside: float, errors: int
 ) -> None:
-    """The leg itself keeps 2.51 m; what stands for the predicted path may be 2 cm from it."""
+    """The leg itself keeps 2.51 m; the predicted path may be 2 cm from it."""
     scenario = beside("nominal", aside)
     found = [str(f) for f in check_mission(straight(scenario), scenario) if f.severity is Severity.ERROR]
     assert len(found) == errors
@@ -142,7 +140,7 @@ def test_too_near_by_a_centimetre_is_an_error_also_where_only_the_predicted_path
 
 
 def test_what_is_promised_at_a_given_place_is_its_own_line() -> None:
-    """The goal stands 2.6 m from the wall: the tube does not fit there, and nowhere else is anything."""
+    """The goal is 2.6 m from the wall: the tube does not fit there."""
     scenario = beside(0.99, 2.6)
     moved = scenario.model_copy(update={"goal": scenario.start.model_copy(update={"east": 40.0})})
     flight = plan_flight(moved)

@@ -1,5 +1,3 @@
-"""Waypoints stay where they were promised and are as few as may be: held against shapely and plain geometry."""
-
 from itertools import combinations
 
 import numpy as np
@@ -8,9 +6,8 @@ import shapely
 from scipy.optimize import lsq_linear
 
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.routing._corridor import fewest_legs
-from ipoa_mission.routing._hausdorff import farthest
-from ipoa_mission.routing.relax import _least_squares, relaxed
+from ipoa_mission.routing._corridor import farthest, fewest_legs
+from ipoa_mission.routing.candidates import _least_squares, relaxed
 from ipoa_mission.routing.resample import NO_PLACES, corridor, deviation, every, stations
 
 RNG = np.random.default_rng(4)
@@ -53,7 +50,6 @@ def test_of_the_fewest_legs_those_are_taken_that_stay_nearest(curve: Spline) -> 
 
 
 def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-    """Distance of a place to a leg in space."""
     way = end - start
     share = np.clip((place - start) @ way / (way @ way), 0.0, 1.0)
     return float(np.linalg.norm(place - start - share * way))
@@ -61,7 +57,7 @@ def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
 
 @pytest.mark.parametrize("tolerance", [0.4, 4.0])
 def test_a_long_curve_with_short_bends_is_kept_to_as_closely(tolerance: float) -> None:
-    """Six kilometres with a swerve of 12 m every kilometre: even steps of few spots would miss it."""
+    """Six kilometres with a swerve of 12 m every kilometre."""
     east = np.linspace(0.0, 6000.0, 400)
     curve = Spline(np.column_stack([east, 12.0 * np.exp(-(((east + 500) % 1000 - 500) ** 2) / 900.0), 0 * east + 30]))
     beside = (-0.6 * tolerance, 0.0, 0.6 * tolerance)
@@ -78,7 +74,7 @@ def test_a_straight_curve_is_two_waypoints() -> None:
 def test_a_quarter_circle_takes_as_many_legs_as_geometry_says() -> None:
     angle = np.linspace(0, np.pi / 2, 40)
     circle = Spline(100 * np.column_stack([np.sin(angle), 1 - np.cos(angle), 0 * angle]))
-    widest = 2 * np.arccos(1 - 1.0 / 100)  # a chord over this angle is a metre from its arc
+    widest = 2 * np.arccos(1 - 1.0 / 100)  # its chord is a metre from the arc
     assert len(corridor(circle, 1.0)) - 1 == int(np.ceil(np.pi / 2 / widest))
 
 

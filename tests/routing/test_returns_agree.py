@@ -1,20 +1,18 @@
-"""What `plan` writes with planned returns, `check` calls clear: random scenes, each for every autopilot."""
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ipoa_mission import plan_flight, read_mission
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.shortfalls import highest_return
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.quick_search import search_quickly
 
@@ -24,7 +22,7 @@ FENCE = "[[fence]]\ninclusion = false\npolygon = [[{0}, {1}], [{2}, {1}], [{2}, 
 
 
 def scene(seed: int) -> Scenario:
-    """Blocks, masts and what hangs, at times a keep-out fence, rally points, low bounds, a return altitude."""
+    """Blocks, masts, hanging bodies, at times a fence, rally points, low bounds, a return altitude."""
     rng = np.random.default_rng(seed)
 
     def body(n: int) -> str:

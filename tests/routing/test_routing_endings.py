@@ -1,5 +1,3 @@
-"""Flights of which every ending is planned: what they keep by another geometry, and how that is seen to."""
-
 from itertools import pairwise
 from pathlib import Path
 
@@ -8,12 +6,12 @@ import pytest
 import shapely
 
 from ipoa_mission import plan_flight
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
@@ -63,7 +61,7 @@ def towers(autopilot: Autopilot, seed: int) -> Scenario:
 
 
 def kept_by_dense_sampling(flight: Flight) -> float:
-    """The least that returns from many seconds keep, looked at every few centimeters."""
+    """Return the least clearance of returns from many seconds, every few centimeters."""
     ways = Contingencies(flight.forecast).ways
     begin, end = ways.in_air
     assessments = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
@@ -91,7 +89,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> None:
-    """RTL climbs: under a balloon it is laid aside, or so low a return is chosen that it does not come to it."""
+    """Under a balloon the path is laid aside, or a low return is chosen."""
     flight = plan_flight(scene(autopilot, BALLOON), seed=0)
     assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
@@ -168,7 +166,7 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
 def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.undo()  # such a corner is on the path of a whole search
+    monkeypatch.undo()
     scenario = read_scenario(MISSIONS / "sitl.toml")
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))

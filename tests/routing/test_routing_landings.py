@@ -1,5 +1,3 @@
-"""LAND where it is, ordered by a failsafe of the vehicle's own that could as well return: planned aside, or refused."""
-
 from itertools import pairwise
 from pathlib import Path
 
@@ -7,11 +5,11 @@ import numpy as np
 import pytest
 
 from ipoa_mission import check_mission, plan_flight
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some, vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
@@ -26,7 +24,7 @@ def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, returns: str = "planned") -> Scenario:
-    """A low roof so wide [m] across the straight way, which leads over it."""
+    """A low roof, `wide` [m], across the straight way."""
     text = f"""
     safety_distance = 2.0
     home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
@@ -49,7 +47,7 @@ def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, retur
 
 
 def least_of_landings(flight: Flight) -> float:
-    """What landings from many seconds keep of the roof, looked at every few centimeters."""
+    """Return the least clearance of landings from many seconds, every few centimeters."""
     ways = Contingencies(flight.forecast).ways
     assessments = ways.at(Contingency.LAND, np.linspace(*ways.in_air, 60))
     legs = [np.linspace(a, b, 200) for way in assessments.ways[:, 0] for a, b in pairwise(way)]

@@ -1,14 +1,13 @@
-"""A bend that is too fast at the cruise speed is flown slower, and what is written keeps what is required."""
-
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -18,14 +17,13 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.route import Route
 from ipoa_mission.routing.seek import TooNear
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
 from tests.routing.test_promise_kept import nearest, way
 
 CRUISE = 15.0
-#: Waypoints of a way that bends, and a post outside of the bend.
+#: A bent way, and a post outside of the bend.
 BENDS = {
     Autopilot.PX4: ([(0, 0), (60, 0), (100, 0), (100, 40), (100, 100)], (102.2, -2.2), False),
     Autopilot.ARDUPILOT: ([(0, 0), (50, 0), (90, 10), (100, 50), (100, 100)], (91.6, 8.4), True),
@@ -51,7 +49,7 @@ def bend(autopilot: Autopilot) -> tuple[dict[str, Any], Route]:
 
 
 def along(route: Route, scenario: Scenario) -> Attempt:
-    """The only attempt that a search is to find: this route, and a curve along it."""
+    """Return the only attempt of a search: this route, and a curve along it."""
     at = np.linspace(0.0, 1.0, 400)
     points = np.column_stack([np.interp(at, np.linspace(0.0, 1.0, len(route.points)), axis) for axis in route.points.T])
     curve = Spline(np.asarray(np.linalg.lstsq(basis(24, at), points, rcond=None)[0], float))
@@ -61,7 +59,6 @@ def along(route: Route, scenario: Scenario) -> Attempt:
 
 
 def found_only(route: Route, patch: pytest.MonkeyPatch) -> None:
-    """Have every search find this route and no other."""
     search_quickly(patch.setattr)
 
     def seek(scenario: Scenario, *_: object, **__: object) -> Attempt:

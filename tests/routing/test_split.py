@@ -1,5 +1,3 @@
-"""A mission too long for one battery is flown in parts: each comes home, and together they fly all of it."""
-
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -7,15 +5,15 @@ import numpy as np
 import pytest
 
 from ipoa_mission import split
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
@@ -56,7 +54,7 @@ def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
     assert len(parts) > 1
     flown = [places_of(part) for part in parts]
     for own, following in pairwise(flown):
-        assert own[-1] == following[0]  # it goes on where the one before it turned home
+        assert own[-1] == following[0]  # continues where the other turned home
     assert [*flown[0], *(item for part in flown[1:] for item in part[1:])] == places_of(mission)
     for part in parts:
         budget = budget_of(Forecast(part, scenario))
@@ -72,7 +70,7 @@ def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
 
 
 def test_the_fewest_flights_are_taken() -> None:
-    """No flight could have gone on to the next waypoint; so by the triangle's law none can be spared."""
+    """No flight could have gone on to the next waypoint: by the triangle's law none can be spared."""
     scenario = world(22.0)
     mission = strips(scenario)
     parts = split(mission, scenario)
@@ -101,7 +99,7 @@ def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
 
 
 def test_where_the_straight_way_back_is_not_clear_it_is_as_high_as_the_return() -> None:
-    """A wall stands between home and all places but the first, higher than the take-off and lower than the return."""
+    """A wall between home and all places but the first, higher than the take-off and lower than the return."""
     wall = {"kind": "box", "name": "wall", "east": 10.0, "north": -10.0, "width": 6.0, "depth": 36.0, "height": 22.0}
     scenario = world(22.0, wall)
     mission = strips(scenario, 12.0, [(40, 150), *((east, 0) for east in (90, 150, 210))])

@@ -1,21 +1,19 @@
-"""A mission sees to a clear way from home and back, whatever return altitude the vehicle has."""
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 from shapely import LineString, box
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.repairs import climb_for_way_home
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
@@ -49,14 +47,14 @@ def mission(scenario: Scenario) -> Mission:
 
 
 def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
-    """How high the way home crosses the hall, seen from outside the package's own clearances."""
+    """Return the height of the way home over the hall, without the package's clearances."""
     ways = [leg for leg in flown_legs(flown, scenario.frame) if leg.phase is Phase.RETURN]
     assert all(LineString(way.points[:, :2]).intersects(HALL) for way in ways)
     return float(min(way.points[-1, 2] for way in ways))
 
 
 def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home() -> None:
-    """If it flew on into the climb its curve would dip before the goal, to rise there."""
+    """Else the curve would dip before the goal, and rise there."""
     scenario = world(Autopilot.ARDUPILOT, 18.0)
     raised = build_mission(Route(np.array(ROUND_THE_HALL), spline=True, brakes_on_curve=True), scenario)
     assert [(item.command, round(item.altitude)) for item in raised.items[-3:]] == [(82, 20), (16, 25), (20, 0)]
@@ -74,7 +72,7 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home(
 @pytest.mark.parametrize(
     ("autopilot", "height", "climbs_to"),
     [
-        (Autopilot.ARDUPILOT, 12.0, None),  # it is at 20 m already, and RTL_ALT is 15 m
+        (Autopilot.ARDUPILOT, 12.0, None),  # at 20 m already; RTL_ALT is 15 m
         (Autopilot.ARDUPILOT, 18.0, 25.0),
         (Autopilot.ARDUPILOT, 40.0, 45.0),
         (Autopilot.PX4, 12.0, None),  # RTL_RETURN_ALT is 30 m
@@ -92,7 +90,7 @@ def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
     assert end.command == Command.NAV_RETURN_TO_LAUNCH
     assert last.altitude == pytest.approx(20.0 if climbs_to is None else climbs_to, abs=0.01)
     assert height_over_the_hall(flown, scenario) >= height + 2.5
-    findings = check_mission(flown, scenario)  # from where it has not climbed yet RTL may be a matter of its own
+    findings = check_mission(flown, scenario)  # RTL before the climb may differ
     assert [finding.code for finding in findings] == ["return-too-near"] * (climbs_to is not None)
     assert len(list(climb_for_way_home(flown))) == (climbs_to is not None)
 

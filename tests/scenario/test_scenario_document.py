@@ -1,5 +1,3 @@
-"""docs/scenario.md explains every key that there is, and no other."""
-
 import re
 import tomllib
 from pathlib import Path

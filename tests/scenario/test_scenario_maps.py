@@ -1,5 +1,3 @@
-"""Maps that a scenario names become bounds, ground, obstacles and a geofence."""
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -30,7 +28,7 @@ def box(west: float, south: float, east: float, north: float) -> Ring:
 
 @pytest.fixture
 def read(tmp_path: Path) -> Read:
-    """Reads the flight with one map, `keys` of its table, of polygons given in local metres."""
+    """Read a flight with one map of polygons in local metres, and `keys` of its table."""
 
     def make(keys: str, *rings: Ring | list[Ring], flight: str = FLIGHT, **tags: Any) -> Scenario:
         features = []
@@ -74,7 +72,7 @@ def test_a_flight_area_is_the_footprint_of_the_bounds_and_a_fence(read: Read) ->
     scenario = read("kind = 'flight_area'", [area, hole])
     bounds = scenario.airspace.bounds
     assert (bounds.lower[:2], bounds.upper[:2]) == (pytest.approx((-20, -40)), pytest.approx((150, 60)))
-    # By hand: the east edge from (150, -40) to (120, 60) is 30 m west for 100 m north.
+    # East edge from (150, -40) to (120, 60): 30 m west for 100 m north.
     assert bounds.margin(np.array([[100.0, 0.0, 10.0]]))[0] == pytest.approx(
         (138 - 100) * 100 / np.hypot(30, 100), abs=1e-4
     )
@@ -114,7 +112,7 @@ def test_fences_drawn_by_hand_come_first(read: Read) -> None:
 
 
 def test_the_path_keeps_a_fence_that_was_drawn_by_hand(read: Read) -> None:
-    """Inside what a box and a circle of 60 m have in common, and out of a circle of 10 m, at any height."""
+    """Inside a box and a circle of 60 m, outside of a circle of 10 m."""
     fence = """
     fence = [
       { polygon = [[-30, -40], [200, -40], [200, 40], [-30, 40]] },

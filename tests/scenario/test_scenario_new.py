@@ -1,5 +1,3 @@
-"""A scenario made from answers is one that can be read, and says what was answered."""
-
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +20,7 @@ def test_home_and_goal_are_answers_enough() -> None:
     assert scenario.name == "trip"
     assert (scenario.home.latitude_deg, scenario.home.longitude_deg) == (47.0, 8.0)
     assert scenario.start_point == pytest.approx([0, 0, 20])
-    # By the lengths of a degree at 47 N: 111,174 m of latitude, 76,058 m of longitude.
+    # A degree at 47 N: 111,174 m of latitude, 76,058 m of longitude.
     assert scenario.goal_point == pytest.approx([228.2, 222.3, 20], abs=0.3)
 
 

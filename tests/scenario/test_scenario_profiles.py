@@ -1,18 +1,16 @@
-"""Profiles set what a task wants, and the file's own words win; the battery is asked before the flight."""
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery, shortage
+from ipoa_mission.autopilot.energy.power import power
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.budget import battery_of, flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery, shortage
-from ipoa_mission.vehicles.energy.power import power
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.refused import refuses
 
 FLIGHT = """

@@ -1,5 +1,3 @@
-"""A scenario file is read whole, or refused in words that name the place."""
-
 import json
 from pathlib import Path
 
@@ -133,8 +131,8 @@ def test_what_leaves_its_base_out_stands_on_the_ground() -> None:
     """
     )
     cylinder, box, prism, ball, balloon = (body.bounds[:, 2] for body in parse_scenario(text, HERE).airspace.obstacles)
-    assert cylinder == pytest.approx((9, 16))  # ground rises 1 m in 10 m towards the east
-    assert box == pytest.approx((8, 17))  # turned by 90 degrees: 40 m from west to east
+    assert cylinder == pytest.approx((9, 16))  # ground rises 1 m in 10 m eastwards
+    assert box == pytest.approx((8, 17))  # turned by 90 degrees: 40 m east
     assert prism == pytest.approx((9, 16))
     assert ball == pytest.approx((10, 14))
     assert balloon.tolist() == [48, 52]
@@ -220,7 +218,7 @@ def test_flat_ground_over_kilometres_follows_the_earth() -> None:
     [(-200, None), (-140, "130.0 east"), (0, "50.0 west")],
 )
 def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) -> None:
-    """The bounds are from 50 m west to 150 m east; a grid counts to half its spacing beyond its edge."""
+    """Bounds from 50 m west to 150 m east; a grid counts to half its spacing beyond its edge."""
     text = SMALLEST + f"terrain = {{ kind = 'grid', east = {east}, north = -200, spacing = 80, heights = {{}} }}"
     rows = 6 if side is None else 3
     text = text.replace("{}", str([[0.0] * rows] * 6))

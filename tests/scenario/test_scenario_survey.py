@@ -1,5 +1,3 @@
-"""[survey]: areas from a file and from a map, cameras, and every mistake told with its place."""
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,24 +1,22 @@
-"""A whole built-in autopilot without a link: told things, and flown for a while."""
+"""A built-in autopilot without a link."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.messages import CommandAck, CommandLong, Count, Current, ItemAt, Message
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link_pair import CLIENT, HOME, items_of, plain
 
 
 class Flown:
-    """A mock with a mission, and what it says."""
-
     def __init__(self, autopilot: Autopilot, items: Sequence[Item], mock: Mock | None = None) -> None:
         self.mock = mock or Mock(autopilot, HOME)
         self.now = 1.0
         self.first = 1 if autopilot is Autopilot.ARDUPILOT else 0
         if autopilot is Autopilot.ARDUPILOT:
-            self.command(511, 42.0, 200_000.0)  # it tells its current item to those alone who ask
+            self.command(511, 42.0, 200_000.0)  # its current item, on request only
         self.uploaded = self.upload(items) if items else []
 
     def upload(self, items: Sequence[Item]) -> list[Message]:

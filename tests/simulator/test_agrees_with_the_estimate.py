@@ -1,19 +1,15 @@
-"""What other missions and parameters take by the estimate, they take by the built-in autopilot.
-
-Each of these once told two models apart: a name, a limit or a habit that one of them did not know. ArduCopter has one
-model for both by now; what differs is only who tells it where to fly next.
-"""
+"""Missions and parameters that once told model and built-in autopilot apart."""
 
 from collections.abc import Mapping
 
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 
@@ -63,7 +59,7 @@ PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
 CASES = [*((Autopilot.ARDUPILOT, name) for name in COPTER), *some(3, [(Autopilot.PX4, name) for name in PX4])]
 
 
-#: PX4's landings differ by a second and more from one to the next.
+#: PX4's landings differ by a second and more.
 SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(4)}
 
 

@@ -1,14 +1,14 @@
-"""The built-in autopilot against missions that real autopilots flew; docs/lab/built-in-autopilot.md has all of them."""
+"""Against missions that real autopilots flew; docs/lab/built-in-autopilot.md has all of them."""
 
 import numpy as np
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 from tests.examples import some
 from tests.flown_here import fly_here
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flight, read_flights
 
-#: PX4's flights differ from one to the next, recorded as flown here: the mean of so many stands for ours.
+#: PX4's flights differ: the mean of several seeds.
 SEEDS = range(2)
 
 
@@ -34,7 +34,7 @@ def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) ->
 
 @pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT, LANDINGS), ids=lambda flight: flight.name)
 def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight: Recorded) -> None:
-    """But for the second that a leg of a centimetre before the landing takes, or does not."""
+    """Except for the second of a leg of a centimetre before the landing."""
     done, _ = fly_here(flight, seed=0)
     (run,), land = flight.runs, len(flight.mission.items)
     assert done[flight.first] == pytest.approx(run[flight.first], abs=0.3)

@@ -1,12 +1,10 @@
-"""What the client of 0.1.0 did wrong on the real autopilots goes wrong on the built-in one as well.
-
-Each is a short session as that client held it; the answers are those of the real ones.
-"""
+"""Faults of client 0.1.0 on real autopilots appear on the built-in one; answers are those of the real ones."""
 
 from collections.abc import Sequence
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
@@ -31,7 +29,6 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER
 
@@ -54,7 +51,6 @@ class Session:
         return [message for message, _ in self.vehicle.outgoing()]
 
     def order(self, number: int, *params: float) -> list[object]:
-        """The results and the words that come back."""
         said = self.say(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
         return [
             one.result if isinstance(one, CommandAck) else one.text

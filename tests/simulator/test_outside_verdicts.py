@@ -1,19 +1,19 @@
-"""What others measured on real PX4 and ArduCopter (hamishwillee/mavsdk_mavlink_tests, 2026): our tables say the same.
+"""Measured by others on real PX4 and ArduCopter (hamishwillee/mavsdk_mavlink_tests, 2026).
 
-Measured there on PX4 main and 1.18.0-beta (SIH), PX4 1.17.0, and ArduCopter 4.8.0-dev: one item of each frame in each
-of the three lists, and take-offs, gates and waypoints with odd values.
+PX4 main and 1.18.0-beta (SIH), PX4 1.17.0, ArduCopter 4.8.0-dev: one item of each frame in each of the three lists, and
+take-offs, gates and waypoints with odd values.
 """
 
 import math
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.messages import MissionType, Result
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.judgement import judge
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.version import Version
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 PLACE = (37.6234, -122.0811, 20.0)

@@ -1,25 +1,23 @@
-"""The built-in autopilot behind a port: how its clock goes, for a busy machine and for those whom it waits for."""
-
 import logging
 import time
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import MOST_AT_ONCE, MOST_FRAMES_HZ, Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 
 
 class Slow(Station):
-    """A station whose every tick takes a twentieth of a second; it remembers the times that it was told."""
+    """Every tick takes a twentieth of a second; keeps the reported times."""
 
     times: list[float]
 
@@ -51,7 +49,7 @@ STATION, VEHICLE = Target(255, 190), Target(1, 1)
 
 
 class Beside:
-    """A channel to one ground station on a clock of its own, which a look at it moves by a microsecond at least."""
+    """A channel to one station on a clock that each look moves by a microsecond at least."""
 
     datagrams = True
 
@@ -83,7 +81,6 @@ class Beside:
 
 
 def beside(family: Autopilot, speedup: float) -> tuple[Beside, BuiltInAutopilot, Server]:
-    """An autopilot that a station is heard by, many times as fast as real."""
     channel, autopilot = Beside(), BuiltInAutopilot(family, HOME)
     server = Server(channel, Station(autopilot), speedup)
     channel.say(Heartbeat(6, MavAutopilot.INVALID))
@@ -107,7 +104,7 @@ def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot
     assert not autopilot.transfers_with(STATION)
     told = channel.sent
     run(server, channel, begun + 10.0)
-    assert channel.sent > told + 50  # and hurries again: of the least that an autopilot tells, a hundred seconds' worth
+    assert channel.sent > told + 50  # a hundred seconds' worth of telemetry
 
 
 @pytest.mark.parametrize("family", registered())

@@ -1,8 +1,7 @@
-"""Sessions of this client with the real ArduCopter and PX4 in simulation, as recorded, held against both of our ends.
+"""Recorded sessions of this client with ArduCopter and PX4 in simulation, against both of our ends.
 
-What the vehicle said goes into the client, which must come to the same flight; what the client said goes into the
-built-in autopilot, which must answer and fly as the real one did. Recordings are thinned: telemetry, words of sensors,
-what ArduCopter tells of its own counters, the client's heartbeats.
+The vehicle's messages go into the client, the client's into the built-in autopilot: both must act as recorded.
+Recordings are thinned: telemetry, sensors' words, ArduCopter's counters, the client's heartbeats.
 """
 
 import math
@@ -14,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -37,11 +38,9 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from tests.held import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
@@ -54,7 +53,7 @@ FLOWN = {
     "fly-px4": (10.4, 10.4, 14.44, 20.32, 36.4),
     "fly-again-px4": (19.7, 19.7, 24.636, 30.54, 43.28),
 }
-#: What hangs on whether a telling of the vehicle came in time: a list is read, or an index set, once more or less.
+#: Depends on timing: read a list, or set an index, once more or less.
 MAY_GO_UNSAID = (RequestList, Request, Ack, SetCurrent)
 VERBS = ("fly", "set", "upload", "download", "clear")
 
@@ -87,7 +86,7 @@ def autopilot_of(name: str) -> Autopilot:
 
 
 class Playback:
-    """A `FarEnd` that says what was recorded, each thing only when the client has said what came before it."""
+    """A `FarEnd` that sends each recorded message once the client has sent what came before it."""
 
     def __init__(self, recorded: list[Said]) -> None:
         self._ahead: list[Said] = []
@@ -98,7 +97,7 @@ class Playback:
                 asked = one.message
                 acknowledged.clear()
             elif one.by_client or one.message in acknowledged:
-                continue  # a repeated question is not waited for; that for a stream was asked up to three times then
+                continue  # repeated; a stream was requested up to three times
             elif isinstance(one.message, CommandAck) and one.message.command == VehicleCommand.SET_MESSAGE_INTERVAL:
                 acknowledged.add(one.message)
             self._ahead.append(one)
@@ -116,7 +115,7 @@ class Playback:
         self.tick(now)
 
     def _asked(self, spoken: Message) -> int | None:
-        """Which of those ahead this is: the next that the client said, or one after what may go unsaid."""
+        """Return which message ahead this is: the next, or one after what may go unsaid."""
         if self._waits is None:
             return None
         for number, one in enumerate(self._ahead):
@@ -149,7 +148,7 @@ class Playback:
 
 
 def first_checksum(recorded: list[Said]) -> int:
-    """The number of the first question for a checksum, if there is one: the answers are to those that follow it."""
+    """Return the number of the first question for a checksum."""
     asked = [unpack(one.message) for one in recorded if one.by_client and isinstance(one.message, FileTransfer)]
     return next((one.sequence for one in asked if one.opcode == Opcode.CALC_FILE_CRC32), 0)
 
@@ -174,7 +173,7 @@ def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> N
 
 
 def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
-    """What the client said, and when by the vehicle's own clock."""
+    """Yield the client's messages by the vehicle's own clock."""
     known = [(one.at, one.message.time_s) for one in recorded if isinstance(one.message, Position)] or [(0.0, 100.0)]
     down = [one.at for one in recorded if isinstance(one.message, Text) and one.message.text.startswith("Disarm")]
     for one in recorded:
@@ -185,7 +184,7 @@ def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
 
 
 def answers(name: str) -> list[tuple[float, Message]]:
-    """What the built-in autopilot says to the client's side of a recording, and when."""
+    """Return the built-in autopilot's answers, with times."""
     autopilot = autopilot_of(name)
     recorded = said(name)
     home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
@@ -213,7 +212,7 @@ def answers(name: str) -> list[tuple[float, Message]]:
 
 
 def talk(messages: list[Message]) -> dict[str, list[Any]]:
-    """What matters of what a vehicle said, by kind; repetitions once."""
+    """Return what matters of a vehicle's messages, by kind, without repetitions."""
     mine = ("Arm", "Disarm", "Mission", "Reached command", "Executing", "Climb to", "Flight plan", "Mode change")
     kinds: dict[str, list[Any]] = {
         "commands": [(one.command, one.result) for one in messages if isinstance(one, CommandAck)],
@@ -247,9 +246,9 @@ def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
             "reached",
         ):  # they depend on what was before
             continue
-        if kind == "commands":  # the client may have gone before the last answer came
+        if kind == "commands":  # the client may leave before the last answer
             got = got[: len(told)]
-        if kind == "modes":  # one that is shown for a moment falls between two heartbeats
+        if kind == "modes":  # a short one falls between heartbeats
             heard = iter(told)
             assert all(mode in heard for mode in got[1:]), kind
             assert got[-1] == told[-1]

@@ -1,9 +1,11 @@
-"""Quirks of a whole autopilot, on the ground and in flight, as measured on ArduCopter 4.7 and PX4 1.17."""
+"""Quirks measured on ArduCopter 4.7 and PX4 1.17."""
 
 from collections.abc import Sequence
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.link.messages import (
     Ack,
@@ -23,12 +25,10 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.simulator.simulated_flight import FlightMode
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown
@@ -59,7 +59,7 @@ def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
 
 @pytest.mark.parametrize(("disarm_delay", "lasts"), [(10.0, 10.0), (0.0, 110.0)])
 def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_delay: float, lasts: float) -> None:
-    # copter_nav_delay_takeoff.txt of ArduPilot, flown on ArduCopter 4.7.0-dev: disarmed after 10.0 s, else 110.0 s
+    # ArduPilot's copter_nav_delay_takeoff.txt on ArduCopter 4.7.0-dev: disarmed after 10.0 s, else 110.0 s
     items = (
         change_speed(10.0),
         Item(Command.NAV_DELAY, Frame.MISSION, (60.0, 0.0, 0.0, 0.0)),
@@ -148,7 +148,6 @@ LEGS = [takeoff(HOME, 10.0), north(60.0), north(120.0), north(180.0), return_to_
 
 
 def under_way(autopilot: Autopilot, items: Sequence[Item] = LEGS) -> Flown:
-    """A vehicle on its way to the second waypoint."""
     flown = arm_and_start(Flown(autopilot, items))
     while flown.mock.flight.current < 2:
         flown.fly(0.5)
@@ -197,7 +196,7 @@ def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Messa
 
 
 def reached(flown: Flown) -> list[int]:
-    """The numbers that are told as reached until the vehicle has disarmed, as in a file: home is 0."""
+    """Return the numbers reported as reached until disarmed, as in a file: home is 0."""
     told: list[int] = []
     while flown.mock.flight.armed:
         told += [said.seq + 1 - flown.first for said in flown.fly(1.0) if isinstance(said, Reached)]

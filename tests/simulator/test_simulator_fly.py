@@ -1,10 +1,9 @@
-"""A whole job over real MAVLink bytes: upload, read back, arm, start, fly, on a virtual clock."""
-
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
@@ -13,7 +12,6 @@ from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, retur
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of

@@ -1,4 +1,4 @@
-"""Garbage at both ends, a little of what `tools/fuzz/link.py` throws for as long as one likes."""
+"""`tools/fuzz/link.py` runs longer."""
 
 import random
 from collections.abc import Callable

@@ -1,9 +1,10 @@
-"""What ground stations ask besides missions: streams the old way, MAVLink's version, a battery, "go there"."""
-
 import math
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
     ClearAll,
@@ -30,10 +31,7 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
 )
 from ipoa_mission.link.wire import INT32_MAX
-from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import HOME
 from tests.simulator.flown import Flown
@@ -61,7 +59,6 @@ def test_px4_tells_its_version_of_mavlink_when_asked(autopilot: Autopilot, numbe
 
 
 def rates(flown: Flown, *kinds: type) -> list[int]:
-    """How often each kind is told in ten seconds."""
     said = flown.fly(10.0)
     return [sum(isinstance(message, kind) for message in said) for kind in kinds]
 
@@ -92,7 +89,7 @@ def test_px4_has_no_groups() -> None:
     assert rates(flown, Position, Hud, BatteryStatus) == before == [50, 40, 5]
 
 
-#: What QGroundControl v4.4 misses, in a dialog, where a vehicle does not have it.
+#: QGroundControl v4.4 reports these missing in a dialog.
 WANTED = {
     PX4: "CAL_GYRO0_ID CAL_ACC0_ID CAL_MAG0_ID CAL_MAG1_ID CAL_MAG2_ID SYS_AUTOCONFIG RC_MAP_ROLL RC_MAP_PITCH "
     "RC_MAP_YAW RC_MAP_THROTTLE RC_MAP_FLTMODE COM_FLTMODE1 COM_FLTMODE2 COM_FLTMODE3 COM_FLTMODE4 COM_FLTMODE5 "
@@ -125,7 +122,7 @@ NAN = math.nan
 
 
 def climbed(height: float = 15.0) -> Flown:
-    """A PX4 that has taken off as QGroundControl has it do: the order first, arming then."""
+    """A PX4 that has taken off as QGroundControl does: the order first, arming then."""
     flown = Flown(PX4, [])
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + height) == OK
     assert (flown.mock.mode, flown.mock.flight.armed) == (TAKEOFF, False)
@@ -189,7 +186,7 @@ def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
         (PX4, 0.0, CommandResult.UNSUPPORTED),
         (PX4, 3.0, CommandResult.UNSUPPORTED),
         (PX4, NAN, CommandResult.UNSUPPORTED),
-        (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # not built in; the real one flies there in GUIDED
+        (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # the real one flies there in GUIDED
     ],
 )
 def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, result: int) -> None:

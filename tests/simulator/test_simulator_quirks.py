@@ -1,4 +1,4 @@
-"""The table of quirks: what ArduCopter 4.7 and PX4 1.17 were measured to answer, row by row, held against ours."""
+"""ArduCopter 4.7's and PX4 1.17's measured answers, row by row."""
 
 import math
 from collections.abc import Sequence
@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import (
     Ack,
@@ -21,7 +22,6 @@ from ipoa_mission.link.messages import (
     WritePartialList,
 )
 from ipoa_mission.mission.items import Item, land
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, HOME, STRANGER, Vehicle, items_of, plain
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -39,7 +39,6 @@ def vehicle(autopilot: Autopilot, old: int = 0) -> Vehicle:
 
 
 def begun(autopilot: Autopilot, count: int = 3, received: int = 0, old: int = 0) -> Vehicle:
-    """A vehicle in mid-upload."""
     one = vehicle(autopilot, old)
     one.hear(Count(count))
     for seq in range(received):
@@ -48,7 +47,6 @@ def begun(autopilot: Autopilot, count: int = 3, received: int = 0, old: int = 0)
 
 
 def begun_list(autopilot: Autopilot, kind: int, old: Sequence[Item]) -> Vehicle:
-    """A vehicle that has a fence, or rally points."""
     one = Vehicle(autopilot)
     one.store(tuple(old), kind)
     return one
@@ -59,7 +57,7 @@ def begun_list(autopilot: Autopilot, kind: int, old: Sequence[Item]) -> Vehicle:
 
 @dataclass(frozen=True)
 class ItemRow:
-    """An item as the second of a mission, and the result that ends or continues the transfer."""
+    """The second item of a mission, and the result that ends or continues the transfer."""
 
     autopilot: Autopilot
     name: str
@@ -126,7 +124,7 @@ def test_an_item_gets_the_measured_result(row: ItemRow) -> None:
 
 @dataclass(frozen=True)
 class Row:
-    """What is said to a vehicle in some state, and its answer; words (STATUSTEXT) by what they contain."""
+    """Messages to a vehicle in some state, and its answer; words (STATUSTEXT) by their content."""
 
     name: str
     vehicle: Vehicle

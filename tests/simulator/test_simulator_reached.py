@@ -1,5 +1,3 @@
-"""What the built-in autopilot tells as reached, and where, against what real autopilots told on recorded flights."""
-
 import json
 import math
 from collections.abc import Mapping
@@ -8,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Reached
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.link_pair import CLIENT
@@ -24,7 +22,7 @@ FLIGHTS = Path(__file__).parent.parent / "flights"
 
 
 def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:
-    """A recorded mission, where the mock was when it told of each item (numbered as in the file), and the record."""
+    """A recorded mission, the mock's place at each item (numbered as in the file), and the record."""
     told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
     mission = read_mission(folder / "mission.waypoints", autopilot_named(folder.name.rsplit("-", 1)[1]))
     parameters = {name: float(value) for name, value in told["params"].items()}
@@ -37,7 +35,7 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     for message in (*orders, CommandLong(400, (1.0,) + (0.0,) * 6), start):
         mock.receive(message, CLIENT, 1.0)
     reached: dict[int, tuple[float, float]] = {}
-    left = 50  # steps for what is still to be said once it has disarmed
+    left = 50  # steps for messages after disarming
     while mock.flight.armed or left > 0:
         assert mock.flight.time_s < 1000.0, "it does not come down"
         left -= not mock.flight.armed

@@ -1,5 +1,3 @@
-"""A UDP relay that loses datagrams: a bad radio between our client and a vehicle that we did not write."""
-
 import random
 import select
 import socket
@@ -12,7 +10,7 @@ from ipoa_mission.link.address import Transport, parse_address
 
 @contextmanager
 def bad_radio(link: str, loss: float, seed: int) -> Iterator[str]:
-    """The link of the near end; `link` is that of the vehicle (udpin: it sends to us; udpout; tcp)."""
+    """Relay a link and lose datagrams; return the near end's link (udpin, udpout, tcp)."""
     far, near, chance = _open(link), socket.socket(socket.AF_INET, socket.SOCK_DGRAM), random.Random(seed)
     near.bind(("127.0.0.1", 0))
     enough = threading.Event()

@@ -1,7 +1,4 @@
-"""Whatever simulation the user has: `pytest -m sitl --ardupilot LINK|"COMMAND @ LINK" --px4 LINK|"COMMAND @ LINK"`.
-
-Loopback only. A vehicle that is already running is left as it was: its lists come back at the end.
-"""
+"""`pytest -m sitl --ardupilot LINK|"COMMAND @ LINK" --px4 LINK|"COMMAND @ LINK"`, loopback only."""
 
 import shlex
 import subprocess
@@ -10,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.sitl.simulated import Sitl
 
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
@@ -19,7 +16,7 @@ LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 @pytest.fixture(scope="module", params=list(registered()), ids=str)
 def simulation(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sitl]:
-    """One simulation for all tests of a module; afterwards it holds the lists that it held before."""
+    """One simulation for a module; its lists come back at the end."""
     family: Autopilot = request.param
     given = request.config.getoption(f"--{family}")
     if given is None:
@@ -43,6 +40,5 @@ def simulation(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
 
 @pytest.fixture
 def sitl(simulation: Sitl, tmp_path: Path) -> Sitl:
-    """The simulation, with a folder of this test's own."""
     simulation.folder = tmp_path
     return simulation

@@ -1,5 +1,3 @@
-"""A simulation that somebody runs, and the command line pointed at it."""
-
 import json
 import shlex
 import signal
@@ -10,29 +8,26 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-#: A square beside home, flown out and back [m]: east, north, up.
+#: A square beside home [m]: east, north, up.
 SQUARE = ((0.0, 0.0, 12.0), (25.0, 0.0, 12.0), (25.0, 25.0, 15.0), (0.0, 25.0, 12.0))
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended."""
-
     code: int
     out: str
     err: str
 
     @property
     def found(self) -> dict[str, Any]:
-        """What it said with `--json`."""
         told: dict[str, Any] = json.loads(self.out)
         return told
 
@@ -47,7 +42,7 @@ class Sitl:
     home: Geodetic = field(init=False)
 
     def connect(self, link: str | None = None) -> Vehicle:
-        """Our own client; a simulation that has just been started is waited for."""
+        """Connect; wait for a simulation that has just been started."""
         until = time.monotonic() + 60.0
         while True:
             try:
@@ -57,7 +52,6 @@ class Sitl:
                     raise
 
     def wait_for_home(self) -> Geodetic:
-        """Where it stands, once it knows."""
         until = time.monotonic() + 120.0
         while time.monotonic() < until:
             with self.connect() as vehicle:
@@ -67,7 +61,6 @@ class Sitl:
         raise TimeoutError(f"{self.autopilot} does not say where its home is")
 
     def begin(self, words: str, link: str | None = None) -> "subprocess.Popen[str]":
-        """A command under way."""
         command = [sys.executable, "-m", "ipoa_mission", *shlex.split(words), "--link", link or self.link]
         return subprocess.Popen(
             command,
@@ -79,13 +72,11 @@ class Sitl:
         )
 
     def run(self, words: str, link: str | None = None, seconds: float = 400.0) -> Ended:
-        """A command to its end."""
         with self.begin(words, link) as running:
             out, err = running.communicate(timeout=seconds)
         return Ended(running.returncode, out, err)
 
     def mission(self, items: tuple[Item, ...] | None = None) -> Mission:
-        """Up, once round the square, and home."""
         frame = LocalFrame(self.home)
         places = [(frame.geodetic(point), point[2]) for point in map(list, SQUARE)]  # type: ignore[arg-type]
         legs = (waypoint(place, up) for place, up in places[1:])
@@ -97,13 +88,11 @@ class Sitl:
         )
 
     def write(self, mission: Mission, name: str = "square.plan") -> Path:
-        """A mission file in the test's folder."""
         write_mission(mission, self.folder / name)
         return self.folder / name
 
 
 def interrupt(running: "subprocess.Popen[str]", after_s: float) -> Ended:
-    """Ctrl-C after so many seconds."""
     time.sleep(after_s)
     running.send_signal(signal.SIGINT)
     out, err = running.communicate(timeout=60.0)

@@ -1,5 +1,3 @@
-"""The admission of a firmware version: its scenes, its watch over a flight, its verdict, and a whole run."""
-
 import argparse
 import sys
 from dataclasses import replace
@@ -10,8 +8,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.telemetry import Position
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tools.fly import admit
 from tools.fly.admission_flight import COMPLETED, FLEW_AWAY, NOT_COMPLETED, NOT_FLOWN, REFUSED, Broken, Row, Watch
 from tools.fly.admission_scenes import FAST, KINDS, SLOW, scene, scene_name, shipped, written

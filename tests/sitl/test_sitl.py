@@ -1,26 +1,25 @@
-"""Every verb, end to end, on real autopilots in simulation; each test leaves the vehicle disarmed at home."""
+"""Every verb on real autopilots in simulation; each test leaves the vehicle disarmed at home."""
 
 from dataclasses import replace
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import FenceCircle, FencePolygon
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import LocalFrame, apart
 from tests.sitl.bad_radio import bad_radio
 from tests.sitl.simulated import Sitl, interrupt
 
 pytestmark = pytest.mark.sitl
 RADIO_LOSS = 0.3
-INTERRUPTED_S = 20.0  # of this computer's time: in the air by then, at any speed of the simulation up to ten
+INTERRUPTED_S = 20.0  # wall clock: in the air at any speedup to ten
 
 
 def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, object]:
-    """The square, flown to its end; every item of it is done, in order."""
     plan = sitl.write(sitl.mission())
     ended = sitl.run(f"fly {plan} --json {words}", link)
     assert ended.code == 0, ended.err + ended.out
@@ -36,7 +35,6 @@ def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, obj
 
 
 def bring_home(sitl: Sitl) -> None:
-    """A vehicle in the air returns and disarms, as a pilot would have it."""
     with sitl.connect() as vehicle:
         result, words = vehicle._hold(orders.command(Command.NAV_RETURN_TO_LAUNCH))
         assert result == CommandResult.ACCEPTED, words
@@ -68,7 +66,7 @@ def test_lists_go_up_come_down_and_go_away(sitl: Sitl) -> None:
 
 
 def test_a_flight_is_flown_to_its_end_and_again(sitl: Sitl) -> None:
-    """The second begins disarmed in the mode, and at the item, in which the first has ended."""
+    """The second begins in the mode, and at the item, in which the first has ended."""
     for _ in range(2):
         flown(sitl)
 

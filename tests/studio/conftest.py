@@ -1,5 +1,3 @@
-"""A studio on a scenario of its own, without a browser: the page's requests are made by hand."""
-
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -22,8 +20,6 @@ MEADOW = Path(__file__).parent / "meadow.toml"
 
 
 class Talk:
-    """A window's end of the conversation."""
-
     def __init__(self, socket: Any) -> None:
         self._socket = socket
         self.heard: list[dict[str, Any]] = []
@@ -32,7 +28,7 @@ class Talk:
         self._socket.send_json(request)
 
     def wait(self, kind: str, meant: Callable[[dict[str, Any]], bool] = lambda answer: True) -> dict[str, Any]:
-        """The next answer of a kind that is the one meant; trouble that is not expected fails the test."""
+        """Return the next answer of a kind that is meant; unexpected trouble fails the test."""
         while True:
             answer = dict(self._socket.receive_json())
             self.heard.append(answer)
@@ -41,14 +37,13 @@ class Talk:
             assert answer["kind"] != "trouble", answer
 
     def has(self, kind: str, meant: Callable[[dict[str, Any]], bool] = lambda answer: True) -> dict[str, Any]:
-        """The latest answer of a kind that is meant, or else the next: what processes answer comes in any order."""
+        """Return the latest answer that is meant, or else the next: processes answer in any order."""
         for answer in reversed(self.heard):
             if answer["kind"] == kind and meant(answer):
                 return answer
         return self.wait(kind, meant)
 
     def wait_for_trouble(self, of: str) -> dict[str, Any]:
-        """The next trouble of this sort."""
         while True:
             answer = dict(self._socket.receive_json())
             if answer["kind"] == "trouble" and answer["of"] == of:
@@ -56,8 +51,6 @@ class Talk:
 
 
 class Studio:
-    """A running server on `scenario`."""
-
     def __init__(self, client: Any, scenario: Path, token: str = TOKEN) -> None:
         self.client = client
         self.scenario = scenario
@@ -72,7 +65,7 @@ class Studio:
 
 @pytest.fixture(scope="session", autouse=True)
 def state_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Where the studio remembers things: not in the home of who runs the tests."""
+    """Keep the studio's state out of the home of the user."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
         yield
@@ -80,7 +73,7 @@ def state_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="session")
 def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """One server for all tests that ask for it, which are one group: its workers need seconds to begin."""
+    """One server for all tests that ask for it: its workers need seconds to begin."""
     folder = tmp_path_factory.mktemp("studio")
     bundle = folder / "bundle"
     bundle.mkdir()
@@ -97,7 +90,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
 
 @pytest.fixture
 def studio(running: Studio) -> Iterator[Studio]:
-    """It, with the scenario as it is in the repository when the test is over."""
+    """Restore the scenario after each test."""
     yield running
     with running.window() as talk:
         text = MEADOW.read_text()

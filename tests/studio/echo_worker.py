@@ -1,5 +1,3 @@
-"""A worker that echoes, sleeps or dies, for the tests of what holds workers."""
-
 import os
 import time
 from collections.abc import Mapping

@@ -1,7 +1,4 @@
-"""Firefox, driven by WebDriver BiDi, which it speaks itself: no driver has to be installed.
-
-On a screen of Xvfb it draws by WebGL, with no window at all it has none.
-"""
+"""Firefox by WebDriver BiDi, without a driver; it has WebGL only on a screen of Xvfb."""
 
 import base64
 import itertools
@@ -18,7 +15,7 @@ from typing import Any
 
 from tests.studio.pointing import PATIENCE_S, element, settled
 
-#: WebGL also by software, and nothing asked of anyone at the start.
+#: WebGL by software too, and no requests at the start.
 PREFERENCES = {
     "webgl.force-enabled": True,
     "browser.shell.checkDefaultBrowser": False,
@@ -31,8 +28,6 @@ PREFERENCES = {
 
 
 class Firefox:
-    """One page in it."""
-
     def __init__(self, socket: Any) -> None:
         self._socket = socket
         self._numbers = itertools.count(1)
@@ -44,41 +39,36 @@ class Firefox:
         self._do("browsingContext.setViewport", context=self._page, viewport={"width": 1280, "height": 800})
 
     def open(self, address: str) -> None:
-        """Go there."""
         self._do("browsingContext.navigate", context=self._page, url=address, wait="complete")
 
     def value(self, expression: str) -> Any:
-        """What an expression of the page's script comes to, as JSON has it."""
+        """Return an expression's value as JSON."""
         asked = f"Promise.resolve({expression}).then(value => JSON.stringify(value ?? null))"
         told = self._do("script.evaluate", expression=asked, target={"context": self._page}, awaitPromise=True)
         assert told["type"] == "success", told
         return json.loads(told["result"]["value"])
 
     def until(self, expression: str) -> None:
-        """Wait for an expression to be true."""
         until_s = time.monotonic() + PATIENCE_S
         while not self.value(expression):
             assert time.monotonic() < until_s, f"never came true: {expression}"
             time.sleep(0.05)
 
     def drag(self, *places: tuple[float, float]) -> None:
-        """Press the mouse at the first place, and let it go at the last."""
+        """Drag the mouse from the first place to the last."""
         moves = [{"type": "pointerMove", "x": round(x), "y": round(y), "duration": 50} for x, y in places]
         steps = [moves[0], {"type": "pointerDown", "button": 0}, *moves[1:], {"type": "pointerUp", "button": 0}]
         self._act({"type": "pointer", "id": "mouse", "actions": steps})
 
     def click(self, script: str) -> None:
-        """Click what an expression of the page's script finds."""
         self.value(f"{script}.scrollIntoView({{block: 'center'}})")
         self.drag(settled(self.value, element(script), "true"))
 
     def type(self, words: str) -> None:
-        """Press keys."""
         keys = [{"type": way, "value": letter} for letter in words for way in ("keyDown", "keyUp")]
         self._act({"type": "key", "id": "keys", "actions": keys})
 
     def picture(self) -> bytes:
-        """The page as it is drawn, as PNG."""
         return base64.b64decode(self._do("browsingContext.captureScreenshot", context=self._page)["data"])
 
     def _act(self, source: dict[str, Any]) -> None:
@@ -102,7 +92,7 @@ class Firefox:
 
 @contextmanager
 def screen(xvfb: str | None) -> Iterator[dict[str, str]]:
-    """What the environment says of a screen; None: there is none."""
+    """Return the environment of a screen, or None."""
     if xvfb is None:
         yield {"MOZ_HEADLESS": "1"}
         return
@@ -117,7 +107,6 @@ def screen(xvfb: str | None) -> Iterator[dict[str, str]]:
 
 @contextmanager
 def firefox(program: str, folder: Path, xvfb: str | None) -> Iterator[Firefox]:
-    """A Firefox with a profile of its own in an empty folder."""
     from websockets.sync.client import connect
 
     lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in PREFERENCES.items()]

@@ -1,7 +1,4 @@
-"""A hand on the studio's page: where something is, when nothing moves it any more, and what is pressed there.
-
-What is asked of the page is told as JavaScript, so that any browser can be asked. A place is [x, y] or null.
-"""
+"""Find, wait for and press places of the page by JavaScript, in any browser; a place is [x, y] or null."""
 
 import json
 import time
@@ -9,19 +6,19 @@ from collections.abc import Callable
 from typing import Any
 
 PATIENCE_S = 120.0
-#: What is open was judged as it is now, nothing is being dragged, and the map is drawn as it will be.
+#: Judged, not dragged, and the map drawn.
 SETTLED = """(
     document.querySelector(".verdict :is(.good, .amber, .refusal)") !== null
     && !/While you drag|Looking at|coarse path|laid at once/.test(document.querySelector(".verdict").textContent)
     && document.querySelector(".progress, .past, .flights.stale") === null
     && (window.map?.loaded() ?? false) && !map.isMoving()
 )"""
-SAME = 3  # looks in a row, each after two frames, that must find it at one place
+SAME = 3  # looks in a row, each after two frames
 FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 def element(script: str) -> str:
-    """The middle of an element that a script finds, where it lies on top."""
+    """Return the middle of an element, where it is on top."""
     return f"""(() => {{
         const one = {script}, box = one?.getBoundingClientRect();
         if (!box) return null;
@@ -31,12 +28,12 @@ def element(script: str) -> str:
 
 
 def found(selector: str, number: int = 0) -> str:
-    """The middle of an element by its selector; `number`: of those that it finds."""
+    """Return the middle of an element by selector and number."""
     return element(f"document.querySelectorAll({json.dumps(selector)})[{number}]")
 
 
 def stroke(selector: str, number: int = 0) -> str:
-    """Where a stroke of a drawing begins, whatever lies on top: it is its drawing that is pressed."""
+    """Return where a drawing's stroke begins, whatever is on top."""
     return f"""(() => {{
         const box = document.querySelectorAll({json.dumps(selector)})[{number}]?.getBoundingClientRect();
         return box ? [box.x, box.y] : null;
@@ -44,7 +41,7 @@ def stroke(selector: str, number: int = 0) -> str:
 
 
 def feature(layer: str, about: str, aside: tuple[float, float] = (0.0, 0.0)) -> str:
-    """The middle of a feature of the map that a layer draws there now; `about`: a condition on its properties `of`."""
+    """Return the middle of a feature in a layer; `about`: a condition on its properties `of`."""
     return f"""(() => {{
         const box = map.getCanvas().getBoundingClientRect(), layers = [{json.dumps(layer)}];
         const one = map.queryRenderedFeatures({{ layers }}).find(({{ properties: of }}) => {about});
@@ -60,12 +57,9 @@ def feature(layer: str, about: str, aside: tuple[float, float] = (0.0, 0.0)) -> 
 
 
 def settled(evaluate: Callable[[str], Any], place: str = "[0, 0]", condition: str = SETTLED) -> Any:
-    """Where something is once the page has settled, or fulfills another condition, and it stays there.
+    """Return where something stays once the page has settled, or fulfills another condition.
 
     `evaluate` awaits a promise of the page.
-
-    Raises:
-        AssertionError: for so long nothing was found that stays.
     """
     before, same, until_s = None, 0, time.monotonic() + PATIENCE_S
     while time.monotonic() < until_s:
@@ -79,26 +73,23 @@ def settled(evaluate: Callable[[str], Any], place: str = "[0, 0]", condition: st
 
 
 class Hand:
-    """The mouse on a page of Chromium; what is pressed is looked for anew each time."""
+    """The mouse on a page of Chromium."""
 
     def __init__(self, page: Any) -> None:
         self._page = page
 
     def at(self, place: str) -> tuple[float, float]:
-        """Where something is, when the page has settled."""
         x, y = settled(self._page.evaluate, place)
         return float(x), float(y)
 
     def settle(self) -> None:
-        """Wait until the page has settled."""
         self.at("[0, 0]")
 
     def click(self, place: str) -> None:
-        """Press there."""
         self._page.mouse.click(*self.at(place))
 
     def drag(self, place: str, right: float, down: float, then: Callable[[], object] = lambda: None) -> None:
-        """Take hold of something there, and let it go so many pixels off; `then`: before it is let go."""
+        """Drag by pixels; `then`: before it is let go."""
         x, y = self.at(place)
         mouse = self._page.mouse
         mouse.move(x, y)

@@ -1,5 +1,3 @@
-"""The studio's planner, for tests of what becomes of its plans: it looks less hard for them."""
-
 from ipoa_mission.studio.harness import work
 from ipoa_mission.studio.plan_worker import PlanWorker
 from tests.quick_search import search_quickly

@@ -1,4 +1,4 @@
-"""`ipoa-mission` as a user runs it; a studio has a planner that looks less hard, and waits less long for more."""
+"""`ipoa-mission` whose studio plans quickly and waits less."""
 
 from collections.abc import Callable
 
@@ -7,7 +7,6 @@ from tests.quick_search import put
 
 
 def hasten(patch: Callable[[str, object], None] = put) -> None:
-    """Have the sessions of this process do so; `patch`: `setattr` of a monkeypatch."""
     for name, value in (("PLANNER", "tests.studio.quick_planner"), ("SETTLE_TIME_S", 0.2), ("FILE_CHECK_S", 0.2)):
         patch(f"ipoa_mission.studio.session.{name}", value)
 

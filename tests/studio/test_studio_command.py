@@ -1,13 +1,10 @@
-"""`ipoa-mission studio`: what it refuses before it serves anything, and what a new scenario begins with."""
-
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission import BadInput, read_scenario
-from ipoa_mission.cli import studying
-from ipoa_mission.cli.studying import _begin
-from ipoa_mission.studio import bundle
+from ipoa_mission.studio import bundle, studio_verb
+from ipoa_mission.studio.studio_verb import _begin
 from tests.refused import refuses
 
 
@@ -28,9 +25,9 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(studying, "LIBRARIES", ("numpy", "no_such_library"))
+    monkeypatch.setattr(studio_verb, "LIBRARIES", ("numpy", "no_such_library"))
     with refuses("package-missing", "", "no_such_library"):
-        studying.studio(Path("mission.toml"))
+        studio_verb.studio(Path("mission.toml"))
 
 
 def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

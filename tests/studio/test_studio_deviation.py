@@ -1,5 +1,3 @@
-"""A flight on the page that deviates from its forecast, and one whose return the page has ordered."""
-
 import queue
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +19,7 @@ MISSION = read_mission(MISSIONS / "sitl.plan")
 
 
 def flown(folder: Path, forecast: Forecast, order_at: Any) -> list[Any]:
-    """What the page is told of a flight; `order_at` says of each answer what the page orders then."""
+    """Return the page's messages of a flight; `order_at` gives its orders."""
     HandedOver("sitl", forecast, "proof").write(folder / "flight")
     beside: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
     told, ordered = list[Any](), list[str]()

@@ -1,5 +1,3 @@
-"""A scenario's text is changed where it is changed, and nowhere else; what is said of its world stays true."""
-
 import difflib
 from pathlib import Path
 
@@ -24,7 +22,6 @@ KEY = "safety_distance"
 
 
 def difference(before: str, after: str) -> list[str]:
-    """The lines that went and those that came."""
     lines = difflib.ndiff(before.splitlines(), after.splitlines())
     return [line for line in lines if line[0] in "+-"]
 

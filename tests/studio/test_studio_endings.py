@@ -1,5 +1,3 @@
-"""The strip of endings under the page's profile: the rows of the forecast, where the report has them, with costs."""
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +7,7 @@ import pytest
 pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.grades import Grade
@@ -16,7 +15,6 @@ from ipoa_mission.report.page import report_html
 from ipoa_mission.studio.contingency_answers import StripCost, StripOfEndings
 from ipoa_mission.studio.contingency_strip import strips_of
 from ipoa_mission.studio.plan_answers import course_of
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -1,7 +1,4 @@
-"""The page in Firefox: opened, dragged on, drawn on, saved, flown from; also where it has no WebGL.
-
-Needs Firefox and the built page, and Xvfb for the map; without them these tests are skipped.
-"""
+"""Needs Firefox and the built page, and Xvfb for the map; skipped without."""
 
 import re
 import shutil
@@ -36,7 +33,6 @@ def field(label: str) -> str:
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[tuple[str, Path]]:
-    """Where the studio is, and the scenario that it is open on."""
     from ipoa_mission.studio.bundle import built_page
 
     try:

@@ -1,5 +1,3 @@
-"""What the planner hands to the pilot is a value, over terrain too: each shipped flight goes from one to the other."""
-
 import pickle
 import queue
 from pathlib import Path

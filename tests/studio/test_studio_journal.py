@@ -1,5 +1,3 @@
-"""What was done is kept beside the file: undo survives a restart, a crash and another program's hand."""
-
 from pathlib import Path
 
 import pytest

@@ -1,5 +1,3 @@
-"""Drawn, placed, moved and taken out by keyboard alone, in a real browser; skipped as the page's other tests are."""
-
 import re
 import tomllib
 from collections.abc import Iterator
@@ -31,7 +29,7 @@ LEFT, RIGHT, UP, DOWN = (f"Arrow{way}" for way in ("Left", "Right", "Up", "Down"
 
 
 def press(page: Any, *keys: str) -> None:
-    """Press keys; one that is followed by a number so many times."""
+    """Press keys; a number repeats the key before it."""
     for key in keys:
         name, _, times = key.partition("*")
         for _ in range(int(times or 1)):
@@ -39,18 +37,16 @@ def press(page: Any, *keys: str) -> None:
 
 
 def told(page: Any, words: str) -> None:
-    """Wait for words that are said to who does not see the map."""
+    """Wait for a screen reader's words."""
     page.locator(".spoken", has_text=words).wait_for()
 
 
 def undone(page: Any, words: str) -> None:
-    """Wait for a change that can be undone."""
     until(page, f"document.querySelector('[title^=Undo]').title === 'Undo: {words}'")
 
 
 @pytest.fixture
 def at_home(page: Any) -> Iterator[Any]:
-    """The page with its map as it begins, and nothing on it in focus."""
     proved(page)
     page.evaluate("document.activeElement.blur()")
     press(page, "Home")

@@ -1,5 +1,3 @@
-"""A flight on the page whose link is lost and comes back: what is shown meanwhile, and that nothing is ordered."""
-
 import queue
 import threading
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Who is heard on links: what cannot be opened, or says nothing, is told as such, and the next one is listened to."""
-
 import socket
 
 import pytest

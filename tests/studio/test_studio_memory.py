@@ -1,5 +1,3 @@
-"""The studio comes back where it was, and tells nobody else where that is."""
-
 import socket
 from pathlib import Path
 

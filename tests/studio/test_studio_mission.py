@@ -1,5 +1,3 @@
-"""A mission file on the page's server: opened without a scenario, changed item by item, checked and timed, saved."""
-
 import json
 import shutil
 from collections.abc import Iterator
@@ -32,7 +30,6 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
 
 
 def edit(talk: Any, seen: int, *changes: dict[str, Any]) -> dict[str, Any]:
-    """What the page is told of the mission after a change."""
     talk.say(kind="edit", seen=seen, label="changed", changes=list(changes))
     document = talk.wait("document")
     return dict(talk.wait("mission", lambda told: told["revision"] == document["revision"]))
@@ -96,14 +93,12 @@ rotor_diameter = 0.3
 
 
 def within(talk: Any, world: Path | None) -> int:
-    """Have it judged elsewhere; its revision, when it was."""
     talk.say(kind="within", scenario=None if world is None else str(world), autopilot=None)
     asked = talk.wait("document", lambda told: not told["unsaved"])["revision"]
     return int(talk.wait("checked", lambda told: told["revision"] == asked)["revision"])
 
 
 def uploaded(talk: Any, speedup: float) -> dict[str, str]:
-    """What a start must name."""
     talk.say(kind="upload", link=None, system=None, speedup=speedup)
     loaded = talk.wait("loaded")
     return {what: loaded[what] for what in ("vehicle", "mission", "proof")}

@@ -1,7 +1,4 @@
-"""The page in a real browser: drawn on, dragged on, saved, compared and flown from; nothing asked of anyone else.
-
-Needs Chromium, playwright and the built page (or npm to build it); without them these tests are skipped.
-"""
+"""The page in Chromium by playwright, with the built page (or npm); skipped without."""
 
 import json
 import os
@@ -20,13 +17,13 @@ from urllib.parse import urljoin
 import pytest
 
 from ipoa_mission import Forecast, read_mission
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.contingency_bars import LOOK
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
 from tests.studio.pointing import PATIENCE_S, Hand, feature, found, settled, stroke
@@ -40,7 +37,7 @@ pytestmark = [in_a_browser, pytest.mark.long]  # what is always tried: test_stud
 
 REPOSITORY = Path(__file__).parents[2]
 WEB = REPOSITORY / "ipoa_mission" / "studio" / "web"
-#: Only the map is drawn by a GPU, which is a program, and that coarsely: nobody looks at it.
+#: Draw only the map by a GPU, coarsely.
 SOFTWARE = [
     "--no-sandbox",
     "--use-gl=angle",
@@ -49,8 +46,8 @@ SOFTWARE = [
     "--disable-gpu-compositing",
     "--webgl-antialiasing-mode=none",
 ]
-COARSE = 0.5  # pixels of the picture for a pixel of the page
-#: What the browser says of being set up so.
+COARSE = 0.5  # of picture pixels to page pixels
+#: The browser's words about this setup.
 OF_THE_SETUP = "GL Driver Message (OpenGL, Performance, GL_CLOSE_PATH_NV, High): GPU stall due to ReadPixels"
 PATIENCE_MS = int(1000 * PATIENCE_S)
 USUAL = {"width": 1280, "height": 800}
@@ -58,7 +55,6 @@ USUAL = {"width": 1280, "height": 800}
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Path]]:
-    """Where the studio is, and the scenario that it is open on."""
     from ipoa_mission.studio.bundle import built_page
 
     try:
@@ -104,7 +100,7 @@ class Window:
 
     @contextmanager
     def on_the_meadow(self, scenario: Path) -> Iterator[Any]:
-        """The page, with the scenario as it is in the repository; at the end nobody may have complained."""
+        """Open the page on the repository's scenario; expect no complaints."""
         if self.page.locator("textarea").input_value() != MEADOW.read_text():
             rewrite(self.page, MEADOW.read_text())
         yield self.page
@@ -113,13 +109,13 @@ class Window:
 
 
 def is_elsewhere(asked: str, url: str) -> bool:
-    """Whether something is asked of anyone but the server that gave out the page."""
+    """Return whether anyone but the page's server is asked."""
     return not asked.startswith((urljoin(url, "/"), "blob:", "data:"))
 
 
 @pytest.fixture
 def own_page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
-    """A page that is opened for one test, which leaves more in it than another scenario."""
+    """Open a page for one test."""
     window = Window(browser, address[0])
     with window.on_the_meadow(address[1]) as page:
         yield page
@@ -128,13 +124,12 @@ def own_page(browser: Any, address: tuple[str, Path]) -> Iterator[Any]:
 
 @pytest.fixture(scope="module")
 def window(browser: Any, address: tuple[str, Path]) -> Window:
-    """A page for many tests: the map takes seconds to begin."""
+    """Keep a page for many tests: the map takes seconds to begin."""
     return Window(browser, address[0])
 
 
 @pytest.fixture
 def page(window: Window, address: tuple[str, Path]) -> Iterator[Any]:
-    """It, as it was when it was opened."""
     window.page.set_viewport_size(USUAL)
     window.page.emulate_media(media="screen", color_scheme="light", reduced_motion="reduce")
     with window.on_the_meadow(address[1]) as page:
@@ -142,7 +137,7 @@ def page(window: Window, address: tuple[str, Path]) -> Iterator[Any]:
 
 
 def came_true(page: Any, expression: str, patience_s: float) -> bool:
-    """Whether an expression is true within a time; playwright's own wait uses `eval`, which the page forbids."""
+    """Wait for an expression; playwright's own wait uses `eval`, which the page forbids."""
     until_s = time.monotonic() + patience_s
     while time.monotonic() < until_s:
         if page.evaluate(expression):
@@ -152,12 +147,11 @@ def came_true(page: Any, expression: str, patience_s: float) -> bool:
 
 
 def until(page: Any, expression: str) -> None:
-    """Wait for an expression to be true."""
     assert came_true(page, expression, PATIENCE_S), f"never came true: {expression}"
 
 
 def rewrite(page: Any, text: str) -> None:
-    """Change the scenario's text; once more where the program has just taken what a test before wrote to the file."""
+    """Change the scenario's text; again where the program has just read an earlier one."""
     page.locator("summary", has_text="The scenario's text").click()
     for _ in range(6):
         page.locator("textarea").fill(text)
@@ -170,7 +164,7 @@ def rewrite(page: Any, text: str) -> None:
 
 
 def proved(page: Any) -> None:
-    """Wait for a plan; one of what was here before does not stay."""
+    """Wait for a plan of the present text."""
     settled(page.evaluate, "document.querySelector('.verdict :is(.good, .amber)') && true")
 
 
@@ -179,7 +173,7 @@ def scenario_of(page: Any) -> str:
 
 
 def places(page: Any, *shares: tuple[float, float]) -> list[tuple[float, float]]:
-    """Places on the screen: shares of the way from the start to the goal, and as far aside."""
+    """Return screen places: shares of the way from start to goal, and aside."""
     (x, y), (goal, _) = (Hand(page).at(found(f"[data-spot={name}]")) for name in ("start", "goal"))
     return [(x + east * (goal - x), y - north * (goal - x)) for east, north in shares]
 
@@ -198,11 +192,11 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
     own_page.reload()
-    until(own_page, f"{cells}.length > 0")  # what was kept is there when the page comes back
+    until(own_page, f"{cells}.length > 0")  # kept over a reload
     own_page.get_by_label("forget A").click()
 
 
-#: Notes that the page has told of a flight: a busy machine may look only after the landing.
+#: Notes of a flight: a busy machine may look only after the landing.
 SEEN_FLYING = """() => new MutationObserver(() => {
     window.seenFlying ||= document.body.innerText.includes("flying for");
 }).observe(document.body, {subtree: true, childList: true, characterData: true})"""
@@ -229,7 +223,7 @@ def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
 
 def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:
     name = '<img src="https://evil.example/x" onerror="alert(1)">'
-    proved(page)  # a page that has just been opened hears no keys yet
+    proved(page)  # a new page hears no keys yet
     page.keyboard.press("b")
     for place in places(page, (0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
         page.mouse.click(*place)
@@ -237,7 +231,7 @@ def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path
     until(page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
     field = page.locator("label", has_text="Name").locator("input")
     field.fill(name)
-    proved(page)  # an answer that comes meanwhile takes nothing of what is being typed
+    proved(page)  # an answer keeps what is being typed
     assert field.input_value() == name
     field.press("Tab")
     page.get_by_role("heading", name=name).wait_for()  # text, not markup
@@ -344,7 +338,6 @@ def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any)
 
 
 def test_a_fence_that_is_refused_is_drawn_all_the_same(page: Any) -> None:
-    """Until it is undone, so that one sees why home is not in it."""
     proved(page)
     ring = "[[50.0, 20.0], [90.0, 20.0], [90.0, 60.0], [50.0, 60.0]]"
     rewrite(page, MEADOW.read_text() + f"\n[[fence]]\npolygon = {ring}\n")
@@ -388,7 +381,7 @@ def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any)
     page.keyboard.press("Home")
 
 
-#: Flown over, but not to be landed on.
+#: Too high to land on.
 SHED = """
 [[obstacles]]
 kind = "box"
@@ -433,7 +426,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     until(page, "document.querySelector('.strip .then').textContent.endsWith('it is on the ground')")
     rows = endings.rows(Contingency.LAND, timed=False)
     assert Grade.WOULD in {row.grade for row in rows}
-    for row in rows:  # a key leads to where it is in the air, and on to where that changes
+    for row in rows:  # a key leads to it, and on to its changes
         page.keyboard.press("PageUp")
         until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
     looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
@@ -471,7 +464,7 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
 
 
 def serious(page: Any, scheme: str) -> list[str]:
-    """What axe finds serious in a page, with every panel open."""
+    """Return axe's serious findings, with every panel open."""
     axe = WEB / "node_modules" / "axe-core" / "axe.min.js"
     if not axe.is_file():
         pytest.skip("needs axe-core: npm ci in ipoa_mission/studio/web")

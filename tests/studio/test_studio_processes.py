@@ -1,5 +1,3 @@
-"""Workers are asked one thing at a time, can be told to stop, and cost nothing when they die."""
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
@@ -98,4 +96,4 @@ def test_what_is_changed_while_a_plan_is_handed_over_is_not_what_is_loaded(tmp_p
         await desk.close()
 
     asyncio.run(whole())
-    assert [order["revision"] for order in orders] == [7]  # and so a start is refused: the plan shown is another
+    assert [order["revision"] for order in orders] == [7]  # a start is refused: another plan is shown

@@ -1,5 +1,3 @@
-"""What is refused is said in names of the map, and what may help is a change that can be made."""
-
 import json
 from pathlib import Path
 

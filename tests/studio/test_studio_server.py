@@ -1,8 +1,3 @@
-"""What the page asks is done, told to every window, and nothing of it is lost.
-
-A flight is uploaded, named, started, watched on the built-in autopilot; and refused where it must be.
-"""
-
 import socket
 import threading
 from collections.abc import Iterator
@@ -208,7 +203,7 @@ def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:
 
 @contextmanager
 def beating(port: int, firmware: int, mav_type: int) -> Iterator[set[bytes]]:
-    """A vehicle of this kind sends heartbeats to a port; what it has heard."""
+    """Send heartbeats of a vehicle to a port; yield its messages."""
     heard, codec, is_over = set[bytes](), Codec(1, 1), threading.Event()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
         own.settimeout(0.05)

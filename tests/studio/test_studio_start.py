@@ -1,5 +1,3 @@
-"""The start page: it opens what it told of and nothing else, begins a scenario at a place, lays a log beside a plan."""
-
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -28,7 +26,6 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
 
 
 def other(start: Studio, address: str) -> Studio:
-    """What is open at an address beside the start page's."""
     return Studio(start.client, start.scenario, address.strip("./"))
 
 

@@ -1,5 +1,3 @@
-"""What one looks at stays where it is: the map where one draws, the side while it is planned; on paper all is there."""
-
 import json
 from typing import Any
 

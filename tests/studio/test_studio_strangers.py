@@ -1,5 +1,3 @@
-"""A stranger's page, a guessed address and a name that is markup get nothing, and nothing done."""
-
 import pytest
 from starlette.websockets import WebSocketDisconnect
 

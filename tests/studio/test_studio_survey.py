@@ -1,5 +1,3 @@
-"""A survey in the studio: its area changed in the text, refused with a remedy, planned, written, flown."""
-
 import json
 import shutil
 from pathlib import Path
@@ -53,7 +51,7 @@ PHOTOS = asked("camera", "DJI Mavic 3E")
 LARGE_BARN = [Put(path=("obstacles", 0, side), value=200.0) for side in ("width", "depth")]
 
 
-#: So low that the way home leads between barn and silo.
+#: The way home leads between barn and silo.
 NARROW: list[Change] = [
     asked("polygon", [[-10, -30], [70, -30], [70, 30], [-10, 30]]),
     *(asked("line_spacing", 8.0), asked("height_above_ground", 20.0)),
@@ -61,7 +59,6 @@ NARROW: list[Change] = [
 
 
 def drawn(*changes: Change) -> str:
-    """The meadow's text with an area drawn, and these changes."""
     return changed(MEADOW.read_text(), [WIDE, DrawArea(what="area", ring=OUTLINE), *changes])
 
 
@@ -76,7 +73,7 @@ def area(*changes: Change) -> Any:
 
 
 def on_map(ring: tuple[LngLat, ...]) -> Any:
-    """The ring in metres from the meadow's home, by plain geometry."""
+    """Convert to metres from the meadow's home, by plain geometry."""
     wide, high = 111_412.84 * np.cos(np.radians(47.3)) - 93.5 * np.cos(3 * np.radians(47.3)), 111_170.0
     return shapely.Polygon([((east - 8.5) * wide, (north - 47.3) * high) for east, north in ring])
 
@@ -174,7 +171,6 @@ def test_a_corridor_and_a_map_take_the_area_s_place(tmp_path: Path) -> None:
 
 
 def told(job: Any, text: str) -> list[Any]:
-    """What a planner's job answers to a text."""
     found = list[Any]()
     order = {"text": text, "path": str(MEADOW), "revision": 1, "number": None, "changes": []}
     job(order, found.append)
@@ -219,7 +215,7 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
     text = drawn(*wrong)
     wanted = parse_scenario(text, MEADOW)
     with monkeypatch.context() as hurried:
-        hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # no more room is given to what is too near
+        hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # give no more room
         with pytest.raises(MissionError) as error:
             plan_survey(scenario=wanted)
     trouble = refused(error.value, wanted, 1)
@@ -244,7 +240,6 @@ def test_an_area_that_makes_no_sense_is_shown_and_named_as_on_the_map() -> None:
 
 
 def survey_text() -> str:
-    """Two flights over the meadow."""
     return drawn(PHOTOS, asked("line_spacing", 12.0), asked("flights", 2))
 
 

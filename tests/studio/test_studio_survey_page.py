@@ -1,5 +1,3 @@
-"""A survey drawn, bent, turned, split and flown in a real browser; skipped as the page's other tests are."""
-
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +10,12 @@ __all__ = ["address", "browser", "own_page", "pytestmark"]
 
 
 def planned(page: Any, flights: int) -> None:
-    """Wait for so many flights of what is drawn now."""
     page.locator(f".flights:not(.stale) tbody tr:nth-child({flights})").wait_for()
     page.locator(".verdict :is(.good, .amber)").first.wait_for()
 
 
 def dragged(page: Any, grip: str, right: float, down: float) -> None:
-    """Drag a handle; while it is dragged nothing looks proved."""
+    """Drag a handle; meanwhile nothing looks proved."""
 
     def look() -> None:
         page.get_by_text("While you drag").wait_for()

@@ -1,5 +1,3 @@
-"""Map tiles come from who was named and from nobody else; a file's are read here; whose they are is shown."""
-
 import gzip
 import sqlite3
 from contextlib import closing, nullcontext

@@ -1,5 +1,3 @@
-"""The page's types are the server's: made from the schema, and the page is checked against them."""
-
 import json
 import shutil
 import subprocess

@@ -1,5 +1,3 @@
-"""What the page is told of a vehicle in flight, by what the vehicle says."""
-
 import queue
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,7 +20,7 @@ MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
     ("wind", "told"),
     [
         (WindEstimate(-90.0, 3.04), (3.0, 270.0)),  # ArduPilot says from where it blows, up to 180°
-        (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4 where the air goes: south, so it is a north wind
+        (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4: where the air goes
         (WindVelocity((0.0, 2.0, 0.0)), (2.0, 270.0)),
     ],
 )

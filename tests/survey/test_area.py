@@ -1,10 +1,8 @@
-"""What is refused as an area, and by which place the message names it."""
-
 import math
 
 import pytest
 
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from tests.refused import refuses
 
 SQUARE = [(0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0)]

@@ -1,5 +1,3 @@
-"""Tours see all of an area and keep inside it, judged by dense samples; small ones are as quick as the best."""
-
 import math
 from functools import cache
 from itertools import permutations, product
@@ -10,14 +8,14 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.cover import quickest_tour, way_between
-from ipoa_mission.survey.coverage import coverage
+from ipoa_mission.survey.flown_coverage import coverage
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import examples
 from tests.refused import refuses
@@ -33,7 +31,6 @@ def times(which: int = 0) -> LegTimes:
 
 
 def sampled(tour: Tour, step: float = 0.25) -> Points:
-    """Places along what is flown with the sensor on."""
     return np.concatenate(
         [
             swath.begin
@@ -44,7 +41,7 @@ def sampled(tour: Tour, step: float = 0.25) -> Points:
 
 
 def share_seen(area: Area, tour: Tour, width: float, keep_out: shapely.Geometry | None = None) -> float:
-    """Of places all over the area that can be covered those that lie near a place flown over."""
+    """Return the share of coverable places near a place flown over."""
     rng = np.random.default_rng(1)
     west, south, east, north = area.shape.bounds
     places = rng.uniform((west, south), (east, north), (20_000, 2))
@@ -58,14 +55,13 @@ def share_seen(area: Area, tour: Tour, width: float, keep_out: shapely.Geometry 
 
 
 def farthest_outside(area: Area, tour: Tour) -> float:
-    """Of places along all of the path [m]."""
+    """Along all of the path [m]."""
     path = shapely.LineString(tour.path)
     along = shapely.line_interpolate_point(path, np.linspace(0.0, path.length, 5000))
     return float(shapely.distance(area.shape, along).max())
 
 
 def check_whole(tour: Tour) -> None:
-    """Each way leads from one line to the next."""
     assert len(tour.ways) == len(tour.swaths) - 1
     for way, before, after in zip(tour.ways, tour.swaths[:-1], tour.swaths[1:], strict=True):
         assert (way[0] == before.end).all()
@@ -74,7 +70,7 @@ def check_whole(tour: Tour) -> None:
 
 @st.composite
 def areas(draw: st.DrawFn) -> Area:
-    """One polygon about its middle, of any bays, with a triangle or none as a hole."""
+    """One polygon about its middle, with a triangle or none as a hole."""
     count = draw(st.integers(3, 9))
     radii = draw(st.lists(st.floats(30.0, 120.0), min_size=count, max_size=count))
     first = draw(st.floats(0.0, 6.0))
@@ -114,7 +110,7 @@ def test_what_is_kept_out_of_is_not_entered_and_seen_into() -> None:
 
 
 def test_a_way_leads_from_beside_an_obstacle_too() -> None:
-    """What is kept out of is drawn with fewer corners, and so a little larger: lines of a part may end within that."""
+    """A keep-out is drawn with fewer corners, and so a little larger."""
     mast = shapely.Point(60.0, 50.0).buffer(15.0)
     way = way_between(Area.of([[FIELD]]), 10.0, cost=times(), keep_out=mast)
     begin, end = np.array([44.999, 50.0]), np.array([75.001, 50.0])
@@ -159,7 +155,7 @@ def test_the_direction_is_that_of_the_lines() -> None:
 
 
 def test_ways_leave_the_area_as_far_as_they_may() -> None:
-    """Between two bays on one side a line is come to and left on the other side, unless ways may leave the area."""
+    """Between two bays a line is come to and left on the other side."""
     bays = [(54.0, 60.0), (50.0, 10.0), (46.0, 60.0), (44.0, 60.0), (40.0, 10.0), (36.0, 60.0)]
     area = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), *bays, (0.0, 60.0)]]])
     inside = quickest_tour(area, 10.0, cost=times(), direction=0.0)
@@ -171,7 +167,7 @@ def test_ways_leave_the_area_as_far_as_they_may() -> None:
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_a_small_field_is_flown_as_quickly_as_it_can_be(which: int) -> None:
-    """All orders and senses of the lines that were chosen are tried; the ways between are straight in a rectangle."""
+    """All orders and senses of the chosen lines are tried."""
     area = Area.of([[[(0.0, 0.0), (60.0, 0.0), (80.0, 50.0), (0.0, 50.0)]]])
     cost = times(which)
     tour = quickest_tour(area, 12.0, cost=cost, direction=90.0)

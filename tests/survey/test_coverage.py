@@ -1,5 +1,3 @@
-"""Coverage of lines whose gaps are known in closed form."""
-
 import math
 from itertools import pairwise
 
@@ -7,8 +5,8 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.coverage import coverage
+from ipoa_mission.scenario.survey_area import Area
+from ipoa_mission.survey.flown_coverage import coverage
 from ipoa_mission.survey.tour import Swath, Tour
 
 AREA = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 20.0), (0.0, 20.0)]]])
@@ -29,7 +27,7 @@ def test_the_ends_of_a_line_are_round() -> None:
 def test_what_cannot_be_covered_is_not_asked_for() -> None:
     house = shapely.box(40.0, -50.0, 60.0, 50.0)
     told = coverage(AREA, along((0.0, 10.0), (40.0, 10.0), (60.0, 10.0), (100.0, 10.0)), 6.0, house)
-    assert told.share == pytest.approx(6.0 / 20.0)  # of what lies at most 3 m inside of the house too
+    assert told.share == pytest.approx(6.0 / 20.0)  # also up to 3 m inside of the house
     assert told.outside_m == pytest.approx(10.0, abs=0.1)  # through the middle of the house
 
 

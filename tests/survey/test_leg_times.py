@@ -1,13 +1,11 @@
-"""The times of legs and corners, held against the forecast of whole missions."""
-
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
@@ -29,7 +27,7 @@ def flown(path: Points, autopilot: Autopilot, speed: float, wind: Wind = CALM) -
 def test_a_survey_takes_about_what_its_forecast_says(autopilot: Autopilot, speed: float, spacing: float) -> None:
     path = np.array([(x, spacing * k) for k in range(6) for x in ((0.0, 150.0) if k % 2 == 0 else (150.0, 0.0))])
     times = LegTimes.of(Mission(HOME, (), autopilot), speed)
-    start_and_stop = 2.0 * speed  # at most, as legs are counted between corners at speed
+    start_and_stop = 2.0 * speed  # legs are counted between corners at speed
     took = flown(path, autopilot, speed)
     assert times.seconds(path) == pytest.approx(took, rel=0.08, abs=start_and_stop)
     assert times.seconds(path) > len(path) // 2 * 150.0 / speed
@@ -47,7 +45,6 @@ def test_a_sharper_corner_costs_more_and_none_nothing(autopilot: Autopilot) -> N
 
 
 def test_against_the_wind_it_takes_longer() -> None:
-    """Where the vehicle cannot fly as fast as it is asked to; a wind that it cannot fly against at all is named."""
     against, along = np.array([[0.0, 0.0], [-900.0, 0.0]]), np.array([[-900.0, 0.0], [0.0, 0.0]])
     mission = Mission(HOME, (), registered()[1])
     times = LegTimes.of(mission, 14.0, wind=Wind(5.0, from_deg=270.0))

@@ -1,5 +1,3 @@
-"""The order of lines, held against the best of all orders and senses, and ways against a plain search of a grid."""
-
 import math
 from itertools import pairwise
 
@@ -9,20 +7,20 @@ import shapely
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey._kernels import path_seconds
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import Geodetic
 
 ROUNDS = 200
 
 
 def least(times: Points, lines: Vector) -> float:
-    """The least cost of all orders and senses of n lines, by dynamic programming over sets (Held and Karp)."""
+    """Return the least cost of all orders and senses, by dynamic programming over sets (Held and Karp)."""
     count = len(lines) // 2
     costs = {(1 << (e >> 1), e): times[2 * count, e] + lines[e] for e in range(2 * count)}
     for _ in range(count - 1):
@@ -38,7 +36,7 @@ def least(times: Points, lines: Vector) -> float:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_an_order_is_as_quick_as_the_best_of_all(seed: int) -> None:
-    """Ways there and back need not take the same time, as in a wind."""
+    """Ways there and back differ, as in a wind."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(2, 9))
     ends = rng.uniform(0.0, 100.0, (2 * count + 2, 2))
@@ -84,7 +82,7 @@ def test_ways_lead_round_holes_and_are_as_short_as_a_grid_finds_them() -> None:
 
 
 def on_a_grid(shape: shapely.Geometry, places: Points) -> Points:
-    """How far it is between places, from post to post a metre apart, by sixteen directions."""
+    """Return distances from post to post a metre apart, by sixteen directions."""
     posts = np.array([(x, y) for x in range(101) for y in range(101)], float)
     free = shapely.covers(shape, shapely.points(posts))
     starts, ends, lengths = list[int](), list[int](), list[float]()

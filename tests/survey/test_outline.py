@@ -1,5 +1,3 @@
-"""Outlines with fewer corners hold what they are drawn round, and are hardly wider."""
-
 import math
 
 import numpy as np
@@ -39,7 +37,7 @@ def test_an_outline_is_drawn_outside_and_inside(shape: shapely.Geometry, most: f
 def test_a_circle_has_as_few_corners_as_its_arcs_allow() -> None:
     circle = shapely.Point(5.0, 5.0).buffer(10.0, quad_segs=64)
     few = len(wider(circle, 0.5).exterior.coords) - 1
-    least = math.pi / math.acos(10.0 / 10.5)  # of a regular polygon about it, its corners 0.5 m away
+    least = math.pi / math.acos(10.0 / 10.5)  # of a regular polygon, corners 0.5 m away
     assert least <= few <= math.ceil(least) + 1
 
 

@@ -1,17 +1,15 @@
-"""What flights see as they are flown: judged by dense samples, and by tracks whose gaps are known in closed form."""
-
 import math
 
 import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.flight.survey_flight import plan_survey, survey_as_json
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points
 from ipoa_mission.survey.flown_coverage import as_flown, expected_lines
+from ipoa_mission.survey.survey_flight import plan_survey, survey_as_json
 from ipoa_mission.survey.survey_plan import rest_of
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.survey.test_survey_flights import LINES, TOWER, scenario
 
 FIELD = shapely.box(0.0, 0.0, 100.0, 20.0)
@@ -35,7 +33,7 @@ def test_only_lines_see_and_all_that_is_flown_between_them_may_lead_outside() ->
 
 
 def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) -> float:
-    """Of places all over an area those that lie near some place of the tracks (n, 2)."""
+    """Return the share of an area near the tracks (n, 2)."""
     west, south, east, north = area.bounds
     places = shapely.points(np.random.default_rng(2).uniform((west, south), (east, north), (20_000, 2)))
     places = places[shapely.covers(area, places)]
@@ -49,7 +47,7 @@ def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) ->
 def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None:
     plan = plan_survey(scenario=scenario(LINES | {"line_spacing": 5.0, "flights": 2}, autopilot)).plan
     assert plan.flown is not None
-    whole = [  # the sensor on between the lines too: it sees little more
+    whole = [  # the sensor on between lines
         flight.forecast.predicted(sure=True).track.points[:, :2] for flight in plan.flights
     ]
     assert 0.94 < plan.flown.share < plan.coverage.share
@@ -59,7 +57,6 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
 
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
-    """Where lines are far enough apart that they may end before it."""
     plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
     track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
     way = track.between(ends[0, 0], ends[-1, 1]).points

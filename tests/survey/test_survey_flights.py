@@ -1,5 +1,3 @@
-"""Surveys from their scenario to their flights, judged by dense samples and not by what planned them."""
-
 import html
 import json
 import re
@@ -12,24 +10,24 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.flight.survey_flight import Survey, plan_survey, survey_as_json
 from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.area import Area
+from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_flight import Survey, plan_survey, survey_as_json
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.survey.tour_split import part_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -49,7 +47,7 @@ def scenario(survey: dict[str, Any], autopilot: Autopilot = Autopilot.ARDUPILOT,
 
 
 def waypoints(forecast: Forecast) -> np.ndarray[Any, Any]:
-    """East, north, up of the waypoints of a mission, read from its items (n, 3)."""
+    """Return waypoints from items, east, north, up (n, 3)."""
     frame, home = forecast.frame, forecast.mission.home
     items = [item for item in forecast.mission.items if item.command == Command.NAV_WAYPOINT]
     places = [Geodetic(i.latitude_deg, i.longitude_deg, home.altitude + i.altitude) for i in items]
@@ -57,7 +55,6 @@ def waypoints(forecast: Forecast) -> np.ndarray[Any, Any]:
 
 
 def along(points: np.ndarray[Any, Any], step: float = 0.5) -> np.ndarray[Any, Any]:
-    """Places on straight legs, so far apart at most."""
     shares = [np.linspace(0, 1, int(np.linalg.norm(b - a) / step) + 2)[:, None] for a, b in pairwise(points)]
     return np.vstack([a + share * (b - a) for share, (a, b) in zip(shares, pairwise(points), strict=True)])
 
@@ -99,7 +96,7 @@ def test_photos_are_triggered_on_lines_only_and_counted() -> None:
     survey = plan_survey(scenario=scenario(PHOTOS))
     (flight,) = survey.flights
     distance, photos, shooting = survey.plan.sight.trigger, 0, 0.0
-    assert distance is not None  # 0.08 m later each: at 8 m/s the way is looked at 50 times a second
+    assert distance is not None  # 0.08 m later: sampled 50 times a second at 8 m/s
     here = np.zeros(2)
     for item in flight.mission.items:
         if item.command == Command.DO_SET_CAM_TRIGG_DIST:
@@ -114,12 +111,12 @@ def test_photos_are_triggered_on_lines_only_and_counted() -> None:
             here = there
     assert shooting == 0.0
     assert photos == survey.plan.photos > 40
-    assert distance == pytest.approx(0.3 * 61.277 * 15.6 / 16.0, abs=0.01)  # a photo of 15.6 by 23.5 mm through 16 mm
+    assert distance == pytest.approx(0.3 * 61.277 * 15.6 / 16.0, abs=0.01)  # 15.6 by 23.5 mm through 16 mm
     assert survey.plan.sight.spacing == pytest.approx(0.3 * 61.277 * 23.5 / 16.0, abs=0.01)
 
 
 def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
-    """On the ground itself: the camera is nowhere nearer to what it sees than on level ground."""
+    """On the ground itself."""
     world = scenario(PHOTOS, terrain=HILL)
     survey = plan_survey(scenario=world)
     sight, (flight,) = survey.plan.sight, survey.flights
@@ -137,7 +134,7 @@ def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
 
 @pytest.mark.parametrize("terrain", [{}, {"terrain": HILL}])
 def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
-    """Every photo's corners by themselves: what of a grid over it the next photo, and the next line, hold too."""
+    """By every photo's corners: overlap with the next photo, and the next line."""
     world = scenario(PHOTOS, **terrain)
     survey = plan_survey(scenario=world)
     found, ground, (flight,) = survey.plan.overlaps, world.airspace.ground, survey.flights
@@ -159,7 +156,7 @@ def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
         begin, end = legs[int(np.argmin(away))]
         share = np.linalg.norm(camera - begin[:2]) / np.linalg.norm((end - begin)[:2])
         height = begin[2] + share * (end - begin)[2] - ground(camera[None])[0]
-        level = 1 - apart / (wide * height)  # where all that it sees is as low as what is straight below
+        level = 1 - apart / (wide * height)  # on level ground
         assert smallest.share == pytest.approx(level, abs=0.08 if terrain else 0.02)
 
 
@@ -329,7 +326,7 @@ def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -
 
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopilot) -> None:
-    """By the item that QGroundControl writes for it, whose seventh param says that angles are meant."""
+    """By QGroundControl's item, whose seventh param says that angles are meant."""
     (told,) = plan_survey(scenario=scenario(PHOTOS | {"gimbal": "nadir"}, autopilot)).flights
     (quiet,) = plan_survey(scenario=scenario(PHOTOS, autopilot)).flights
     items = list(told.mission.items)
@@ -345,7 +342,6 @@ def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopi
 
 
 def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None:
-    """What the wind takes of the same track is counted as it is when the flights are refused."""
     wind = {"speed": 6.0, "from_deg": 270.0}
     used = []
     for blows in ({"speed": 0.0}, wind):
@@ -360,7 +356,7 @@ def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None
 
 
 def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights() -> None:
-    """A battery that is just enough for all in one flight, but not for an RTL from every second of it."""
+    """A battery for all in one flight, but not for an RTL from every second of it."""
     (whole,) = plan_survey(scenario=scenario(LINES, vehicle={"airframe": AIRFRAME})).flights
     assert whole.energy is not None
     battery = {"capacity_wh": 1.0005 * whole.energy.between.high, "reserve": 0.2}

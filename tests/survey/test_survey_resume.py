@@ -1,5 +1,3 @@
-"""What is left of a survey after flights that were broken off: nothing is left out, and little flown twice."""
-
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenar
 
 
 def flown_of(plan: SurveyPlan, flight: int) -> Any:
-    """Where a flight went, east, north, up (n, 3)."""
+    """Return a flight's path, east, north, up (n, 3)."""
     return plan.flights[flight].forecast.estimate.track.points
 
 
@@ -59,7 +57,7 @@ def test_what_is_left_between_two_flights_is_one_flight() -> None:
     assert sum(swath.length for swath in ends.tour.swaths) == pytest.approx(every - all_of_it, rel=0.02)
     assert plan.keep_out is not None
     assert not shapely.LineString(ends.tour.path).intersects(plan.keep_out.buffer(-0.05))
-    assert ends.tour.length < plan.tour.length  # the way to the last part does not lead along all that was flown
+    assert ends.tour.length < plan.tour.length  # the last way skips the flown part
 
 
 def test_only_what_was_flown_along_and_high_enough_counts() -> None:

@@ -1,5 +1,3 @@
-"""Lines that are shown before a flight is planned: those that the plan has; and how much photos show of each other."""
-
 from itertools import pairwise
 
 import numpy as np
@@ -36,7 +34,7 @@ def test_the_lines_at_once_are_those_of_the_plan_and_take_no_longer_than_its_fli
         tuple(s.begin) + tuple(s.end) for s in survey.plan.tour.swaths
     ]
     assert sketch.coverage.share == survey.plan.coverage.share > 0.999
-    assert 0.65 * survey.total_s < sketch.seconds < survey.total_s  # take-off, the ways there and home are not in it
+    assert 0.65 * survey.total_s < sketch.seconds < survey.total_s  # without take-off and ways from and to home
 
 
 def test_what_cannot_be_flown_is_refused_at_once_as_the_plan_refuses_it() -> None:

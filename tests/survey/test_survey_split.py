@@ -1,5 +1,3 @@
-"""Tours in several flights: as few as every way to cut them allows."""
-
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -21,7 +19,6 @@ def tour_of(lengths: list[float]) -> Tour:
 
 
 def way(tour: Tour) -> float:
-    """From home, along all of it, and home."""
     return float(np.linalg.norm(tour.path[0]) + tour.length + np.linalg.norm(tour.path[-1]))
 
 

@@ -1,5 +1,3 @@
-"""Surveys from several start places: the same world from each, and no quicker flights among all cuts and places."""
-
 import json
 import math
 from itertools import combinations, pairwise, product
@@ -12,23 +10,23 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
 from ipoa_mission.errors import BadInput
-from ipoa_mission.flight.survey_flight import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start
 from ipoa_mission.survey.flight_maker import _sets
 from ipoa_mission.survey.starting import RouteCost, nearest_areas, quickest_parts
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.survey.tour_split import part_of
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic, apart
 from tests.refused import refuses
 from tests.survey.test_survey_flights import AIRFRAME, HOME, TOWER, scenario
@@ -92,7 +90,7 @@ CLOCK = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), Autopilot.ARDUPILOT)
 
 
 def fake(limit_s: float, starts: Points) -> Any:
-    """A vehicle that takes 30 s besides its way, on a battery for so many seconds."""
+    """A vehicle that takes 30 s besides its way."""
 
     def tried(part: Sortie) -> RouteCost:
         there, back = (np.linalg.norm(part.tour.path[at] - starts[part.start]) for at in (0, -1))
@@ -164,7 +162,7 @@ def test_what_is_nearest_to_each_start_place_is_all_of_the_area() -> None:
 
 @pytest.fixture(scope="module")
 def from_both_ends() -> Survey:
-    """The field of which one battery sees a third, from both of its ends, round a tower."""
+    """A field of which one battery sees a third, from both ends, round a tower."""
     tower = TOWER | {"east": 330.0, "north": 112.0, "radius": 4.0, "height": 48.0}
     return plan_survey(scenario=scenario(OVER | {"starts": ENDS}, vehicle=SMALL, obstacles=[tower]))
 
@@ -204,7 +202,7 @@ def test_each_flight_begins_and_ends_at_its_own_place_and_comes_home(from_both_e
 
 
 def on_earth(mission: Mission, world: Scenario) -> list[Any]:
-    """The legs of a mission between waypoints in plan, in metres from the scenario's home."""
+    """Return a mission's legs in plan, in metres from the scenario's home."""
     items = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     places = [world.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, world.frame.home.altitude)) for i in items]
     return [shapely.LineString([a[:2], b[:2]]) for a, b in pairwise(places)]

@@ -1,12 +1,10 @@
-"""The energy of whole flights, by sums done by hand, and the battery that must hold them."""
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, consumption, hovering, shortage
-from ipoa_mission.vehicles.energy.power import PowerModel, power
+from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, consumption, hovering, shortage
+from ipoa_mission.autopilot.energy.power import PowerModel, power
 from tests.refused import refuses
 
 QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)
@@ -46,7 +44,7 @@ def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back()
     times, points, speeds = cruise(10.0, 100)
     stops = speeds.copy()
     stops[[0, 50, 100]] = 0.0
-    # Four spans have a mean speed of 5 m/s; 10 m/s is reached twice.
+    # Four spans have a mean of 5 m/s; 10 m/s is reached twice.
     joules = drawn(10.0) * 96 + drawn(5.0) * 4 + 2 * 0.5 * 2.4 * 10**2 / 0.8
     used = consumption(QUAD, times, points, stops)
     assert used.energy_wh * 3600 == pytest.approx(joules, rel=1e-9)

@@ -1,11 +1,9 @@
-"""The power model against closed forms and laws that it must obey."""
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel, air_density, induced_speed, power
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel, air_density, induced_speed, power
 from tests.refused import refuses
 
 SEA_LEVEL = np.array([1.225])
@@ -29,7 +27,7 @@ def test_hover_is_the_ideal_power_over_figure_of_merit_and_drive(airframe: Power
 
 @pytest.mark.parametrize("speed", [0.0, 0.5, 3.0, 10.0, 25.0])
 def test_without_tilt_the_induced_speed_is_that_of_zeng_xu_and_zhang(speed: float) -> None:
-    """Their eq. (12): v = v0 sqrt(sqrt(1 + V^4 / 4 v0^4) - V^2 / 2 v0^2)."""
+    """Eq. (12): v = v0 sqrt(sqrt(1 + V^4 / 4 v0^4) - V^2 / 2 v0^2)."""
     v0 = 5.3
     expected = v0 * np.sqrt(np.sqrt(1 + speed**4 / (4 * v0**4)) - speed**2 / (2 * v0**2))
     one = np.ones(1)

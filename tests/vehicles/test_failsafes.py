@@ -1,8 +1,8 @@
-"""What follows a failure: held against what the firmwares' own parameter documentation says of every value.
+"""Failsafe actions against the firmwares' own parameter documentation.
 
-The values and their words are those of ArduCopter 4.7.0-dev (2598e9d4: @Values of ArduCopter/Parameters.cpp,
-AP_BattMonitor_Params.cpp, AC_Fence.cpp and AP_Avoidance.cpp), PX4 1.17.0 (d6f12ad1), release/1.18 (05deebf313)
-and main of 2026-08-13 (bb59c637, to be 1.19): @value of commander_params, geofence_params and navigator_params.
+ArduCopter 4.7.0-dev (2598e9d4: @Values of ArduCopter/Parameters.cpp, AP_BattMonitor_Params.cpp, AC_Fence.cpp and
+AP_Avoidance.cpp), PX4 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637, to be 1.19):
+@value of commander_params, geofence_params and navigator_params.
 """
 
 import math
@@ -10,12 +10,12 @@ import re
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.known_parameters import expect_known
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.failsafe import Failsafe
+from ipoa_mission.autopilot.known_parameters import expect_known
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.autopilot.version import Version
 from tests.refused import refuses
 from tools.generate import failsafes as page
 
@@ -54,7 +54,7 @@ OF_PX4 = {
 }
 OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
 OF_118 = OF_PX4 | {
-    "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": only where it is flown by hand
+    "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": flown by hand only
     "COM_GNSSLOSS_ACT": "0:Warning,1:Return,2:Land,3:Terminate",
     "COM_PARACHUTE": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_ARM_ODID": "0:Disabled,1:Warning only,2:Error only,3:Return,4:Land,5:Terminate",
@@ -84,7 +84,7 @@ LOOKED_FOR = {
 
 
 def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
-    """Each value, and the endings that its words name in order."""
+    """Return each value, and the endings that its words name in order."""
     pairs = (one.split(":", 1) for one in values.split(","))
     return [
         (
@@ -96,7 +96,6 @@ def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
 
 
 def by(name: str, parameters: Parameters, autopilot: Autopilot = AP, version: Version | None = None) -> Failsafe:
-    """What follows by this parameter."""
     return next(one for one in autopilot.failsafes(parameters, version) if one.parameter == name)
 
 
@@ -118,7 +117,7 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
 def test_who_lands_by_choice_returns_with_the_value_that_is_named(
     autopilot: Autopilot, version: Version | None, table: dict[str, str]
 ) -> None:
-    """The choice is there where the documented values of a parameter have a return as well."""
+    """The documented values have a return as well."""
     for name, values in table.items():
         given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
         returns = [value for value, (first, *_) in documented(values) if first is Contingency.RTL]
@@ -266,7 +265,7 @@ def test_the_page_is_as_the_tables() -> None:
 
 
 def test_home_by_dead_reckoning_is_not_known() -> None:
-    """Of two that were flown so both went through something that RTL keeps clear of."""
+    """Both that were flown went through something that RTL keeps clear of."""
     for value in (2.0, 3.0, 4.0, 6.0):
         assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).route.contingency is Contingency.UNKNOWN
 

@@ -1,5 +1,3 @@
-"""The tables' tool reads C++ in the manner of both firmwares; the C++ here is ours."""
-
 from pathlib import Path
 
 import pytest

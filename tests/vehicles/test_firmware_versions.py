@@ -1,18 +1,16 @@
-"""What changes from version to version, in the tables, in `check`, and in what is said of it."""
-
 import math
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.version_check import NOT_MEASURED
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
-from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.refused import refuses
@@ -30,7 +28,7 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
 
 
 def others(mission: Mission) -> tuple[Finding, ...]:
-    """What is found besides that a version was not measured, and that 1.18 may pass a waypoint."""
+    """Leave out unmeasured versions, and waypoints that 1.18 may pass."""
     aside = (NOT_MEASURED, "waypoint-passed", "waypoint-may-be-passed")
     return tuple(one for one in check_mission(mission) if one.code not in aside)
 

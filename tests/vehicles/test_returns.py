@@ -1,15 +1,15 @@
-"""How returns go by all their parameters: against the firmwares' sources, worked out by hand.
+"""Returns by all their parameters, against the firmwares' sources, by hand.
 
-ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1),
-release/1.18 (05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
+ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1), release/1.18
+(05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
 """
 
 import pytest
 
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import MissionLanding, ReturnBy, ReturnRoute
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.version import Version
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)
@@ -26,7 +26,7 @@ FENCE = {"FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0, "FENCE_TYPE": 1.0}
         ({"RTL_CLIMB_MIN": -500.0}, 40.0, 100.0, 0.0, 40.0),
         ({}, 5.0, 4.0, 0.0, 12.0),  # the cone of 3
         ({"RTL_CONE_SLOPE": 0.4}, 5.0, 4.0, 0.0, 15.0),  # too flat to count
-        ({}, 5.0, 4.0, 30.0, 12.0),  # the cone goes before the height of a rally point
+        ({}, 5.0, 4.0, 30.0, 12.0),  # the cone precedes a rally point's height
         ({}, 5.0, 100.0, 30.0, 30.0),
         (FENCE | {"RTL_ALT": 6000.0}, 20.0, 400.0, 0.0, 48.0),  # FENCE_MARGIN is 2
         (FENCE | {"RTL_ALT": 6000.0, "FENCE_MARGIN": 5.0}, 20.0, 400.0, 0.0, 45.0),

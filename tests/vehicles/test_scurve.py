@@ -1,5 +1,3 @@
-"""The S-curve of a leg: it ends where it should, keeps its limits, and takes the time that the published law says."""
-
 import math
 
 import numpy as np
@@ -19,7 +17,7 @@ limits = st.builds(SCurveLimits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.f
 
 
 def sampled(shape: Profile, length: float, count: int = 400) -> np.ndarray:
-    """Acceleration, speed and way at evenly spaced moments, by the code that flies the leg."""
+    """Return acceleration, speed and way at even moments, by the flight code."""
     leg = NO_LEG._replace(length=length, profile=shape)
     return np.array([along(leg, t) for t in np.linspace(1e-9, shape.lasts * (1 - 1e-9), count)])
 
@@ -55,7 +53,7 @@ def test_way_speed_and_acceleration_are_derivatives_of_each_other(length: float,
     ],
 )
 def test_the_time_to_a_speed_is_the_published_one(gain: float, expected: float) -> None:
-    """Acceleration 2.5, jerk 1, ramps of 0.3 s (snap pi J / 2 t_j), as by ArduCopter's default parameters."""
+    """Acceleration 2.5, jerk 1, ramps of 0.3 s (snap pi J / 2 t_j): ArduCopter's defaults."""
     assert ramp_for(gain, SCurveLimits(12.0, 2.5, 1.0, math.pi / 0.6)).lasts == pytest.approx(expected)
 
 

@@ -1,5 +1,3 @@
-"""Splines of unequal length, from rest: how fast the next one may be entered is planned from the one before it."""
-
 import math
 
 import pytest
@@ -13,7 +11,7 @@ SPEEDS = MotionLimits(10.0, 2.5, 1.5)
 
 
 def test_a_short_spline_after_a_long_first_one_is_entered_slowly() -> None:
-    """Flown on ArduCopter 4.7: a leg of 23.3 m, then 11.7 m, from rest; it braked from 6.2 to 5.4 m/s."""
+    """ArduCopter 4.7: a leg of 23.3 m, then 11.7 m, from rest; it braked from 6.2 to 5.4 m/s."""
     begin, middle, third, beyond = (0.0, 0.0, 10.0), (23.3, 0.0, 10.0), (35.0, 0.0, 10.0), (46.7, 0.0, 10.0)
     this = spline_leg(begin, middle, None, (third, True), SPEEDS, LIMITS)
     following = spline_leg(middle, third, this, (beyond, True), SPEEDS, LIMITS)

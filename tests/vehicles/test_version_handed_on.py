@@ -1,19 +1,17 @@
-"""Whatever is asked about a mission for a named version of PX4 is answered for that version, not for the newest."""
-
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.mock_place import mock_setup
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.simulator.built_in_autopilot import ParameterServer
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.simulator.parameter_server import ParameterServer
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -36,7 +34,7 @@ def test_the_acceptance_radius_is_that_of_the_version(version: Version, radius: 
 
 @pytest.mark.parametrize(("version", "up"), [(Version(1, 17), 0.0), (Version(1, 18), 9.0)])
 def test_a_rally_point_at_home_counts_by_the_version(version: Version, up: float) -> None:
-    """RTL_TYPE 5 leads to rally points only since 1.18; before, it is as 0, and one within 10 m of home is none."""
+    """RTL_TYPE 5 leads to rally points since 1.18; before, it is as 0, and one within 10 m of home is none."""
     plain = read_mission(MISSIONS / "sitl.plan")
     home = plain.home
     rally = (Geodetic(home.latitude_deg, home.longitude_deg, 9.0),)

@@ -1,5 +1,3 @@
-"""A kind of obstacle that the package does not have, in one class: it is proved, planned round and drawn."""
-
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,6 +6,8 @@ import pytest
 from numpy.typing import NDArray
 
 import ipoa_mission as api
+from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -32,7 +32,7 @@ class Cable(Obstacle):
 
     @property
     def parts(self) -> tuple[Sphere, ...]:
-        """Balls half as far apart as the tube is thick, and as much larger as covers it."""
+        """Balls half as far apart as the tube is thick, and larger to cover it."""
         start, step = np.array(self.start), np.subtract(self.end, self.start)
         count = int(np.ceil(np.linalg.norm(step) / self.radius)) + 1
         places = start + np.linspace(0, 1, count)[:, None] * step
@@ -44,7 +44,7 @@ class Cable(Obstacle):
         return np.asarray(np.linalg.norm(points - start - share[:, None] * step, axis=1) - self.radius)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """By thirds: the distance along a leg is convex."""
+        """The distance along a leg is convex."""
         low, high = 0.0, 1.0
         for _ in range(80):
             third = (high - low) / 3
@@ -58,7 +58,6 @@ CABLE = Cable("cable", (0.0, 60.0, 25.0), (160.0, 60.0, 35.0), 2.0)
 
 @pytest.fixture
 def strung(missions: Path) -> Scenario:
-    """A mission with the cable strung across it."""
     scenario = read_scenario(missions / "sitl.toml")
     middle = (scenario.start_point + scenario.goal_point) / 2
     way = scenario.goal_point - scenario.start_point
@@ -83,6 +82,27 @@ def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
     plan = plan_path(strung, seed=1)
     required = strung.vehicle.radius + strung.safety_distance
     assert cable.distance(plan.curve.sample(4000)).min() >= required
+
+
+def test_its_clearance_as_flown_is_not_that_of_its_box(strung: Scenario) -> None:
+    """A leg beside a slanted cable, inside its box."""
+    slanted = Cable("cable", (0.0, 0.0, 20.0), (100.0, 100.0, 60.0), 2.0)
+    a, b = np.array([[60.0, 20.0, 40.0]]), np.array([[90.0, 50.0, 40.0]])
+    exact, _ = slanted.leg_clearance(a[0], b[0])
+    air = replace(strung.airspace, obstacles=(slanted,))
+    quick, _ = air.legs_clearance(a, b, 60.0)
+    assert exact - 0.5 < quick[0] <= exact
+    kept = min(np.hypot(*np.maximum(passing[:2], 0.0)).min() for passing in slanted.passings(a, b))
+    assert exact - 0.5 < kept <= exact
+
+
+def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
+    promise = Forecast(plan_flight(strung, seed=1).mission, strung).promise
+    assert not promise.forbidding
+    kept = next(one for one in promise.limits if one.on_the_way and one.limit == "obstacles")
+    points = promise.flight.pieces.points
+    exact = strung.airspace.obstacle_clearance(points).distance
+    assert strung.limits.obstacle_distance <= kept.kept <= exact
 
 
 def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:

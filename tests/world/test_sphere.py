@@ -1,5 +1,3 @@
-"""The plane of PX4 and QGroundControl, against PROJ's azimuthal equidistant projection of the same sphere."""
-
 import numpy as np
 import pytest
 from hypothesis import given

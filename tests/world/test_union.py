@@ -1,5 +1,3 @@
-"""A union holds all of what it is made of."""
-
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,3 @@
-"""The airspace: what the index leaves out must not matter."""
-
 from itertools import pairwise
 
 import numpy as np

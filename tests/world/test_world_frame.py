@@ -1,4 +1,4 @@
-"""The local frame against a table made by another library (tools/generate/frame_reference.py)."""
+"""Against another library's table (tools/generate/frame_reference.py)."""
 
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-"""What many legs keep, looked at together: no more than each alone, and just that where it is level or upright."""
-
 import numpy as np
 import pytest
 

@@ -1,5 +1,3 @@
-"""Distances to obstacles: held against dense sampling over random scenes, and against shapely."""
-
 from collections.abc import Callable
 
 import numpy as np
@@ -52,7 +50,7 @@ every_kind = pytest.mark.parametrize("kind", KINDS)
 
 
 def a_leg(rng: Rng) -> tuple[np.ndarray, np.ndarray]:
-    """Any leg, or one that is level, vertical, along an axis, or a point: what makes denominators vanish."""
+    """Any leg, or one that is level, vertical, along an axis, or a point."""
     a, b = rng.uniform(-35, 35, (2, 3))
     match rng.integers(8):
         case 0:
@@ -76,7 +74,7 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
         body, (a, b) = KINDS[kind](rng), a_leg(rng)
         least, where = body.leg_clearance(a, b)
         span = np.linspace(0.0, 1.0, 101)
-        for _ in range(4):  # closes in on the sampled minimum: a 25th of the step each time
+        for _ in range(4):  # closes in: a 25th of the step each time
             sampled = body.distance(a + span[:, None] * (b - a))
             assert least <= sampled.min() + 1e-9
             center, half = span[np.argmin(sampled)], 2 * (span[1] - span[0])
@@ -100,14 +98,14 @@ def test_a_prism_is_as_far_by_machine_code_as_by_plain_python() -> None:
 
 
 def _second_valley(body: Obstacle, a: np.ndarray, b: np.ndarray, least: float) -> bool:
-    """Whether a finer sampling of the whole leg finds what the closing-in missed in a neighboring valley."""
+    """Return whether a finer sampling finds a neighboring valley."""
     sampled = body.distance(a + np.linspace(0.0, 1.0, 200_001)[:, None] * (b - a)).min()
     return bool(abs(sampled - least) < 1e-3)
 
 
 @every_kind
 def test_distance_is_to_the_nearest_point_of_the_surface(kind: str) -> None:
-    """The ball that just reaches the surface stays on one side of it, and comes near it somewhere."""
+    """The ball that just reaches the surface is on one side of it, and touches it."""
     rng = np.random.default_rng(5)
     for _ in range(50):
         body = KINDS[kind](rng)

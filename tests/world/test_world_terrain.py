@@ -1,5 +1,3 @@
-"""The ground: heights by hand and by scipy, and the least height of a leg against dense sampling."""
-
 from collections.abc import Callable
 
 import numpy as np
@@ -165,7 +163,7 @@ def test_an_impossible_grid_is_refused(make: Callable[[], Terrain], place: tuple
 
 @pytest.mark.parametrize("latitude", [-60.0, 0.0, 47.0])
 def test_ground_at_one_height_above_the_sea_is_so_by_proj(latitude: float) -> None:
-    """Two kilometres away it lies 0.3 m below home's plane."""
+    """Two kilometres away it is 0.3 m below home's plane."""
     home = Geodetic(latitude, 8.0, 500.0)
     ground = SeaLevel.around(home, 3.0, 20_000.0)
     rng = np.random.default_rng(3)

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tools import command_line
 
 HOME = {"latitude_deg": 46.9232, "longitude_deg": 10.5127, "altitude_amsl": 1050.0}

@@ -19,7 +19,7 @@ import importlib.util
 import itertools
 from pathlib import Path
 
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
 from tools import REPOSITORY, command_line
 from tools.benchmarks.link_benchmark.measure import complete, fast_path
 from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, read_rows

@@ -11,6 +11,7 @@ import numpy as np
 from rich.progress import track
 from scipy.stats import binomtest
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
@@ -18,7 +19,6 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.simulated_flight import MissionState, SimulatedFlight
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
 
 LEVELS = (0.5, 0.9, 0.99)

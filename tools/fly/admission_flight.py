@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission import plan_flight
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.flight.procedure import begin_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
@@ -28,8 +30,6 @@ from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.admission_scenes import as_flown_by

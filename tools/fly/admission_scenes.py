@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tools import REPOSITORY
 from tools.benchmarks import everyday
 from tools.fly import courses

@@ -30,11 +30,11 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.version import Version
 from tools import command_line
 from tools.fly.admission_flight import (
     COMPLETED,

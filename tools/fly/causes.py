@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from tools import command_line
 
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}

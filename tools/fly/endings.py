@@ -24,6 +24,9 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, VehicleCommand
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
@@ -31,11 +34,8 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
 from ipoa_mission.link.orders import spelled_parameter
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, VehicleCommand
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.contingency import Contingency
 from tools import command_line
 from tools.fly.causes import TRIGGERS, Trigger
 from tools.fly.ended_flight import flight_from

@@ -18,6 +18,9 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
@@ -25,12 +28,9 @@ from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.world.ground import LEVEL
 from ipoa_mission.world.obstacles.cylinder import Cylinder
 from ipoa_mission.world.obstacles.prism import Prism

@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
-from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 

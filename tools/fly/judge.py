@@ -16,10 +16,10 @@ from typing import get_type_hints
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.forecast.deviation.promise import Kept
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
 from tools.fly.flown import Flown, read_flown
 

@@ -10,13 +10,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ipoa_mission import connect
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import load_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import Wind
 
 BOOTS_S = 60.0

@@ -20,14 +20,14 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.flight.procedure import fly_forecast
-from ipoa_mission.flight.survey_flight import Survey, plan_survey
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.scenario.scenario_file import scenario_of
 from ipoa_mission.survey.flown_coverage import AsFlown, as_flown, expected_lines
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
 from tools.fly.ended_flight import flight_from
 from tools.fly.flown import ARMED_STATE

@@ -10,6 +10,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+from ipoa_mission.autopilot.known_parameters import known_parameters
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Current, ParamValue
@@ -17,7 +18,6 @@ from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, Syste
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.vehicles.arducopter.dataflash import FMT, HEAD
 from ipoa_mission.vehicles.arducopter.log import BATTERIES, KINDS
-from ipoa_mission.vehicles.known_parameters import known_parameters
 from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
 from tools import command_line
 

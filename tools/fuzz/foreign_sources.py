@@ -10,18 +10,18 @@ import numpy as np
 import pyogrio
 import shapely
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.learn.witness import witness_of
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.logs.learn.vehicle_file import read_vehicle, write_vehicle
-from ipoa_mission.logs.learn.witness import witness_of
+from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.maps.standing import raise_buildings
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat

@@ -23,6 +23,7 @@ from typing import Any
 
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
@@ -43,7 +44,6 @@ from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tools import command_line
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.known_parameters import firmware_of
 from ipoa_mission.mission.items import FencePolygon, Mission
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameter_file
-from ipoa_mission.vehicles.known_parameters import firmware_of
 from ipoa_mission.world.frame import Geodetic
 from tools.fuzz.outcome import Reading
 

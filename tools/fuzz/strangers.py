@@ -18,6 +18,7 @@ from enum import StrEnum
 from itertools import count as counting
 from typing import Any
 
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.consistent_download import download
@@ -29,7 +30,6 @@ from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tools import command_line
 

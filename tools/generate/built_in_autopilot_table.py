@@ -6,8 +6,8 @@ python -m tools.generate.built_in_autopilot_table --write    put it between that
 
 import numpy as np
 
-from ipoa_mission.paper.markdown import filled
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.paper.markdown_table import filled
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
 from tools import REPOSITORY, command_line

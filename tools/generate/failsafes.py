@@ -3,8 +3,8 @@
 python -m tools.generate.failsafes
 """
 
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.failsafe import FailsafeAction, FailsafeRule
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.failsafe import FailsafeAction, FailsafeRule
 from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "failsafes.md"

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.commands import Command
 from tools import command_line
 from tools.generate import copter_source, px4_source
 from tools.generate.sources import Source

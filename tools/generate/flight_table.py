@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.paper.markdown import filled
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.paper.markdown_table import filled
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights

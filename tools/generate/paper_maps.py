@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import default_autopilot
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper.paper_maps import INNER, MAPS
-from ipoa_mission.vehicles.autopilot import default_autopilot
 from tools import REPOSITORY, command_line
 
 FOLDER = REPOSITORY / "missions" / "paper"

@@ -4,7 +4,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from ipoa_mission.mission.commands import Command, command_name
+from ipoa_mission.autopilot.commands import Command, command_name
 from tools.generate.sources import Source, block, body, cases, listed, numbers
 
 CODE, MASKS = "src/modules/mavlink/mavlink_mission.cpp", "src/modules/mavlink/mavlink_command_params.hpp"

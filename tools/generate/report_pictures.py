@@ -16,6 +16,7 @@ from pathlib import Path
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.mission_io import read_mission
@@ -26,7 +27,6 @@ from ipoa_mission.report.page import write_report
 from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools import REPOSITORY, command_line
 
 PICTURES = REPOSITORY / "docs" / "pictures"

@@ -1,9 +1,7 @@
-"""Compute the distance of pieces of a path to each obstacle, and the probability of a smaller one.
+"""Compute the probability that pieces of a path come too near to obstacles.
 
-A place moved sideways by s and vertically by h keeps at least (level - s, vertical - h) from an upright body. To come
-nearer than k a flight must deviate by more than (level - k) *and* by more than (vertical - k). The body is also behind
-its tangent plane at the nearest point, so only the deviation towards it counts. The least of these probabilities is
-an upper bound.
+A flight nearer than k to an upright body deviates by more than (level - k) *and* by more than (vertical - k). Only the
+deviation towards its tangent plane counts. The least of these probabilities is an upper bound.
 """
 
 from dataclasses import dataclass, replace
@@ -18,28 +16,22 @@ from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Airspace
 
-RARE_CHANCE = 1e-5  # obstacles reached with a lower probability are ignored
-TYPICAL_CHANCE = 0.01  # probability at which vertical and level deviations are compared
-RESOLUTION = 1e-3  # of a clearance [m]
+RARE_CHANCE = 1e-5  # of obstacles that are ignored
+TYPICAL_CHANCE = 0.01  # at which vertical and level deviations are compared
+RESOLUTION = 1e-3  # [m]
 Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
 class _Draws:
-    """Pairs grouped by independent stretches of time.
-
-    `taken` (n,): the pairs. `one` (n,): index of the obstacle in its stretch. `stretch` (m,): index of the stretch.
-    """
+    """Pairs `taken` (n,), with the index of their obstacle (n,) in its independent `stretch` of time (m,)."""
 
     taken: Numbers
     one: Numbers
     stretch: Numbers
 
     def chance(self, chances: Vector, sides: float) -> float:
-        """Return the probability that any pair occurs, from the probabilities of all pairs.
-
-        In one stretch a vehicle deviates to one side, of at most `sides`. Each obstacle counts by its likeliest pair.
-        """
+        """Return the probability of any pair; each obstacle counts by its likeliest, a stretch for at most `sides`."""
         if len(self.taken) == 0:
             return 0.0
         likeliest = np.zeros(len(self.stretch))
@@ -54,8 +46,8 @@ class _Draws:
 class Approaches:
     """Pairs of a piece and an obstacle: indices, and lower bounds of their distance, (n,) each [m].
 
-    `lateral` is the lateral distance to the outline. `above` is the greater of the distances over the top and under the
-    base. `stretch` widens the law for the piece. `sides` is 2 in a court or a corner of an obstacle, else 1.
+    `lateral`: to the outline. `above`: over the top or under the base. `stretch` widens the law. `sides` is 2 in a
+    court or a corner of an obstacle, else 1.
     """
 
     law: DeviationLaw
@@ -70,13 +62,12 @@ class Approaches:
 
     @cached_property
     def distance(self) -> Vector:
-        """Return the least distance of the pieces to the obstacles [m]; negative inside."""
         outside = np.hypot(np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0))
         return np.asarray(outside + np.minimum(np.maximum(self.lateral, self.above), 0.0))
 
     @cached_property
     def facing(self) -> Vector:
-        """Return the ratio of the deviation towards the obstacles to that to the side."""
+        """Return the ratio of the deviation towards the obstacles to the lateral one."""
         return _facing(self.law, self.lateral, self.above, self.is_over)
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
@@ -84,7 +75,7 @@ class Approaches:
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, kept: float) -> float:
-        """Return an upper bound of the probability that a flight is anywhere nearer than `kept` [m]."""
+        """Return an upper bound of the probability that a flight is nearer than `kept` [m]."""
         if len(self.piece) == 0:
             return 0.0
         chance = self._each(kept)
@@ -98,7 +89,6 @@ class Approaches:
 
     @cached_property
     def by_height(self) -> NDArray[np.bool_]:
-        """Return which pairs are separated by height rather than laterally, (n,)."""
         spreads = (self.law.level, self.law.down, self.law.up)
         kept = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
         return np.asarray(self._vertical(kept) < self._sideways(kept))
@@ -122,7 +112,7 @@ class Approaches:
         return float(min(low + high, 1.0))
 
     def _side_of_a_flight(self, kept: float) -> float:
-        """Return the probability of such a lateral deviation anywhere in a flight, to one of two sides."""
+        """Return the probability of such a lateral deviation anywhere in a flight, to one side."""
         if self.law.farthest is None:
             return 1.0
         room = np.maximum(self.lateral - kept, (self.distance - kept) / self.facing) / self.stretch
@@ -144,7 +134,7 @@ class Approaches:
         return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
     def kept(self, chance: float) -> float:
-        """Return the clearance [m] that a flight falls short of with at most this chance; infinite without pairs."""
+        """Return the clearance [m] that a flight falls short of with this chance."""
         if len(self.piece) == 0:
             return float("inf")
         high = float(self.distance.min())
@@ -158,7 +148,6 @@ class Approaches:
 
 
 def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float) -> Approaches:
-    """Return all pairs of a piece and an obstacle that may be nearer than `kept` [m]."""
     a, b = flown.points[:-1], flown.points[1:]
     stretch = law.stretch(flown.across)
     reach = max(kept, 0.0) + stretch * law.level.distance(RARE_CHANCE)
@@ -166,7 +155,12 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
-    passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
+    near = _by_obstacle(piece, obstacle)
+    each = [(i, on, passing) for i, on in near for passing in airspace.obstacles[i].passings(a[on], b[on])]
+    passings = [passing for *_, passing in each]
+    if passings:  # a body of several parts is passed by each
+        piece = np.concatenate([on for _, on, _ in each])
+        obstacle = np.repeat([i for i, *_ in each], [len(on) for _, on, _ in each])
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
     return Approaches(

@@ -1,7 +1,6 @@
 """Compute what the deviation bound leaves of ground, ceiling and bounds.
 
-Over sloping ground the path is moved to the bound in eight directions, and each of these paths is checked exactly.
-Near a place that the scenario puts nearer to a limit than the bound, the predicted path must keep that limit.
+Near a place nearer to a limit than the bound, the predicted path must keep the limit.
 """
 
 import math
@@ -19,8 +18,8 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 
 DIRECTIONS = 8
-LATERAL_SHARE = 0.25  # of the probability for the lateral deviation; the rest is for the heights
-PLACE_RADIUS = 15.0  # distance within which the path leaves a place near to a limit [m]
+LATERAL_SHARE = 0.25  # of the probability; the rest is for the heights
+PLACE_RADIUS = 15.0  # of the path around a place near to a limit [m]
 BOUNDS = (
     "the west bound",
     "the south bound",
@@ -33,8 +32,6 @@ BOUNDS = (
 
 @dataclass(frozen=True)
 class DeviationBound:
-    """Distances of the deviation bound to the side, down and up [m]."""
-
     level: float
     down: float
     up: float
@@ -44,7 +41,7 @@ NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
-    """Return the bound that a straight flight exceeds with at most this probability."""
+    """Return the bound exceeded with at most this probability on a straight flight."""
     heights = (1 - LATERAL_SHARE) * chance
     return DeviationBound(
         law.lateral(LATERAL_SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights)
@@ -58,7 +55,6 @@ def limits_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBoun
 
 
 def _heights_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    """Return height checks; near a place below the bound the predicted path must keep the place's height."""
     higher, least = problem_of(scenario).tightened(deviation_bound.down), scenario.limits.height_above_ground
     sides = _sides(deviation_bound.level if scenario.airspace.terrain.steepness > 0 else 0.0)
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine

@@ -1,13 +1,46 @@
-"""The deviation law of an autopilot: measured on recorded flights, tested on others."""
+"""The deviation law of an autopilot."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.forecast.deviation.quantiles import Quantiles
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geometry import Vector
 
-INDEPENDENT_SAMPLES = 4  # independent moments in which a flight is near to a limit that is no obstacle
+
+@dataclass(frozen=True)
+class Quantiles:
+    """Measured quantiles of a distance: exceeded with `chances` (falling) at `distances` (rising) [m].
+
+    Between them the probability falls exponentially, and beyond the last at the same rate as before it.
+
+    >>> import numpy as np
+    >>> spread = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
+    >>> spread.distance(0.001)
+    1.5
+    >>> spread.chance(np.array([-1.0, 0.5, 1.5])).round(6).tolist()
+    [1.0, 0.1, 0.001]
+    """
+
+    distances: tuple[float, ...]
+    chances: tuple[float, ...]
+
+    def chance(self, distance: Vector) -> Vector:
+        logs = np.log(self.chances)
+        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        inside = np.interp(distance, self.distances, logs)
+        return np.asarray(np.exp(inside + slope * np.maximum(distance - self.distances[-1], 0.0)))
+
+    def distance(self, chance: float) -> float:
+        logs = np.log(self.chances)
+        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        log = float(np.log(chance))
+        if log <= logs[-1]:
+            return float(self.distances[-1] + (log - logs[-1]) / slope)
+        return float(np.interp(log, logs[::-1], self.distances[::-1]))
+
+
+INDEPENDENT_SAMPLES = 4  # in which a flight is near to a limit that is no obstacle
 
 
 @dataclass(frozen=True)
@@ -15,14 +48,14 @@ class DeviationLaw:
     """Distribution of a vehicle's deviation from its predicted path.
 
     `level`: to one side at a moment of a straight flight. A lateral acceleration of `turn` [m/s^2] doubles it. After
-    the last waypoint it is `after_way` times as large. Samples `memory` [s] apart are independent.
+    the last waypoint it is `after_way` times as large. It is independent after `memory` [s].
 
-    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: extremes of a whole
-    flight, as a height error persists. `farthest`: the extreme to one side, of an autopilot where it does not grow
-    with time. `growth`: increase in wind [m for each m/s, to the side, down, up].
+    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: of a whole flight, as
+    a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m for each
+    m/s, to the side, down, up].
 
-    `source`: the flights measured. Other airframes and parameters than the simulators', and errors of satellite
-    positioning, were not measured. `strongest`: the greatest wind with gusts that the law was verified in [m/s].
+    `source`: the flights measured. Other airframes and errors of satellite positioning were not. `strongest`: greatest
+    verified wind with gusts [m/s].
     """
 
     level: Quantiles
@@ -40,11 +73,10 @@ class DeviationLaw:
     strongest: float
 
     def stretch(self, across: Vector) -> Vector:
-        """Return the factor of the deviation at lateral accelerations (n,) [m/s^2], (n,)."""
         return np.asarray(1.0 + across / self.turn)
 
     def lateral(self, chance: float) -> float:
-        """Return the lateral deviation [m] that is exceeded with this probability in a few times `memory`."""
+        """Return the lateral deviation [m] exceeded with this probability."""
         return self.level.distance(chance / INDEPENDENT_SAMPLES)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
@@ -70,3 +102,16 @@ class DeviationLaw:
             return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
 
         return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))
+
+
+def not_measured(autopilot: Autopilot, wind: float) -> str | None:
+    """Return why the law is extrapolated in this wind [m/s]; None if it was measured."""
+    strongest = autopilot.part(DeviationLaw).strongest
+    if wind <= strongest:
+        return None
+    flown = f"the deviation of {autopilot.firmware_name} was measured in wind up to {strongest:g} m/s"
+    return f"{flown}: the clearance in {wind:g} m/s is extrapolated"
+
+
+def law_of(autopilot: Autopilot, wind: float = 0.0) -> DeviationLaw:
+    return autopilot.part(DeviationLaw).in_wind(wind)

@@ -1,4 +1,4 @@
-"""Cut the predicted path into short straight pieces with time and lateral acceleration."""
+"""Cut the predicted path into short straight pieces."""
 
 from dataclasses import dataclass
 
@@ -8,20 +8,19 @@ from numpy.typing import NDArray
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 
-SAMPLE_STEP_S = 0.1  # between the samples of a path's curvature [s]
-SMOOTHED_SAMPLES = 5  # samples over which an acceleration is averaged
-BEND_REACH_S = 2.0  # time before and after a bend in which it widens the deviation bound [s]
-SHORTEST_PIECE = 0.05  # shorter pieces are joined to the next [m]
+SAMPLE_STEP_S = 0.1
+SMOOTHED_SAMPLES = 5
+BEND_REACH_S = 2.0  # in which a bend widens the deviation bound [s]
+SHORTEST_PIECE = 0.05  # [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces(Track):
-    """A track with the lateral acceleration `across` of each piece, (n-1,) [m/s^2]."""
+    """With the lateral acceleration `across` of each piece, (n-1,) [m/s^2]."""
 
     across: Vector
 
     def part(self, begin: float, end: float) -> "Pieces":
-        """Return the pieces between two times [s]; at least one."""
         first = max(int(np.searchsorted(self.times, begin, side="right")) - 1, 0)
         last = min(int(np.searchsorted(self.times, end, side="left")), len(self.times) - 1)
         first = min(first, len(self.times) - 2)
@@ -46,7 +45,7 @@ def _apart(points: Points) -> NDArray[np.intp]:
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:
-    """Return times, and the greatest lateral acceleration around each [m/s^2]."""
+    """Return times [s] and the greatest lateral acceleration around each [m/s^2]."""
     begin, end = float(track.times[0]), float(track.times[-1])
     times = np.arange(begin, max(end, begin + SMOOTHED_SAMPLES * SAMPLE_STEP_S) + SAMPLE_STEP_S, SAMPLE_STEP_S)
     level = track.at(times)[:, :2]
@@ -59,9 +58,8 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
 
 
 def _greatest_near(values: Vector, reach: int) -> Vector:
-    """Return the maximum of each value (n,), none negative, and its `reach` neighbors on both sides."""
     greatest, seen, width = np.pad(values, reach), 1, 2 * reach + 1
-    while seen < width:  # twice as many in each step
+    while seen < width:
         more = min(seen, width - seen)
         greatest, seen = np.maximum(greatest[:-more], greatest[more:]), seen + more
     return greatest

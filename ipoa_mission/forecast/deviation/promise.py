@@ -1,4 +1,4 @@
-"""Compute the clearance of a mission's predicted path, and the one that 99 % of flights keep."""
+"""Compute predicted and kept clearance of a flight."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -7,32 +7,30 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of, limits_kept
-from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.deviation.tight_places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
 
 TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
-PAYLOAD_RADIUS = 0.5  # lateral distance to its place within which a vehicle descends with a payload [m]
+PAYLOAD_RADIUS = 0.5  # of a descent with a payload [m]
 
 
 @dataclass(frozen=True)
 class Kept:
-    """One limit in one part of the flight: predicted and kept distances [m].
+    """One limit in one part of the flight: predicted (`nominal`) and `kept` distances [m], of a ceiling heights.
 
-    `nominal` and `kept` are distances, of a ceiling heights. `to` is the nearest thing. `item` is the item flown to, as
-    in mission files with home 0, and `place` the place. `part` is empty on the way. Else it is "the take-off", "the
-    ending", or a tight place, as "via[2]"; the promise of the flight excludes these.
+    `to` is the nearest thing. `part` is empty on the way, else "the take-off", "the ending", or a tight place, as
+    "via[2]"; the promise of the flight excludes these.
     """
 
     limit: str
@@ -46,15 +44,11 @@ class Kept:
 
     @property
     def on_the_way(self) -> bool:
-        """Return whether it is between the take-off and the last waypoint, and at no tight place."""
         return not self.part
 
     @property
     def forbids(self) -> bool:
-        """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted.
-
-        At a tight place the prediction may be as near as the place itself, with the tolerance of the thinned path.
-        """
+        """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted."""
         if self.part in (TAKEOFF_PART, ENDING_PART):
             return False
         return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * THINNING_TOLERANCE)
@@ -65,13 +59,11 @@ class Kept:
 
     @property
     def falls_short(self) -> bool:
-        """Return whether less is kept than required, as both are printed."""
         if self.limit == "ceiling":
             return goes_beyond(self.kept, self.required)
         return falls_short(self.kept, self.required)
 
     def words(self, confidence: float | None) -> str:
-        """Return kept, predicted and required distances in one line without a full stop."""
         least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
         nominal, required = least(self.nominal), f"{bound}{most(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
@@ -83,8 +75,6 @@ class Kept:
 
 @dataclass(frozen=True)
 class Promise:
-    """The limits that a mission keeps on the way and in its ending, at the scenario's confidence."""
-
     confidence: float | None
     limits: tuple[Kept, ...]
     flight: "PredictedFlight" = field(repr=False, compare=False)
@@ -99,18 +89,16 @@ class Promise:
 
     @property
     def clearance(self) -> Kept | None:
-        """Return the least clearance to obstacles and ground on the way, shortfalls first."""
+        """Return the least clearance on the way, shortfalls first."""
         solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
         return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
 
     @property
     def elsewhere(self) -> tuple[Kept, ...]:
-        """Return the broken limits outside the promise: at take-off, ending and tight places."""
         return tuple(kept for kept in self.broken if not kept.on_the_way)
 
 
 def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
-    """Return whether enough flights keep each limit on a path, by the scenario's confidence."""
     chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.strongest)
     required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
     if airspace.obstacles:
@@ -138,7 +126,6 @@ def _breaks(check: Check) -> bool:
 
 
 def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
-    """Return the deviation bound with the tolerance of the thinned path."""
     deviation_bound = NO_DEVIATION if chance is None else deviation_bound_of(law, chance)
     return DeviationBound(
         deviation_bound.level + THINNING_TOLERANCE,
@@ -166,7 +153,6 @@ class PredictedFlight:
 
     @cached_property
     def pieces(self) -> Pieces:
-        """Return the pieces of the whole flight; wider after the last waypoint."""
         return pieces_of(self.prediction.track.local())
 
     @cached_property
@@ -183,7 +169,6 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[Kept]:
-        """Return obstacles in all parts of the flight; ground, ceiling and bounds on the way."""
         begin, end = self.way
         last = float(self.pieces.times[-1])
         law = law_of(self.autopilot, self.scenario.wind.strongest)
@@ -204,7 +189,6 @@ class PredictedFlight:
             yield from self._others(self.pieces.part(first, then), _bound(law, chance))
 
     def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """Return the parts of a time [s] outside of payload placements; at least one."""
         track, parts = self.prediction.track, list[tuple[float, float]]()
         for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:

@@ -1,15 +1,11 @@
-"""Enlarge a scene by the deviation bound while a path is planned.
-
-Obstacles grow by the bound for the usual number of tight places. An obstacle grows less near a given place
-and, on request, where it would close a gap that is wide enough for the predicted path.
-"""
+"""Enlarge a scene by the deviation bound while a path is planned."""
 
 import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.scenario import Scenario
@@ -17,14 +13,13 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
 
-MIN_GROWTH = 0.01  # obstacles that would grow by less stay as they are [m]
+MIN_GROWTH = 0.01  # [m]
 
 
 def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
-    """Return a scenario's path task with room for the deviation bound at `tight` tight places.
+    """Return the path task with room for the deviation bound at `tight` tight places.
 
-    With `keep_gaps` it closes no gap. Over steep ground the path is higher, by at most `share` of the spare height of
-    the lowest given place.
+    Over steep ground the path is higher, by at most `share` of the spare height of the lowest given place.
     """
     chance = scenario.safety.chance
     if chance is None:
@@ -50,10 +45,7 @@ def _spare_height(scenario: Scenario) -> float:
 def grown(
     roomy: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
 ) -> tuple[Obstacle, ...]:
-    """Return a task's obstacles grown to the sides by `growth` (n,) [m]; up and down in proportion to `shape`.
-
-    An obstacle that may not grow is as in `roomy`.
-    """
+    """Return obstacles grown by `growth` (n,) [m], or as in `roomy`."""
     bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
     growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
@@ -66,7 +58,7 @@ def grown(
 
 
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
-    """Limit `growth` in place so that no gap closes that is wide enough for the required distance."""
+    """Limit `growth` in place so that no sufficient gap closes."""
     outlines = np.array([body.plan for body in bodies])
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
     pairs = one < other
@@ -93,7 +85,6 @@ def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bo
 
 
 def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: DeviationBound) -> Polygon | None:
-    """Return the flight area shrunk by the deviation bound, if it stays whole and holds the given places."""
     if footprint is None:
         return None
     shape = footprint.buffered(-deviation_bound.level)

@@ -1,8 +1,4 @@
-"""Find places that the scenario puts nearer to an obstacle than the deviation bound.
-
-No flight can keep more there than the place leaves. The part of the path that cannot be clear yet near such a place
-has a promise of its own.
-"""
+"""Find places nearer to an obstacle than the deviation bound."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,13 +10,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 
-EXIT_FACTOR = 2.0  # meters flown for each meter farther away
-TURN_DISTANCE = 5.0  # in which a vehicle turns away from an obstacle at the place [m]
+EXIT_FACTOR = 2.0  # meters flown for each meter away
+TURN_DISTANCE = 5.0  # [m]
 
 
 @dataclass(frozen=True, eq=False)
 class TightPlace:
-    """A given place: its name in the scenario, its position, and the distance with a lower promise [m]."""
+    """A given place, and the distance with a lower promise [m]."""
 
     name: str
     place: Vector
@@ -28,7 +24,6 @@ class TightPlace:
 
 
 def tight_places(scenario: Scenario, room: float) -> tuple[TightPlace, ...]:
-    """Return start, via points and goal with less than `room` [m] over the required distance to obstacles."""
     if not scenario.airspace.obstacles:
         return ()
     places = scenario.places

@@ -1,24 +1,23 @@
-"""Compute the circular arc on which ArduCopter 4.7 flies to a NAV_ARC_WAYPOINT.
+"""Compute the arc on which ArduCopter 4.7 flies to a NAV_ARC_WAYPOINT.
 
-It begins where the leg before ends. It turns by param1 degrees, clockwise where that is positive. Its height changes
-linearly along the path. An arc below one degree, or of a whole circle, is a straight leg.
+Height changes linearly along it. An arc below one degree, or of a whole circle, is a straight leg.
 """
 
 import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
 MIN_TURN = math.radians(1.0)
-MIN_CHORD = 1e-3  # [m] between its ends
+MIN_CHORD = 1e-3  # [m]
 
 
 def turn_of(item: Item) -> float:
-    """Return the turn of the path to an item [rad], in whole degrees, clockwise positive; 0 where it is straight."""
+    """Return the turn [rad], in whole degrees, clockwise positive; 0: straight."""
     if item.command != Command.NAV_ARC_WAYPOINT or not math.isfinite(item.params[0]):
         return 0.0
     turn = math.radians(math.trunc(item.params[0]))
@@ -47,7 +46,7 @@ def arc_length(origin: Place, target: Place, turn: float) -> float:
 
 
 def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Points:
-    """Return points on the arc (n, 3) whose chords are within `stray` [m] of it."""
+    """Return points on the arc, with chords within `stray` [m]."""
     radius = arc_radius(origin, target, turn)
     widest = 2.0 * math.acos(max(1.0 - stray / radius, 0.0))
     share = np.linspace(0.0, 1.0, max(2, math.ceil(abs(turn) / widest) + 1))

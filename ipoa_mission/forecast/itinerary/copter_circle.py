@@ -1,26 +1,26 @@
-"""Compute the circle that ArduCopter flies for NAV_LOITER_TURNS: radius, turns, entry.
+"""Compute the circle that ArduCopter flies for NAV_LOITER_TURNS.
 
 It flies straight to the nearest point of the circle. Within `NEAR_CIRCLE` of that point it begins in place. Source:
-4.8.0-dev (AC_Circle, ModeAuto::circle_movetoedge_start) and flights: docs/lab/flight-time.md.
+4.8.0-dev (AC_Circle, ModeAuto::circle_movetoedge_start), docs/lab/flight-time.md.
 """
 
 import math
 
 import numpy as np
 
+from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.circle import FlownCircle
 
 NEAR_CIRCLE = 3.0  # [m]
 CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards
-SURE_SHARE = 0.15  # share of the radius; farther from the center the entry is within 2 m of the computed one
+SURE_SHARE = 0.15  # of the radius; farther out the entry is within 2 m
 MAX_TURNS, MAX_RADIUS = 255, 255
 
 
 def radius_of(item: Item) -> float:
-    """Return the radius of the circle [m] as stored: whole meters, or tens of meters above 255."""
+    """Return the radius [m]: whole meters, or tens of meters above 255."""
     radius = abs(item.params[2])
     if not math.isfinite(radius):
         return 0.0
@@ -28,7 +28,7 @@ def radius_of(item: Item) -> float:
 
 
 def circle_turn(item: Item, sense: float = 0.0) -> float:
-    """Return the total turn [rad] as stored, clockwise positive: whole turns, or 256ths of one.
+    """Return the turn [rad] as stored, clockwise positive: whole turns, or 256ths of one.
 
     `sense` replaces the sign of the radius where it is not 0.
     """
@@ -40,10 +40,7 @@ def circle_turn(item: Item, sense: float = 0.0) -> float:
 
 
 def circle_entry(here: Place, center: Place, radius: float, heading: float) -> tuple[Place, float]:
-    """Return the nearest point of the circle and its distance [m]; from the center the point behind the vehicle.
-
-    `heading`: clockwise from north [rad].
-    """
+    """Return the nearest point of the circle and its distance [m]; from the center the point behind the vehicle."""
     if radius <= 0.0:
         return center, 0.0
     bearing = bearing_from(center, here)
@@ -54,7 +51,6 @@ def circle_entry(here: Place, center: Place, radius: float, heading: float) -> t
 
 
 def entry_is_unsure(here: Place, center: Place, radius: float) -> bool:
-    """Return whether noise of a few decimeters decides the side of the entry: it is near the center's axis."""
     return (
         radius > 0.0
         and math.dist(here[:2], center[:2]) < max(2 * CENTER_RADIUS, SURE_SHARE * radius)
@@ -71,9 +67,9 @@ def on_circle(center: Place, radius: float, bearing: float) -> Place:
 
 
 def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, stray: float) -> Points:
-    """Return level points (n, 3) from `begin` along the flown circle: one turn and the rest of the last.
+    """Return level points from `begin`: one turn, the rest of the last, and straight to the stop.
 
-    Their chords are within `stray` [m] of the circle. The last leads straight to the place where the vehicle stops.
+    Chords are within `stray` [m].
     """
     whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole

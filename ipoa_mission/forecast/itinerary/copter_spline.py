@@ -1,7 +1,7 @@
 """Compute the curve on which ArduCopter flies to a spline waypoint.
 
-It is a cubic Hermite segment whose tangents are differences of places; a stop has no tangent. Source: ArduPilot's
-documentation of spline waypoints, the recorded flights, and 4.8.0-dev (ModeAuto::get_spline_from_cmd).
+A cubic Hermite segment whose tangents are differences of places; a stop has no tangent. Source: 4.8.0-dev
+(ModeAuto::get_spline_from_cmd) and recorded flights.
 """
 
 import math
@@ -9,14 +9,14 @@ import struct
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.program import Place, over_terrain
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
 NO_TANGENT = (0.0, 0.0, 0.0)
-MIN_TANGENT = 0.01  # a shorter leg gives a spline no direction [m]
-#: Navigation commands that ArduPilot stores with a place. It also reads the data of the others as one.
+MIN_TANGENT = 0.01  # [m]
+# ArduPilot stores these with a place, and reads the data of the others as one.
 WITH_PLACE = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TIME, Command.NAV_LAND,
     Command.NAV_TAKEOFF, Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_LOITER_TO_ALT, Command.NAV_ARC_WAYPOINT,
@@ -26,7 +26,7 @@ WITH_PLACE = frozenset({
 
 
 def reads_as_here(item: Item) -> bool:
-    """Return whether a stored command without a place reads as "here", and a spline before it ends at rest.
+    """Return whether a stored command without a place reads as "here": a spline before it ends at rest.
 
     Hour, minute and second of NAV_DELAY are read as an altitude, and the last byte of its seconds as its frame.
     """
@@ -39,8 +39,8 @@ def reads_as_here(item: Item) -> bool:
 def place_after(spline: Item, following: Item, target: Place, named: Place) -> tuple[Place, bool] | None:
     """Return the place that shapes the end of a spline to `target`, and whether a spline leads to it.
 
-    It is the place in the next navigation command, of any kind. Latitude and longitude 0 are the target's, and altitude
-    0 is its height. Return None for an end at rest, also where heights over terrain and over home meet.
+    Latitude and longitude 0 are the target's, altitude 0 its height. None: an end at rest, also where heights over
+    terrain and over home meet.
     """
     if following.command not in WITH_PLACE or over_terrain(following) != over_terrain(spline):
         return None
@@ -55,10 +55,10 @@ def place_after(spline: Item, following: Item, target: Place, named: Place) -> t
 def spline_tangents(
     origin: Place, target: Place, flown_in: Place | None, after: tuple[Place, bool] | None
 ) -> tuple[Place, Place]:
-    """Return the tangents [m] at both ends of the curve from `origin` to `target`.
+    """Return the tangents [m] at both ends of the curve.
 
     It begins along `flown_in`, the end of the leg before (None: at rest). It ends along the line to the place `after`
-    it: from its origin if another spline leads there (the flag), else from its target.
+    it: from its origin if a spline leads there (the flag), else from its target.
     """
     begin = end = NO_TANGENT
     if flown_in is not None and math.hypot(*flown_in) > MIN_TANGENT:
@@ -66,16 +66,13 @@ def spline_tangents(
     if after is not None:
         place, bends_on = after
         end = minus(place, origin if bends_on else target)
-        if math.hypot(*end) <= MIN_TANGENT:  # the remainder of rounded places
+        if math.hypot(*end) <= MIN_TANGENT:  # rounding
             end = NO_TANGENT
     return begin, end
 
 
 def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> tuple[Place, Place, Place, Place]:
-    """Return the vectors a, b, c, d of a + b u + c u^2 + d u^3 for u from 0 to 1.
-
-    Tangents whose lengths add up to more than four chords are scaled down to that.
-    """
+    """Return a, b, c, d of a + b u + c u^2 + d u^3, with tangents of four chords together at most."""
     begin, end = tangents
     size = math.hypot(*begin) + math.hypot(*end)
     scale = min(1.0, 4 * math.dist(origin, target) / size) if size > 0 else 0.0
@@ -86,7 +83,7 @@ def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> tuple[
 
 
 def spline_chords(origin: Place, target: Place, tangents: tuple[Place, Place], tolerance: float) -> Points:
-    """Return points on the curve with its ends, (n, 3) [m], whose chords are within `tolerance` of it."""
+    """Return points (n, 3) [m], with chords within `tolerance`."""
     a, b, c, d = np.array(cubic(origin, target, tangents))
     bend = max(float(np.linalg.norm(2 * c)), float(np.linalg.norm(2 * c + 6 * d)))  # the second derivative is linear
     u = np.linspace(0.0, 1.0, math.ceil(math.sqrt(bend / (8 * tolerance))) + 2)[:, None]

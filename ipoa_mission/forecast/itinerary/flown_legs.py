@@ -1,9 +1,6 @@
-"""Compute the legs of a mission: the climb after take-off, the legs between waypoints, the way home.
+"""Compute the legs of a mission.
 
-Legs are straight. Curves to an ArduPilot spline or arc waypoint are approximated by chords.
-
-Points are local (east, north, up). Heights above home and AMSL become `up` with the Earth's curvature, heights above
-terrain by the given ground. Loops are not unrolled: each jump adds its leg.
+Heights become local `up` with the Earth's curvature. Loops are not unrolled: each jump adds its leg.
 """
 
 import math
@@ -14,6 +11,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
+from ipoa_mission.autopilot.returning import ReturnBy
 from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
 from ipoa_mission.forecast.itinerary.copter_circle import (
     NEAR_CIRCLE,
@@ -26,19 +25,17 @@ from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_ch
 from ipoa_mission.forecast.itinerary.jump_targets import led_to
 from ipoa_mission.forecast.itinerary.program import Place, as_flown, next_navigated, onward, over_terrain
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 
-CHORD_TOLERANCE = 0.005  # [m] between a curve and its chords
-FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
-MIN_CURVE = 1e-3  # [m] below which the path to a spline waypoint is no curve
+CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]
+FOLLOWING_STEP = 5.0  # [m]
+MIN_CURVE = 1e-3  # straight below [m]
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
-HOME_RADIUS = 0.5  # [m] within which a take-off is at home
+HOME_RADIUS = 0.5  # of a take-off at home [m]
 
 
 class Phase(StrEnum):
@@ -50,10 +47,10 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """The path to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
+    """The path to item `seq`: points (k, 3) [m].
 
-    `alternative`: flown after a jump or to a rally point only. `over_terrain`: it keeps its height over the ground.
-    `stray`: greatest distance of the path to the lines [m]. `jumped_from`: the item before a jump; -1: no jump.
+    `alternative`: flown after a jump or to a rally point only. `stray`: greatest distance of the path to the lines [m].
+    `jumped_from`: the item before a jump; -1: none.
     """
 
     seq: int
@@ -66,27 +63,25 @@ class Leg:
 
 
 def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
-    """Return the legs of a mission in the order of its items, from home on the ground to the ground.
+    """Return the legs of a mission from ground to ground, without wrong positions (`check_positions`).
 
-    The mission's parameters set the return height. Without `ground` the ground is as high as home. Items with wrong
-    positions are left out; `check_positions` reports them.
+    Without `ground` the ground is as high as home.
     """
     return tuple(_LegBuilder(as_flown(mission), frame, ground).legs())
 
 
 def return_ways(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
-    """Return the paths of returns from places (n, 3): place, over it, over each goal, (goals, n, 3, 3) [m]."""
+    """Return paths of returns from places (n, 3), (goals, n, 3, 3) [m]."""
     return np.array([ways for _, ways in _LegBuilder(as_flown(mission), frame, None).return_ways(places)])
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
-    """Join consecutive legs; return the points, and the flight's greatest distance to the lines [m]."""
+    """Return joined points, and the greatest distance to their lines [m]."""
     points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
     return points, max(leg.stray for leg in legs)
 
 
 def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
-    """Return the place of each item, (3,) [m]; None without a position or height."""
     rows = [
         (item.latitude_deg, item.longitude_deg, 0.0 if over_terrain(item) else mission.altitude_above_home(item))
         if item.has_position and math.isfinite(item.altitude)
@@ -154,7 +149,7 @@ class _LegBuilder:
         if is_curve and np.linalg.norm(target - origin) > MIN_CURVE:
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
-        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)  # else it is straight
+        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)
         if is_arc(triple(origin), triple(target), turn):
             ends = self._over(item, origin), self._over(item, target)
             leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD_TOLERANCE))
@@ -174,14 +169,12 @@ class _LegBuilder:
         return self._bent(seq, item, spline_chords(*ends, tangents, CHORD_TOLERANCE))
 
     def _named(self, item: Item) -> Place:
-        """Return the place of an item, with `up` over the ground for an altitude over terrain."""
         height = item.altitude if over_terrain(item) else self.mission.altitude_above_home(item)
         place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
         east, north, up = triple(self.frame.local(place))
         return east, north, item.altitude if over_terrain(item) else up
 
     def _over(self, item: Item, place: Vector) -> Place:
-        """Return a place with `up` over the ground if the item's altitude is over terrain."""
         east, north, up = triple(place)
         return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
 
@@ -222,7 +215,6 @@ class _LegBuilder:
         return Leg(seq, Phase.CRUISE, points)
 
     def _following(self, ends: Points) -> Points:
-        """Return the leg between two points whose height over the ground changes linearly."""
         steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
         along = np.linspace(0.0, 1.0, steps)
         points = ends[0] + along[:, None] * (ends[1] - ends[0])
@@ -257,10 +249,7 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, top)
 
     def returns(self, seq: int) -> Iterator[Leg]:
-        """Return legs home, or to the chosen rally point, and alternatives to all others.
-
-        Some autopilots return along the mission, without a climb.
-        """
+        """Return legs home or to the chosen rally point, then alternatives."""
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
         route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
         if route.by is ReturnBy.BACK:
@@ -286,9 +275,9 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
 
     def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
-        """Return each goal, and the paths from places (n, 3), over them, to over it, (n, 3, 3).
+        """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3).
 
-        The height above home is constant on the way. Such a path is not straight: 10 km away it is 8 m lower.
+        Its height above home is constant: 10 km away it is 8 m lower.
         """
         amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
         latitude, longitude, altitude = self.frame.to_geodetic(places)
@@ -309,7 +298,6 @@ class _LegBuilder:
         return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
 
     def _jump(self, seq: int) -> Iterator[Leg]:
-        """Return the paths to the possible targets of a jump; a spline before it bends towards the target."""
         here, flown_in, curve = self.at, self.flown_in, self.curve
         for index in led_to(self.mission.items, seq - 1, MOVING):
             item, target = self.mission.items[index], self.places[index]

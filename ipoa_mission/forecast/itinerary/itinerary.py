@@ -1,41 +1,34 @@
-"""Unroll a mission into visits in the order of flight, with jumps followed and places complete."""
+"""Unroll a mission into visits."""
 
 import math
 from dataclasses import dataclass, field, replace
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, program_of
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
-#: ArduPilot's limit of a mission's size, used as the limit of unrolled loops.
+# ArduPilot's limit of a mission's size.
 MAX_VISITS = 20_000
-#: Above LAST_NAV, but they take time.
+# Above LAST_NAV, but not instant.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
-#: They delay the commands after them; the models run these at once.
+# They delay the commands after them; the models run these at once.
 CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
 
 @dataclass(frozen=True)
 class Visit:
-    """An item in its turn; `seq` counts from 1 (home is 0)."""
-
     seq: int
     item: Item
 
 
 @dataclass(frozen=True)
 class Itinerary:
-    """Visits in order, and the same as a program without jumps; `over_terrain` lists items with such a height.
-
-    Landings end on the `ground`. A return leads home or to one of the `rally` points, by the `parameters`.
-    """
-
     visits: tuple[Visit, ...]
     program: Program
     over_terrain: tuple[int, ...]
@@ -52,7 +45,7 @@ class Itinerary:
         return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
 
     def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
-        """Return the places back along the mission to over home, if visit n returns so; None: straight.
+        """Return the places of a return back along the mission to over home; None: straight.
 
         Raises:
             MissionError: it returns to a landing of its own, which is not modeled.
@@ -70,9 +63,9 @@ class Itinerary:
 
 
 def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
-    """Unroll the mission's jumps and convert its items to meters around home; it lands on the `ground`.
+    """Unroll the mission's jumps and convert its items to meters around home.
 
-    Heights over terrain count as heights over home (the time model has no terrain); `over_terrain` lists them.
+    Heights over terrain count as over home; `over_terrain` lists them.
 
     Raises:
         BadInput: a jump leads nowhere or never ends.
@@ -92,7 +85,6 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
-    """Return the rally points, east, north and up of home as the autopilot keeps them [m]."""
     if not mission.rally:
         return ()
     frame, home = LocalFrame(mission.home), mission.home
@@ -101,7 +93,7 @@ def rally_places(mission: Mission) -> tuple[Place, ...]:
 
 
 def flying_already(route: Itinerary) -> float | None:
-    """Return the height over home [m] of the first place of a mission without a take-off; else None."""
+    """Return the first height [m] of a mission without a take-off."""
     for visit, place in zip(route.visits, route.program.places, strict=True):
         command = visit.item.command
         if command <= LAST_NAV and command != Command.NAV_DELAY:

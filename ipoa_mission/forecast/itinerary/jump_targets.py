@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from ipoa_mission.mission.commands import JUMPS, Command
+from ipoa_mission.autopilot.commands import JUMPS, Command
 from ipoa_mission.mission.items import Item
 
 
 def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None:
-    """Return the item that the jump at `index` leads to, the first of two with its tag; None: there is none.
+    """Return the target of the jump at `index`, the first of two with its tag.
 
     `first` is the number of the first item for DO_JUMP.
     """
@@ -27,12 +27,11 @@ def tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
 
 
 def repeats(item: Item) -> float:
-    """Return how often a jump is taken; infinite: without end."""
     return math.inf if not item.params[1] >= 0 else int(item.params[1])
 
 
 def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterator[int]:
-    """Return the items of a `moving` command that the jump at `index` may lead to, through other jumps too."""
+    """Return the possible `moving` targets of a jump, through other jumps too."""
     ahead, seen = [jump_target(items, index) if repeats(items[index]) else None], {index}
     while ahead:
         at = ahead.pop()

@@ -1,9 +1,8 @@
 """Read mission items: their order, their places, and the next item of each.
 
-Places are east, north, up of home [m]. `up` is the height above home as the autopilot keeps it (a flat Earth), not the
-height over home's tangent plane. ArduCopter replaces latitude and longitude 0 by the place, and altitude 0 by the
-height, of the item before (ArduPilot's ModeAuto, since 2014). PX4 flies to the given values; a null place of its
-take-off and landing is "here".
+Places are east, north, up of home [m], over a flat Earth. ArduCopter replaces latitude and longitude 0, and altitude 0,
+by those of the item before (ModeAuto, since 2014). PX4 flies to the given values; a null place of its take-off and
+landing is "here".
 """
 
 import math
@@ -14,9 +13,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
-from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import (
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import (
     FLOWN_TO,
     JUMPS,
     LAST_NAV,
@@ -27,22 +25,23 @@ from ipoa_mission.mission.commands import (
     Frame,
     plain_frame,
 )
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
+from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
 Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 
-MAX_STEPS = 5_000  # limit of followed steps
-MAX_ACTIONS = 255  # between two items that move the vehicle; ends a loop without such an item
+MAX_STEPS = 5_000
+MAX_ACTIONS = 255
 
 
 def as_flown(mission: Mission) -> Mission:
-    """Return the mission with a place and a height in each item that is flown to, in order of the items.
+    """Return the mission with a place and a height in each item that is flown to.
 
     >>> from ipoa_mission.mission.items import takeoff, waypoint
     >>> from ipoa_mission.world.frame import Geodetic
@@ -60,7 +59,7 @@ def as_flown(mission: Mission) -> Mission:
         if item.is_here(mission.autopilot) and item.command not in TAKEOFF_AND_LAND | {Command.NAV_PAYLOAD_PLACE}:
             item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
-        if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs in place
+        if item.has_position and item.command != Command.NAV_TAKEOFF:
             latitude, longitude = item.latitude_deg, item.longitude_deg
         keeps_height = item.command == Command.NAV_LAND or item.frame == Frame.MISSION
         if item.command in FLOWN_TO and math.isfinite(item.altitude) and not keeps_height:
@@ -73,14 +72,13 @@ def over_terrain(item: Item) -> bool:
 
 
 def is_passed(item: Item) -> bool:
-    """Return whether a waypoint is passed without a hold; ArduCopter holds for whole seconds."""
-    if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
+    """Return whether a waypoint is passed; ArduCopter holds for whole seconds."""
+    if item.command == Command.NAV_ARC_WAYPOINT:
         return True
     return item.command in WAYPOINTS and item.params[0] < 1
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    """Return the item that is flown on to without a stop at item n; items that do not move the vehicle are skipped."""
     following, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
     if following is None or items[following].command not in guidance.flown_on_into:
         return None
@@ -92,9 +90,9 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
 def next_navigated(
     items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None
 ) -> int | None:
-    """Return the item that the autopilot looks ahead to on its way to item n; None for a hold, or none.
+    """Return the item that the autopilot looks ahead to from item n; None for a hold.
 
-    `later` are the items that follow in the order of flight; without it, in the order of their numbers.
+    `later`: the following items in the order of flight, if not of numbers.
     """
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
@@ -106,7 +104,7 @@ def next_navigated(
 
 @dataclass
 class Program:
-    """Items in the frame of their home, with the count of each jump; indices count from 0.
+    """Items around home, with the count of each jump; indices from 0.
 
     `first` is the number of the first item for a jump: 1 in a mission file, 0 in the store of PX4.
     """
@@ -128,7 +126,7 @@ class Program:
 
     @cached_property
     def places(self) -> Points:
-        """Return the place of each item, (n, 3) [m]; NaN where it has none. Heights over terrain count as over home."""
+        """Return the places (n, 3) [m]; NaN where there is none."""
         items, home = self.items, self.frame.home
         rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
@@ -159,7 +157,7 @@ class Program:
         return float(flat[0]), float(flat[1]), item.height(home)
 
     def after(self, index: int, taking: bool = True) -> int | None:
-        """Return the item after `index` with jumps followed; `taking` counts a jump, looking ahead does not."""
+        """Return the item after `index`, jumps followed; `taking` counts them."""
         index += 1
         for jumps in range(self.jump_profile.at_once + 1):
             if index >= len(self.items):
@@ -196,10 +194,6 @@ class Program:
         return jumps
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
-        """Return the items done in passing after item `index`, in order, and the next that moves the vehicle.
-
-        Count the jumps that are taken.
-        """
         passed: list[int] = []
         at = self.after(index)
         while at is not None and not self._moves(at):
@@ -218,7 +212,7 @@ class Program:
         return done, at
 
     def followed(self) -> tuple[Steps, dict[int, int]]:
-        """Return for each step the items done in passing and the next one; and wrong next items, by item."""
+        """Return passed items and the next one by step; and wrong next items."""
         steps: Steps = []
         elsewhere: dict[int, int] = {}
         at: int | None = -1
@@ -230,10 +224,7 @@ class Program:
         return steps, elsewhere
 
     def mistaken(self, index: int) -> int | None:
-        """Return the item that it flies on to from item `index` instead of the next one; None if correct.
-
-        ArduCopter keeps the leg from its look-ahead, wherever the next item is.
-        """
+        """Return the item flown to instead of the next one, by ArduCopter's look-ahead; None if correct."""
         if not self.jump_profile.looks_past_jumps or not is_passed(self.items[index]):
             return None
         tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
@@ -247,7 +238,6 @@ class Program:
         return self.items[index].command <= LAST_NAV or self.items[index].command in MOVING_AFTER_LAST_NAV
 
     def ahead(self, index: int) -> Iterator[int]:
-        """Return the items after `index`, at most as many as the mission has."""
         for _ in self.items:
             following = self.after(index, taking=False)
             if following is None:

@@ -1,27 +1,25 @@
-"""Find items after which the flight is unknown, and items that are never reached."""
+"""Find items after which the flight is unknown, or never reached."""
 
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated, program_of
 from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
 NEVER_REACHED = "never-reached"
-#: The forecast is not accurate beyond these: docs/lab/flight-time.md.
+# Limits of the forecast's accuracy: docs/lab/flight-time.md.
 MAX_TURN_DEG, MAX_RADIUS = 150.0, 150.0  # [deg], [m]
 NO_PLACE = (math.nan, math.nan, math.nan)
 
 
 class Unknown(NamedTuple):
-    """The reason why the flight is unknown from item `seq` on; `code` is that of its finding."""
-
     seq: int
     why: str
     hint: str
@@ -47,7 +45,7 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
                 why = "it begins near the circle's center: the side of its entry is random"
                 yield Unknown(n + 1, why, "begin it farther from the center")
             here = None
-        elif item.command in TAKEOFFS:  # straight up
+        elif item.command in TAKEOFFS:
             here = (*(here or HOME)[:2], place[2])
         elif item.command in FLOWN_TO:
             here = place
@@ -61,7 +59,6 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
 
 
 def _past_jumps(mission: Mission) -> Iterator[Unknown]:
-    """Return items from which it flies past a jump, as the jump leads to no place."""
     items = mission.items
     for n, instead in sorted(program_of(mission, items).followed()[1].items()):
         jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
@@ -74,7 +71,6 @@ def _past_jumps(mission: Mission) -> Iterator[Unknown]:
 
 
 def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
-    """Return splines before an item without a place that is read as one."""
     items = program.items
     for after in {next_navigated(items, n, program.autopilot), program.shaped_by(n)} - {None}:
         assert after is not None
@@ -87,12 +83,12 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
     after = program.shaped_by(n)
     if after is None or program.items[after].command not in program.autopilot.guidance.flown_on_into:
-        return False  # it stops there
+        return False
     return turn_deg(before, place, program.place(after, place)) > MAX_TURN_DEG
 
 
 def turn_deg(before: Place | Vector, at: Place | Vector, after: Place | Vector) -> float:
-    """Return the turn of the course at a place, 0 to 180; NaN where a place is unknown."""
+    """Return the turn at a place, 0 to 180; NaN where unknown."""
     east, north, on_east, on_north = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
     return math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
 

@@ -1,9 +1,7 @@
-"""Compute the least time along a curve, limited only by speed, acceleration and jerk.
+"""Compute the least time along a curve, limited by speed, acceleration and jerk.
 
-Time-optimal path parametrisation with one forward and one backward pass (Bobrow et al.). Curvature and slope limit
-the speed at each place. Between places it changes by the acceleration that the curvature leaves. Jerk counts at the
-start from rest and at the end; elsewhere it is left out, so the result stays a lower bound. (toppra solves the same
-for joints, whose limits are a box; a vehicle's acceleration is limited in length.)
+Time-optimal path parametrisation in two passes (Bobrow et al.). Jerk counts only at both ends, so the result stays a
+lower bound. (toppra has box limits; a vehicle's acceleration is limited in length.)
 """
 
 import math
@@ -15,17 +13,13 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.timing.cubic import derivatives
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 
-PLACE_STEP = 0.25  # between the places at which the speed is computed [m]
-MAX_PLACES = 40_000  # a longer curve has a wider spacing
+PLACE_STEP = 0.25  # [m]
+MAX_PLACES = 40_000
 
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Limits of the vehicle: speeds level, up and down [m/s], acceleration and jerk along the path.
-
-    The acceleration across the path may differ from the one along it (default: the same). Both together stay within the
-    ellipse of the two.
-    """
+    """Speeds level, up and down [m/s], acceleration along and across the path (an ellipse) and jerk."""
 
     speed: float
     climb: float
@@ -41,17 +35,13 @@ class Kinematics:
 
 @dataclass(frozen=True)
 class Bound:
-    """The least time [s], with its speeds (n,) [m/s] at path lengths (n,) [m]."""
-
     seconds: float
     lengths: Vector
     speeds: Vector
 
 
 def least_time(points: Points, kinematics: Kinematics) -> Bound:
-    """Return the least time along the smooth curve through points (n, 3), from rest to rest.
-
-    The points must be dense enough that a cubic spline through them is the intended curve.
+    """Return the least time along the cubic spline through points (n, 3), from rest to rest.
 
     Raises:
         BadInput: fewer than two different points, or a limit that is not positive.
@@ -73,19 +63,18 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
     for n in range(len(steps) - 1, -1, -1):
         squares[n] = min(squares[n], _after(squares[n + 1], curvature[n + 1], curvature[n], steps[n], kinematics))
     speeds = np.sqrt(squares)
-    # The acceleration is constant between places, so a step takes its length over the mean speed. In the first
-    # and the last step jerk alone builds up speed.
+    # Constant acceleration between places; at both ends jerk alone.
     times = 2 * steps / (speeds[:-1] + speeds[1:])
     times[[0, -1]] = np.maximum(times[[0, -1]], np.cbrt(6 * steps[[0, -1]] / kinematics.jerk))
     return Bound(float(times.sum()), lengths, speeds)
 
 
 def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
-    """Return lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
+    """Return lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m]."""
     chords = arc_lengths(points)
     count = min(max(int(np.ceil(chords[-1] / PLACE_STEP)), 40), MAX_PLACES) + 1
     even = np.linspace(0.0, 1.0, count)
-    near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from rest, or falls to it
+    near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3
     at = chords[-1] * np.sort(np.concatenate([even, near, 1.0 - near]))
     if len(points) == 2:
         unit = (points[1] - points[0]) / chords[-1]
@@ -108,17 +97,13 @@ def _speed_limits(tangents: Points, curvature: Vector, kinematics: Kinematics) -
 
 
 def _after(square: float, bend: float, next_bend: float, step: float, kinematics: Kinematics) -> float:
-    """Return the square of the greatest speed one step on, after the curvature's share of the acceleration.
-
-    The smaller curvature of the step's two ends counts, so that no step is too slow.
-    """
+    """Return the square of the greatest speed one step on; the smaller curvature of its ends counts."""
     used = min(bend, next_bend) * square / kinematics.accel_across
     along = kinematics.accel * math.sqrt(max(1.0 - used**2, 0.0))
     return square + 2 * along * step
 
 
 def _from_rest(lengths: Vector, kinematics: Kinematics) -> Vector:
-    """Return the speed reachable from rest within each length: jerk up to full acceleration, then constant."""
     accel, jerk = kinematics.accel, kinematics.jerk
     if not np.isfinite(jerk):
         return np.sqrt(2 * accel * lengths)

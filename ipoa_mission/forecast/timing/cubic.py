@@ -1,7 +1,4 @@
-"""Compute the not-a-knot cubic spline through points (de Boor).
-
-The result is that of `scipy.interpolate.CubicSpline`, whose import takes longer than the rest of an estimate.
-"""
+"""The not-a-knot cubic spline (de Boor); importing SciPy's takes longer than the rest of an estimate."""
 
 import numpy as np
 
@@ -9,7 +6,7 @@ from ipoa_mission.geometry import Points, Vector
 
 
 def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points]:
-    """Return first and second derivative, each (m, d), at parameters `at` (m,) of the spline of `points` (n, d).
+    """Return first and second derivative, each (m, d), at `at` (m,), of the spline of `points` (n, d).
 
     `knots` (n,) must increase, n > 2.
 
@@ -27,7 +24,7 @@ def values(knots: Vector, points: Points, at: Vector) -> Points:
 
 
 def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, Points, Points, Points]:
-    """Return h, the distance of each parameter to its knot (m, 1), and the coefficients of 1, h, h^2, h^3 (m, d)."""
+    """Return h (m, 1), and the coefficients of 1, h, h^2, h^3 (m, d)."""
     steps = np.diff(knots)
     chords = np.diff(points, axis=0) / steps[:, None]
     slopes = _slopes(knots, steps, chords)
@@ -57,7 +54,6 @@ def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
 
 
 def _solve(below: list[float], middle: list[float], above: list[float], right: list[float]) -> list[float]:
-    """Solve a tridiagonal system by elimination, in place."""
     n = len(right)
     for i in range(1, n):
         factor = below[i] / middle[i - 1]

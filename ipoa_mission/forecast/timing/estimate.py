@@ -1,4 +1,4 @@
-"""Estimate the time of a mission by item, on any autopilot, with QGroundControl's time for comparison."""
+"""Estimate the time of a mission by item."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -21,16 +21,15 @@ class ItemTime:
     Attributes:
         seq: its number in the mission's file; home is 0.
         command: MAV_CMD.
-        done_s: when it is done, in the mean of its flights [s].
+        done_s: in the mean of its flights [s].
         low_s: the earliest of nine flights in ten [s].
         high_s: the latest of nine flights in ten [s].
-        duration_s: its duration [s].
-        length: of the path flown for it [m].
-        peak_speed: on that path, over the ground [m/s].
-        mean_speed: on that path, over the ground [m/s].
-        reason: why it is slow ("corner 87 deg", "leg shorter than its braking distance", "hold"); "" without a reason.
-        missed: the risk to pass a waypoint at a height that does not count and turn back: share of flights and cost,
-            included in the times.
+        duration_s: [s].
+        length: flown [m].
+        peak_speed: over the ground [m/s].
+        mean_speed: over the ground [m/s].
+        reason: why it is slow ("corner 87 deg", "hold"), or "".
+        missed: the risk to turn back to it, included in the times.
 
     Example:
         >>> from ipoa_mission import estimate, read_mission
@@ -54,21 +53,18 @@ class ItemTime:
 
 @dataclass(frozen=True, repr=False)
 class Estimate:
-    """The time of a mission, from arming on the ground to disarming, or to the last item in the air.
+    """The time of a mission, from arming to disarming, or to the last item in the air.
 
     Attributes:
         total_s: in the mean of its flights [s].
         low_s: the shortest of nine flights in ten [s].
         high_s: the longest of nine flights in ten [s].
         qgroundcontrol_s: the time that QGroundControl shows [s].
-        route: the time from the first place to the last waypoint, and the least time of the same path under the same
-            limits.
-        items: in the order flown; an item in a loop appears once for each pass. An RTL or LAND is done when the vehicle
-            has disarmed.
-        track: the path as flown, with cut corners, in home's local frame; its speeds are over the ground, in three
-            dimensions.
+        route: the time from the first place to the last waypoint.
+        items: in the order flown, once for each pass.
+        track: the path as flown, in home's local frame.
         remarks: what the model leaves out.
-        waits: times of day that its items wait for, not included in the times.
+        waits: times of day that its items wait for, not included.
     """
 
     total_s: float
@@ -83,7 +79,6 @@ class Estimate:
 
     @property
     def besides(self) -> str:
-        """Return the waits that the total time leaves out, to append to it; else empty."""
         return f" and the wait{'s' if len(self.waits) > 1 else ''} {', '.join(self.waits)}" if self.waits else ""
 
     def __repr__(self) -> str:
@@ -151,7 +146,6 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
 
 
 def _flown(clock: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, end: float) -> tuple[float, float]:
-    """Return length and peak speed between two times of a track: times, east, north, up and speeds, each (n,)."""
     if end <= begin:
         return 0.0, 0.0
     first, last = np.searchsorted(clock, [begin, end])

@@ -1,4 +1,4 @@
-"""The interface of a flight model: prediction of a mission's flight, and the parameters that can be learned."""
+"""The interface of a flight model."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -8,14 +8,14 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -26,14 +26,12 @@ class SlowedByAir(Protocol):
 
 @dataclass(frozen=True)
 class Abort:
-    """An RTL or LAND that ends a flight at a `time` [s after arming]."""
-
     time: float
     contingency: Contingency
 
 
 class FlightModel(ABC):
-    """The interface of an autopilot's flight in its simulator, with the error measured on recorded flights."""
+    """The interface of an autopilot's flight model."""
 
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of an ending."""
@@ -45,7 +43,7 @@ class FlightModel(ABC):
 
     @abstractmethod
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        """Predict the flight of the mission's itinerary; `fast` and `sure` as in `Forecast.predicted`.
+        """Predict the flight; `fast` and `sure` as in `Forecast.predicted`.
 
         Raises:
             BadInput: an item never ends, or a parameter is invalid.
@@ -57,7 +55,7 @@ class FlightModel(ABC):
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        """Predict the flight with another ending, which is its only item.
+        """Predict the flight with another ending, its only item.
 
         Raises:
             MissionError: as `predicted`; or the model has no such flights.
@@ -65,13 +63,8 @@ class FlightModel(ABC):
         raise NotModeled("this model has no aborted flights")
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        """Return the simulated vehicle's airframe at an altitude above sea level [m].
-
-        Raises:
-            MissionError: the model has none, so drag cannot be learned.
-        """
+        """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""
         raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        """Return when each visit is done in most flights (n,) [s]."""
         return self.predicted(route, mission, CALM, True, False).done

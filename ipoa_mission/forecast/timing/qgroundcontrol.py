@@ -1,28 +1,24 @@
-"""Compute the mission time that QGroundControl shows, distance over speed, for comparison.
+"""Compute the mission time that QGroundControl shows, distance over speed.
 
 * Take-off: its height over the ascent speed.
-* Legs: horizontal great circles over the hover speed; DO_CHANGE_SPEED counts from the next item.
-* Holds of waypoints and delays.
-* RTL: the way home, and the height over the descent speed. Version 4.4 has these swapped: this is its master's.
+* Legs: great circles over the hover speed; DO_CHANGE_SPEED counts from the next item.
+* RTL: the way home, and the height over the descent speed (4.4 has these swapped).
 * Structure scan: its height as distance.
-
-Acceleration, corners, climbs between waypoints, LAND's descent and jumps are ignored.
 """
 
 import math
 
-from ipoa_mission.mission.commands import Command
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.items import Mission
 
-#: The terms of this time, in words.
 COUNTED_TERMS = (
     "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
 )
-#: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
+# QGroundControl's settings for planning without a vehicle [m/s].
 HOVER_SPEED = 5.0
 ASCENT_SPEED = 3.0
 DESCENT_SPEED = 1.0
-QT_EARTH_RADIUS = 6_371_007.0  # of Qt's QGeoCoordinate::distanceTo [m]
+QT_EARTH_RADIUS = 6_371_007.0  # QGeoCoordinate::distanceTo [m]
 
 DELAYS = frozenset({Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_DELAY})
 

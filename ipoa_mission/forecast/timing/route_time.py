@@ -1,7 +1,4 @@
-"""Compute the time of a mission's route, from its first place to its last waypoint, and its lower bound.
-
-The choice of waypoints does not change the time before (take-off) and after (RTL, LAND).
-"""
+"""Compute the time from the first place to the last waypoint."""
 
 import math
 from collections.abc import Sequence
@@ -10,26 +7,25 @@ from functools import cached_property
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
-from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.parameters import Parameters
 
 ROUTE_STARTS = WAYPOINTS | {Command.NAV_TAKEOFF}
-PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # step of the flown path, and steps that are averaged [m]
-MAX_STEPS = 10_000  # a longer path has longer steps
+PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # [m], averaged over
+MAX_STEPS = 10_000
 
 
 @dataclass(frozen=True)
 class RouteTime:
-    """The route takes `seconds`; no vehicle within the same limits flies the same path in less than `least` [s].
+    """`seconds` of the route, and the `least` within the same limits [s]; NaN without a route.
 
-    An autopilot may exceed its own limits, with the wind or where an ArduCopter's spline bends down steeply; then its
-    time is the least. Both are NaN for a mission without a route: two places that are waypoints or a take-off.
+    An autopilot may exceed its own limits; then its time is the least.
     """
 
     seconds: float
@@ -69,10 +65,7 @@ def route_time(
 
 
 def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
-    """Return the highest horizontal speed in force between two visits [m/s]; first `standard`.
-
-    A leg under way at a change of speed began at the speed before, so that one counts as well.
-    """
+    """Return the highest level speed in force between two visits [m/s]; the one before counts as well."""
     asked = [
         (n, visit.item.params[1])
         for n, visit in enumerate(route.visits[:last])
@@ -83,7 +76,6 @@ def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> flo
 
 
 def _smoothed(path: Points) -> Points:
-    """Resample the path at equal steps and average it, so that its bends are the vehicle's, not those of samples."""
     path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
     if len(path) < 2:
         return path

@@ -9,16 +9,16 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.ground import EARTH_RADIUS
 
-BATCH_SIZE = 20_000  # points thinned together, to limit the memory
-TIME_TOLERANCE_S = 1e-9  # samples nearer than this have the same time [s]
-MIN_SQUARED_LENGTH = 1e-12  # least squared length of a leg [m^2]
-BOTH_VIEWS_FACTOR = 1.5  # factor of the tolerance of one view, for both views
-THINNING_TOLERANCE = 0.02  # tolerance of a thinned path [m]
+BATCH_SIZE = 20_000  # points, limited by memory
+TIME_TOLERANCE_S = 1e-9  # [s]
+MIN_SQUARED_LENGTH = 1e-12  # [m^2]
+BOTH_VIEWS_FACTOR = 1.5  # of the tolerance of one view
+THINNING_TOLERANCE = 0.02  # [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A path: times (n,) from arming [s], points (n, 3) east, north, up [m], speeds (n,) over the ground [m/s]."""
+    """Times (n,) from arming [s], points (n, 3) east, north, up [m], ground speeds (n,) [m/s]."""
 
     times: Vector
     points: Points
@@ -26,16 +26,12 @@ class Track:
 
     @classmethod
     def of(cls, samples: Points, times: Vector | None = None) -> "Track":
-        """Make a track of samples (n, 7) of time, place and velocity; `times` (n,) replace theirs.
-
-        Copy all, so that large samples can be freed.
-        """
+        """Make a track of samples (n, 7) of time, place and velocity; copy all, so that they can be freed."""
         own = samples[:, 0] if times is None else times
         return cls(own.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
 
     @classmethod
     def joined(cls, tracks: "Sequence[Track]") -> "Track":
-        """Join tracks; a moment in two of them is kept once."""
         times = np.concatenate([one.times for one in tracks])
         later = np.concatenate([[True], np.diff(times) > TIME_TOLERANCE_S])
         points, speeds = (np.concatenate([getattr(one, name) for one in tracks]) for name in ("points", "speeds"))
@@ -53,14 +49,14 @@ class Track:
         return Track(self.times[taken], self.points[taken], self.speeds[taken])
 
     def local(self) -> "Track":
-        """Convert `up` from a round Earth to home's tangent plane, as in the world."""
+        """Convert `up` from a round Earth to home's tangent plane."""
         sunk = self.points.copy()
         sunk[:, 2] -= (sunk[:, 0] ** 2 + sunk[:, 1] ** 2) / (2 * EARTH_RADIUS)
         return Track(self.times, sunk, self.speeds)
 
 
 def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
-    """Thin the path (n, 3): legs of the result pass the left out points within about `stray` [m]."""
+    """Thin the path (n, 3) to within about `stray` [m]."""
     if len(path) < 3:
         return path
     import shapely  # imported only where a world is used
@@ -81,10 +77,7 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
 
 
 def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.bool_]:
-    """Return the points of a path (n, 3) between two kept points whose leg passes one of them beyond `most` [m].
-
-    A path that climbs to and fro over itself does: from above and from the side it is one leg.
-    """
+    """Return the points between two kept ones whose leg folds beyond `most` [m]."""
     gap = np.clip(np.searchsorted(kept, np.arange(len(path)), "right") - 1, 0, len(kept) - 2)
     begins, ways = path[kept], np.diff(path[kept], axis=0)
     lengths = np.maximum((ways**2).sum(axis=1), MIN_SQUARED_LENGTH)

@@ -1,1 +1,1 @@
-"""Implement the algorithms that the paper compares IPOA with; entry points register them as optimizers."""
+"""Implement the paper's rivals; entry points register them as optimizers."""

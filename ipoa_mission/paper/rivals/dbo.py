@@ -1,43 +1,42 @@
-"""DBO, the dung beetle optimizer (Xue and Shen, The Journal of Supercomputing 2023, 79, 7305), after its authors' code.
+"""DBO, the dung beetle optimizer (Xue and Shen, The Journal of Supercomputing 2023, 79, 7305).
 
-Of thirty beetles six roll balls, six are brood balls, seven forage and eleven steal; each remembers its best place
-and moves from there. The bounds x (1 - R) and x (1 + R) swap where x is negative. Then clipping returns the upper one,
-as in the authors' code. Costs N + N T evaluations.
+As in the authors' code, bounds x (1 - R) and x (1 + R) swap for negative x. Clipping then returns the upper one. Costs
+N + N T evaluations.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction
 
 
 @dataclass(frozen=True)
 class DBO:
-    """Search by beetles with four roles; k, b and S as in the paper's Table 2 (the authors' code: b = 0.3, S = 0.5)."""
+    """k, b and S as in the paper's Table 2 (the authors' code: b = 0.3, S = 0.5)."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Annotated[int, Between(10)] = 30
     iterations: Count = 1000
     deflection: Amount = 0.1  # k
     rolling: Amount = 0.1  # b
     stealing: Amount = 0.3  # S
-    obstacle: Fraction = 0.1  # probability that a roller meets an obstacle and dances, from the authors
+    obstacle: Fraction = 0.1  # probability of dancing, from the authors
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield N candidates, then the rollers and the other beetles of each iteration."""
         n = self.population
         rollers, broods, foragers = round(n * 6 / 30), round(n * 12 / 30), round(n * 19 / 30)  # last index of each role
-        x = box.sample(n, rng)  # positions and costs
+        x = box.sample(n, rng)
         f = yield x
-        home, home_cost = x, f  # best position of each
-        before = home  # best position one iteration ago
+        home, home_cost = x, f
+        before = home
         for t in range(1, self.iterations + 1):
             best = home[home_cost.argmin()]
             worst = x[f.argmax()]
 
-            # Ball rolling and dancing, eqs. (1) and (2) of Xue and Shen
+            # eqs. (1) and (2) of Xue and Shen
             here, previous = home[:rollers], before[:rollers]
             if rng.random() >= self.obstacle:
                 alpha = np.where(rng.random((rollers, 1)) > 0.1, 1, -1)
@@ -53,19 +52,19 @@ class DBO:
             shrinking = 1 - t / self.iterations  # R
             local = x[f.argmin()]
 
-            # Brood balls, their eqs. (3) and (4)
+            # eqs. (3) and (4)
             low, high = box.clip(local * (1 - shrinking)), box.clip(local * (1 + shrinking))
             here = home[rollers:broods]
             r1, r2 = rng.random((2, *here.shape))
             brood = np.minimum(np.maximum(local + r1 * (here - low) + r2 * (here - high), low), high)
 
-            # Foragers, their eqs. (5) and (6)
+            # eqs. (5) and (6)
             low, high = box.clip(best * (1 - shrinking)), box.clip(best * (1 + shrinking))
             here = home[broods:foragers]
             c1, c2 = rng.standard_normal((len(here), 1)), rng.random(here.shape)
             forage = here + c1 * (here - low) + c2 * (here - high)
 
-            # Thieves, their eq. (7)
+            # eq. (7)
             here = home[foragers:]
             g = rng.standard_normal(here.shape)
             theft = best + self.stealing * g * (np.abs(here - local) + np.abs(here - best))

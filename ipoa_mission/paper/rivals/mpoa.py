@@ -1,18 +1,17 @@
 """MPOA, a modified pelican algorithm (the paper's reference [43]). INFERRED: its formulas were not available.
 
-The paper gives two constants (Table 2: freedom parameter a = 1, proportion of vigilantes SD = 0.2) and the mutation's
-distribution, Cauchy. So this is POA, then a Cauchy mutation x + x C(0, a), then the sparrows' alarm for a share SD,
-each accepted greedily. Costs N + T N (3 + SD).
+By Table 2 (a = 1, SD = 0.2): POA, a Cauchy mutation x + x C(0, a), the sparrows' alarm for a share SD. Each is accepted
+greedily. Costs N + T N (3 + SD).
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ipoa_mission.optimize.poa import towards_prey, wing
 from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Count, Fraction, Members
 from ipoa_mission.paper.rivals.ssa import flee
 
 
@@ -20,31 +19,31 @@ from ipoa_mission.paper.rivals.ssa import flee
 class MPOA:
     """Search by POA with a Cauchy mutation and vigilant members."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2  # R of (16)
-    null_space: Amount = 1.0  # a, the scale of the Cauchy distribution
+    null_space: Amount = 1.0  # a, scale of the Cauchy distribution
     vigilant: Fraction = 0.2  # SD
-    rand: Literal["pelican", "dimension"] = "pelican"  # as in POA
+    rand: Literal["pelican", "dimension"] = "pelican"
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield N candidates, then three batches of N and one of SD N an iteration."""
         n, d = self.population, box.dimension
         width = 1 if self.rand == "pelican" else d
         x = box.sample(n, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
-            # POA's two phases, (14) to (17)
+            # (14) to (17)
             trial = box.clip(towards_prey(x, f, width, rng))
             x, f = keep_better(x, f, trial, (yield trial))
             trial = box.clip(wing(x, self.radius * (1 - t / self.iterations), rng))
             x, f = keep_better(x, f, trial, (yield trial))
 
-            # Cauchy mutation (inferred)
+            # inferred
             trial = box.clip(x + x * self.null_space * rng.standard_cauchy((n, d)))
             x, f = keep_better(x, f, trial, (yield trial))
 
-            # The vigilant (inferred: the sparrows' rule)
+            # inferred: the sparrows' rule
             alarmed = rng.permutation(n)[: round(self.vigilant * n)]
             if alarmed.size:
                 trial = box.clip(flee(x, f, alarmed, rng))

@@ -1,23 +1,24 @@
 """SSA, the sparrow search algorithm (Xue and Shen, Systems Science & Control Engineering 2020, 8, 22).
 
-The sparrows are sorted by cost: finders first, then followers; some of either are alarmed. A new place is kept if it is
-better. The authors' "starving" followers are the worse half of all sparrows. With the paper's share of finders (0.7)
-that is every follower, so here it is the worse half of the followers. Costs N + T N (1 + SD).
+"Starving" are the worse half of the followers, not of all sparrows as in the authors' code: the paper's share of
+finders is 0.7. Costs N + T N (1 + SD).
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
-from ipoa_mission.optimize.settings import Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Count, Fraction, Members
 
 
 @dataclass(frozen=True)
 class SSA:
-    """Search by finders, followers of the best finder, and alarmed members that flee; constants of Table 2."""
+    """Constants of Table 2."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     safety: Fraction = 0.6  # ST
@@ -25,7 +26,6 @@ class SSA:
     vigilant: Fraction = 0.2  # SD
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield N candidates, then the finders, the followers and the alarmed of each iteration."""
         n = self.population
         producers = min(max(round(self.finders * n), 1), n - 1)
         rank = np.arange(1, n + 1)[:, None]
@@ -37,7 +37,7 @@ class SSA:
             x, f = x[order], f[order]
             worst = x[-1]
 
-            # Finders, eq. (3) of Xue and Shen
+            # eq. (3) of Xue and Shen
             head = x[:producers]
             if rng.random() < self.safety:
                 trial = head * np.exp(-rank[:producers] / ((1 - rng.random((producers, 1))) * self.iterations))
@@ -46,7 +46,7 @@ class SSA:
             trial = box.clip(trial)
             head, head_cost = keep_better(head, f[:producers], trial, (yield trial))
 
-            # Followers, their eq. (4)
+            # eq. (4)
             tail = x[producers:]
             prey = head[head_cost.argmin()]
             signs = rng.choice((-1.0, 1.0), tail.shape)
@@ -58,7 +58,7 @@ class SSA:
             tail, tail_cost = keep_better(tail, f[producers:], trial, (yield trial))
             x, f = np.concatenate([head, tail]), np.concatenate([head_cost, tail_cost])
 
-            # The alarmed, their eq. (5)
+            # eq. (5)
             alarmed = rng.permutation(n)[: round(self.vigilant * n)]
             if alarmed.size:
                 trial = box.clip(flee(x, f, alarmed, rng))
@@ -66,7 +66,7 @@ class SSA:
 
 
 def flee(x: Candidates, f: Costs, alarmed: NDArray[np.intp], rng: np.random.Generator) -> Candidates:
-    """Return places (m, D) of the `alarmed` members: close to the best one, or for the best one away from the worst."""
+    """Return places (m, D): near the best, or for the best one away from the worst."""
     here, cost = x[alarmed], f[alarmed, None]
     best, worst = x[f.argmin()], x[f.argmax()]
     m, d = here.shape

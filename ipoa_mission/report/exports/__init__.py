@@ -1,5 +1,3 @@
-"""Export missions for other programs: KML, GeoJSON, CSV and GPX, by the file's suffix."""
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +15,6 @@ from ipoa_mission.report.exports.kml_export import to_kml
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-#: Suffix -> function that formats the mission of a forecast under a name.
 EXPORTS: dict[str, Callable[[Forecast, str], str]] = {
     ".kml": to_kml,
     ".geojson": to_geojson,
@@ -27,7 +24,7 @@ EXPORTS: dict[str, Callable[[Forecast, str], str]] = {
 
 
 def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None" = None) -> None:
-    """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
+    """Write the mission in the format of the suffix; the same mission gives the same bytes.
 
     Args:
         mission: to write.
@@ -48,10 +45,6 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
 
 
 def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
-    """Return the text of such a file.
-
-    Raises:
-        BadInput: a position or height that cannot be drawn.
-    """
+    """Raise BadInput for an undrawable position or height."""
     refuse_unsound(forecast.given)
     return EXPORTS[suffix](forecast, name)

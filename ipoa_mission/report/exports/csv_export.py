@@ -1,4 +1,4 @@
-"""Export CSV (RFC 4180, but LF): the table of the mission, one item a line, units in the column names."""
+"""CSV (RFC 4180, but LF), one item a line, units in the column names."""
 
 import csv
 import io
@@ -6,7 +6,6 @@ import io
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.exports.table import Row, rows_of
 
-#: Column -> the attribute of a row, and its number of decimals.
 COLUMNS = {
     "seq": ("seq", None),
     "command": ("command", None),
@@ -26,7 +25,7 @@ COLUMNS = {
 
 
 def to_csv(forecast: Forecast, name: str) -> str:
-    """Return the mission as CSV text; `name` is not used."""
+    """`name` is unused."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -1,5 +1,3 @@
-"""Compute the flown way of a mission as geodetic lines, and its fence as closed rings, for exports."""
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,9 +12,9 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 @dataclass(frozen=True)
 class Stretch:
-    """A line on the map: (longitude [deg], latitude [deg], altitude [m]) of each point.
+    """Points (longitude [deg], latitude [deg], altitude [m]) that do not cross the antimeridian.
 
-    Altitudes are AMSL, or above the ground if `over_terrain`. No line crosses the antimeridian.
+    Altitudes are AMSL, or above the ground if `over_terrain`.
     """
 
     points: tuple[tuple[float, float, float], ...]
@@ -24,7 +22,7 @@ class Stretch:
 
 
 def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
-    """Return the way from home over all items and back in as few lines as possible, down to the scenario's ground."""
+    """Return the way from home and back, down to the scenario's ground."""
     is_unknown = forecast.scenario is None and forecast.ground.is_level
     lines: list[Stretch] = []
     for leg in forecast.legs:
@@ -51,7 +49,7 @@ def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Ite
 
 
 def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
-    """Cut a line at longitude 180, as GeoJSON (RFC 7946, 3.1.9) requires."""
+    """Cut a line at longitude 180: RFC 7946, 3.1.9."""
     lines = [[places[0]]]
     for place in places[1:]:
         before = lines[-1][-1]
@@ -66,11 +64,11 @@ def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[
     return lines
 
 
-CIRCLE_CORNERS = 72  # of the polygon of a circle; it is inside, by at most a thousandth of the radius
+CIRCLE_CORNERS = 72  # inside the circle, by at most a thousandth of the radius
 
 
 def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
-    """Return the closed ring of a fence part as (longitude, latitude), counterclockwise as in GeoJSON and KML."""
+    """Return (longitude, latitude), closed and counterclockwise as in GeoJSON and KML."""
     if isinstance(part, FenceCircle):
         angles = np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS, endpoint=False)
         circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CIRCLE_CORNERS)])

@@ -1,21 +1,21 @@
-"""Export GeoJSON (RFC 7946): the way as lines, items and rally points as points, the fence as polygons.
+"""GeoJSON (RFC 7946): way, items, rally points and fence.
 
-The third coordinate is above mean sea level, as everywhere in the package, and `altitude_datum` says so; the RFC
-has it above the ellipsoid. Heights above terrain are in the properties only.
+The third coordinate is above mean sea level (`altitude_datum`); the RFC's is above the ellipsoid. Heights above terrain
+are in the properties only.
 """
 
 import json
 import math
 from typing import Any
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.report.exports.export_lines import lines_of, ring
 
 
 def to_geojson(forecast: Forecast, name: str) -> str:
-    """Return the mission as GeoJSON text, one feature a line."""
+    """Write one feature a line."""
     mission = forecast.given
     home = _point(
         (mission.home.longitude_deg, mission.home.latitude_deg, mission.home.altitude), {"kind": "home", "seq": 0}

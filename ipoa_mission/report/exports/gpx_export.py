@@ -1,13 +1,13 @@
-"""Export GPX 1.1: the items as a route, the way as a track, home and rally points as waypoints.
+"""GPX 1.1: a route, a track, home and rally points.
 
-`ele` is above sea level. A height above terrain has no `ele`, for GPX has no other altitude.
+`ele` is above sea level; a height above terrain has none.
 """
 
 import math
 from xml.etree import ElementTree as Tree
 
+from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import command_name
 from ipoa_mission.report.exports.export_lines import lines_of
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"

@@ -1,14 +1,13 @@
-"""Export KML 2.2 (OGC 07-147r2): the flown way in three dimensions, items, fence and rally points.
+"""KML 2.2 (OGC 07-147r2): way, items, fence and rally points.
 
-`absolute` altitudes are above mean sea level: heights above home plus home's altitude. Heights above terrain become
-`relativeToGround`.
+`absolute` is above mean sea level; heights above terrain become `relativeToGround`.
 """
 
 from collections.abc import Iterable
 from xml.etree import ElementTree as Tree
 
+from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Frame, command_name, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.report.exports.export_lines import lines_of, ring
 

@@ -1,5 +1,3 @@
-"""Tabulate a mission: the place of each item and the leg that leads to it."""
-
 import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
@@ -9,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import JUMPS, Command, Frame, command_name, plain_frame
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.geometry import leg_lengths
-from ipoa_mission.mission.commands import JUMPS, Command, Frame, command_name, plain_frame
 from ipoa_mission.mission.item_words import details_of, hold_of
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic
@@ -23,15 +21,15 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
-MIN_HEADING_LENGTH = 0.5  # of a horizontal leg [m]
+MIN_HEADING_LENGTH = 0.5  # horizontal [m]
 
 
 @dataclass(frozen=True)
 class Row:
     """One line of the table, in meters; `seq` 0 is home.
 
-    `length` and `climb` are of the whole way from the item before; for a return, home and down to the ground.
-    `heading_deg` is that of its last level part, clockwise from north.
+    `length` and `climb` are of the whole way from the item before; for a return, home and down. `heading_deg`: last
+    level part, clockwise from north.
     """
 
     seq: int
@@ -40,18 +38,17 @@ class Row:
     longitude_deg: float | None = None
     altitude_amsl: float | None = None
     height: float | None = None  # above home
-    height_above_ground: float | None = None  # if the terrain is known, or the item gives it
+    height_above_ground: float | None = None  # if known
     length: float | None = None
     heading_deg: float | None = None
     climb: float | None = None
     hold_s: float | None = None
     speed: float | None = None  # [m/s] after the change
     detail: str = ""
-    passes: int = 1  # its leg is that of the first, if jumps repeat it
+    passes: int = 1  # of its leg by jumps
 
 
 def shown(value: float | None, form: str = "z.1f") -> str:
-    """Format a number of the table; empty for None."""
     return "" if value is None else format(value, form)
 
 
@@ -75,7 +72,6 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
 
 def rows_of(forecast: Forecast) -> tuple[Row, ...]:
-    """Tabulate the mission of a forecast."""
     mission, scenario = forecast.mission, forecast.scenario
     legs: dict[int, list[Leg]] = defaultdict(list)
     for leg in forecast.legs if not refusals(mission) else ():
@@ -90,7 +86,7 @@ def _repeated(rows: Iterable[Row], forecast: Forecast) -> Iterator[Row]:
     mission = forecast.mission
     passes = Counter[int]()
     if any(item.command in JUMPS for item in mission.items) and not refusals(mission):
-        with suppress(BadInput):  # a jump without end
+        with suppress(BadInput):  # endless jumps
             passes.update(visit.seq for visit in forecast.itinerary.visits)
     for row in rows:
         yield replace(row, passes=max(passes[row.seq], 1))
@@ -101,7 +97,7 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None
-    if scenario is not None and points is not None and item.command in LANDINGS:  # down to the ground there
+    if scenario is not None and points is not None and item.command in LANDINGS:  # to the ground there
         height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
     return Row(
         seq=seq,

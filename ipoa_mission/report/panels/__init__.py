@@ -1,1 +1,1 @@
-"""The parts of the report's page, one file each; each returns HTML that is complete without a script."""
+"""Parts of the page."""

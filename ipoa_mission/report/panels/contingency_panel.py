@@ -1,5 +1,3 @@
-"""Draw the strip below the height profile: the result of each contingency at every second of the flight."""
-
 from collections.abc import Iterable
 from html import escape
 
@@ -12,15 +10,12 @@ from ipoa_mission.report.contingency_bars import ContingencyStretch, contingency
 from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
 from ipoa_mission.report.seen import Seen
 
-MIN_LABEL_WIDTH = 0.09  # of the strip's width; narrower bars have no text
+MIN_LABEL_WIDTH = 0.09  # of the strip
 NOTE = "The result of ending the flight there, by a failsafe or by the pilot."
 
 
 def contingency_strip(forecast: Forecast, course: Seen) -> str:
-    """Return a bar for each contingency of the vehicle, and those not clear in words.
-
-    Return nothing if the flight has no forecast.
-    """
+    """Also list those not clear; nothing without a forecast."""
     bars, axis = contingency_bars(forecast), along_axis(course)
     if not bars:
         return ""

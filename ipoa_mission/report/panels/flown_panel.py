@@ -1,5 +1,3 @@
-"""Compare the flown times with the estimate, item by item and in total."""
-
 import math
 from collections.abc import Mapping
 
@@ -12,7 +10,7 @@ from ipoa_mission.report.stops import FlownItem
 
 
 def flown_panel(comparison: Comparison) -> str:
-    """Return the section on the flight, or a note if the log has none of the items."""
+    """A log may have none of the items."""
     if not comparison.legs:
         return '<section><h2>Estimate against flight</h2><p class="note">The log reports no item.</p></section>'
     chart = _drift(comparison)
@@ -24,7 +22,7 @@ def flown_panel(comparison: Comparison) -> str:
 
 
 def done_in_flight(stops: tuple[FlownItem, ...], reached: Mapping[int, float]) -> dict[int, float]:
-    """Return the flown times of items by their index in `stops`; repeats of a loop have none."""
+    """Return times by index in `stops`, without repeats."""
     done: dict[int, float] = {}
     met: set[int] = set()
     for n, stop in enumerate(stops):

@@ -1,5 +1,3 @@
-"""Draw the map: ground tints and contours, obstacles by height, the path, and a button for every waypoint."""
-
 import math
 from collections.abc import Sequence
 from html import escape
@@ -18,8 +16,8 @@ from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
-TINTS = 8  # of the ground, from low to high
-SHADES = 5  # of the roofs, from low to high
+TINTS = 8  # of the ground
+SHADES = 5  # of the roofs
 
 
 TOOLS = (
@@ -37,7 +35,7 @@ def ground_plan(
     flown: Seen | None,
     deviation_bound: DeviationBound,
 ) -> str:
-    """Return the map of `extent` with north up; the deviation bound has its lateral width in straight flight."""
+    """North is up; the deviation bound is that of straight flight."""
     airspace = scenario.airspace
     bodies = extent.obstacles(airspace)
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
@@ -84,7 +82,6 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool = False) 
 
 
 def _hatch(width: float) -> str:
-    """Return the hatching of zones, with strokes a hundredth of the map's width apart."""
     size = width / 100
     return (
         f'<defs><pattern id="hatch" width="{size:.2f}" height="{size:.2f}" patternUnits="userSpaceOnUse" '

@@ -1,5 +1,3 @@
-"""Write the headline of the page: clearance, flight time, and warnings."""
-
 import math
 from collections.abc import Collection, Sequence
 from html import escape
@@ -19,7 +17,6 @@ from ipoa_mission.report.seen import Danger
 def verdict(
     proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger], findings: Sequence[Finding] = ()
 ) -> str:
-    """Return one line with a sign: clear, not clear, or clear with warnings."""
     errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     if proof is None:
         if errors:
@@ -76,7 +73,7 @@ def figures(
 def warnings(
     dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str], of_map: Collection[str] = ()
 ) -> str:
-    """List dangers, errors, warnings and remarks; remarks `of_map` are folded."""
+    """Fold remarks `of_map`."""
     if not dangers and not findings and not remarks:
         return ""
     rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]
@@ -106,7 +103,6 @@ def _kept(kept: Kept, confidence: float | None) -> str:
 
 
 def _energy(budget: Budget) -> str:
-    """Return the card of the energy, and of the battery left compared with its reserve."""
     used, battery = budget.used, budget.battery
     value, between = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh", used.between
     sure = f"{number(between.low, 1)} to {number(between.high, 1)} Wh"
@@ -124,7 +120,7 @@ def _energy(budget: Budget) -> str:
 
 
 def _flown(comparison: Comparison) -> str:
-    """Return the card of the flown time, or of the route if the log ends early."""
+    """Show the route if the log ends early."""
     if math.isfinite(comparison.flown_total_s):
         off = share(comparison.estimated_total_s, comparison.flown_total_s)
         return _card("flown", seconds(comparison.flown_total_s), f"the estimate is off by {off}", "flown")

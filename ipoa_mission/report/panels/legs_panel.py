@@ -1,5 +1,3 @@
-"""Write the table of items: place, leg, times, what keeps it slow, and the flown times."""
-
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -24,7 +22,7 @@ HEAD = (
 
 
 def legs(stops: Sequence[FlownItem], flown_done: Mapping[int, float] | None) -> str:
-    """Return the table; `flown_done` has the flown times of items by their index in `stops`."""
+    """`flown_done`: flown times by index in `stops`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
     rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(stops))

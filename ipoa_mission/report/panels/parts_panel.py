@@ -1,5 +1,3 @@
-"""Write the table of flights of a mission that needs several batteries."""
-
 from collections.abc import Sequence
 from html import escape
 
@@ -11,7 +9,7 @@ HEAD = ("flight", "items", "takes", "energy", "left")
 
 
 def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    """Return the section; `names` are those of the parts' files."""
+    """`names`: of the parts' files."""
     head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
     rows = ""
     for name, part in zip(names, parts, strict=True):

@@ -1,5 +1,3 @@
-"""Write how the path was found and checked: its limits, its cost terms, and the search."""
-
 from html import escape
 
 import numpy as np
@@ -14,7 +12,7 @@ from ipoa_mission.report.number_format import number
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.seeking import CostSection
 
-TOP_SHARE = 1.5  # times the final cost: higher costs are cut off
+TOP_SHARE = 1.5  # times the final cost
 LIMIT_NAMES = {
     "obstacles": "distance to obstacles",
     "ground": "height above ground",
@@ -26,7 +24,7 @@ LIMIT_NAMES = {
 
 
 def limits_table(proof: Proof) -> str:
-    """Return a table of every limit: the clearance of the legs between waypoints, and its place."""
+    """Return each limit: clearance and place."""
     rows = "".join(_limit(check) for check in proof.checks)
     places = "".join(f"<th>{axis}<small>m</small></th>" for axis in ("east", "north", "up"))
     head = f'<tr><th></th><th>found</th><th>required</th><th class="words">nearest</th>{places}</tr>'
@@ -47,7 +45,7 @@ def search_panel(plan: Plan, scenario: Scenario) -> str:
 
 
 def cost_table(terms: CostTerms, cost: CostSection) -> str:
-    """Return the terms of the paper's eq. (10), each with its weight and its share of the sum."""
+    """Show the paper's eq. (10) with weights and shares."""
     length, turning, threat = cost.omega
     rows = (
         ("length W1", terms.length, "m", length),
@@ -62,7 +60,7 @@ def cost_table(terms: CostTerms, cost: CostSection) -> str:
 
 
 def convergence(evaluations: NDArray[np.int64], history: Vector) -> str:
-    """Return a chart of the best cost over evaluations; costs of colliding paths far above the last are cut off."""
+    """Cut costs far above the last."""
     if len(history) < 2:
         return ""
     spent, shown = evaluations.astype(float), np.minimum(history, TOP_SHARE * history[-1])

@@ -1,5 +1,3 @@
-"""Draw charts along the flight: height with the clearance band, distance to obstacles, speed."""
-
 from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Literal, TypeAlias
@@ -16,11 +14,10 @@ from ipoa_mission.world.obstacles import Obstacle
 
 Look: TypeAlias = Literal["below", "beside", "zone"]
 LATERAL_DISTANCE = 15.0  # of obstacles near the path [m]
-MIN_WIDTH = 0.004  # of the chart's width
+MIN_WIDTH = 0.004  # of the chart
 
 
 def along_axis(course: Seen) -> GraphAxis:
-    """Return the common axis of charts below one another."""
     return axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
 
 
@@ -32,7 +29,7 @@ def height_profile(
     flown: Seen | None,
     deviation_bound: DeviationBound,
 ) -> str:
-    """Return the height profile, with the obstacles below the path and near it."""
+    """Show obstacles below the path and near it."""
     near = list(near_course(course, airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
     paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
@@ -67,7 +64,7 @@ def profile_legend(flown: bool, zones: bool) -> str:
 
 
 def distance_profile(course: Seen, required: float) -> str:
-    """Return the distance to the nearest obstacle along the way, cut off where large; empty if large everywhere."""
+    """Cut large distances; empty if all are large."""
     most = max(6 * required, 20.0)
     if not (course.apart < most).any():
         return ""
@@ -85,7 +82,7 @@ def distance_profile(course: Seen, required: float) -> str:
 
 
 def speed_profile(course: Seen, stops: Sequence[FlownItem], flown: Seen | None) -> str:
-    """Return the speed over time, with a tick at each completed item that shows what kept it slow."""
+    """Show a tick at each completed item, with what kept it slow."""
     speeds = [course.speeds] + ([flown.speeds] if flown is not None else [])
     times = [course.times] + ([flown.times] if flown is not None else [])
     chart = Graph(
@@ -115,7 +112,7 @@ def _mark(n: int, stop: FlownItem, chart: Graph) -> str:
 def near_course(
     course: Seen, airspace: Airspace, required: float
 ) -> Iterator[tuple[Obstacle, tuple[float, float], Look]]:
-    """Return the obstacles below or near the path, each with its stretch along the path."""
+    """Return each with its stretch along the path."""
     flat = course.points[:, :2]
     looks: tuple[tuple[Look, float], ...] = (("beside", max(LATERAL_DISTANCE, 2 * required)), ("below", required))
     for look, reach in looks:
@@ -144,5 +141,5 @@ def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) ->
 
 
 def _along_of(flown: Seen, course: Seen) -> NDArray[np.float64]:
-    """Return the flown distance over ground, scaled to end with the predicted path."""
+    """Scale to end with the predicted path."""
     return np.asarray(flown.along * (course.along[-1] / max(float(flown.along[-1]), 1e-9)))

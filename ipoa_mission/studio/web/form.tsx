@@ -1,7 +1,7 @@
 // What can be changed by numbers: the thing that is chosen, and the flight's limits. A field says what it expects.
 import { useState } from "preact/hooks";
 import type { Scenario } from "./messages";
-import { nameOf, remove } from "./hands";
+import { nameOf, remove } from "./chosen";
 import { edit, isSurvey, proved, studio, type Path, type Studio } from "./store";
 
 interface Field {

@@ -1,6 +1,7 @@
 // What hands do on the map: choose and drag things, draw new ones. Drawings become tables of the scenario.
 import type { Map as MapLibre, MapMouseEvent, MapTouchEvent } from "maplibre-gl";
 import type { Body, Spot } from "./messages";
+import { nameOf, remove } from "./chosen";
 import { useCross } from "./cross";
 import { addItem, placeForNew, takeItem } from "./items";
 import { draft, fit, placesOf } from "./map";
@@ -120,20 +121,6 @@ export function useHands(map: MapLibre): void {
 
 /** Whether what is drawn ends where it ends. */
 const isOpen = (tool: Tool) => tool === "measure" || tool === "corridor";
-
-/** Take what is chosen out of the scenario. */
-export function remove(path: Path): void {
-  if (typeof path.at(-1) !== "number") return; // home, start and goal must be there
-  edit(`${nameOf(path)} removed`, { op: "take", path });
-  set({ selected: null });
-}
-
-export function nameOf(path: Path): string {
-  const key = pathKey(path);
-  const body = studio.world?.bodies.find(one => one.path && pathKey(one.path) === key);
-  const spot = studio.world?.spots.find(one => pathKey(one.path) === key);
-  return body?.name ?? spot?.name ?? (path[0] === "fence" ? `fence ${Number(path[1]) + 1}` : key);
-}
 
 function addPlace(to: "via" | "rally", place: LngLat): void {
   const start = studio.world?.spots.find(spot => spot.name === "start");

@@ -1,1 +1,1 @@
-"""ArduCopter plug-in: profile, flight model, log format and simulated pilot."""
+"""ArduCopter plug-in."""

@@ -1,8 +1,7 @@
-"""ArduCopter's braking path: LAND and BRAKE slow the position controller's target within its jerk limit.
+"""ArduCopter's braking path.
 
 Read in 4.8.0-dev (AC_PosControl::input_vel_accel_NE_m, shape_vel_accel_xy, ModeLand, ModeBrake) and flown. LAND starts
-with speed and acceleration of the interrupted path. BRAKE starts with the vehicle's speed and no acceleration. RTL and
-SmartRTL fly to a stopping point instead.
+with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
@@ -10,36 +9,37 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
 
 STEP = 0.02  # [s]
-BATCH_SIZE = 8000  # rows that fit the cache
-BRAKING_LIMIT_S = 12.0  # longer than any braking from 20 m/s [s]
+BATCH_SIZE = 8000  # rows in the cache
+BRAKING_LIMIT_S = 12.0  # [s]
 BRAKE_ACCEL = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-LAND_LEAD_S = 0.25  # the target's speed leads the vehicle's by this time, as flown [s]
+LAND_LEAD_S = 0.25  # lead of the target's speed, as flown [s]
 
 
 class Shaping(NamedTuple):
-    """Limits of acceleration [m/s^2] and jerk [m/s^3] for a change of the target's speed."""
+    """Limits of acceleration [m/s^2] and jerk [m/s^3]."""
 
     accel: float
     jerk: float
 
     def wanted(self, speed: Vector) -> Vector:
-        """Return the deceleration (n,) [m/s^2] of a speed (n,) [m/s] to 0."""
         gain = self.jerk / self.accel
         near = self.jerk / gain**2
         root = np.sqrt(2.0 * self.jerk * np.maximum(speed - near / 2.0, 0.0))
         return np.minimum(np.where(speed <= near, gain * speed, root), self.accel)
 
     def way(self, velocity: Points, accel: Points) -> Points:
-        """Compute the displacement from velocity and acceleration (n, 2) to rest, (n, 2) [m]."""
+        """Return the displacement to rest, (n, 2) [m]."""
         parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
         ways = [self._way(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]
         return np.concatenate([np.zeros((0, 2)), *ways])
 
     def _way(self, velocity: Points, accel: Points) -> Points:
-        """Compute `way` with axes first (2, n), which is faster."""
+        """`way` with axes first (2, n): faster."""
         way, most = np.zeros_like(velocity), self.jerk * STEP
         for _ in range(math.ceil(BRAKING_LIMIT_S / STEP)):
             speed = np.hypot(*velocity)
@@ -48,3 +48,42 @@ class Shaping(NamedTuple):
             way = way + velocity * STEP
             velocity = velocity + accel * STEP
         return way
+
+
+CIRCLE_SHARE = 0.5  # of the acceleration limit
+ITERATIONS = 60
+
+
+def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
+    """Return the point's turn rate [rad/s]."""
+    fastest = min(speed, math.sqrt(CIRCLE_SHARE * limits.accel * radius))
+    return min(limits.circle_rate, fastest / radius)
+
+
+def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
+    """`radius` > 0 [m], level speed limit [m/s], `turn` [rad]."""
+    spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
+    aside = math.atan(spin / gain)
+    linear, flown, ahead = accel / gain**2, radius, 0.0
+    for _ in range(ITERATIONS):
+        pace = spin * flown
+        asked, closing = min(pace / math.cos(aside), speed), pace * math.cos(aside)
+        law = asked + closing
+        if law > accel / gain:
+            law = (asked + math.sqrt(asked * asked + 4.0 * closing * accel / gain)) / 2.0
+        ahead = law / gain if law <= accel / gain else linear / 2.0 + law * law / (2.0 * accel)
+        inward = ahead * math.sin(aside)
+        flown = (flown + inward + math.sqrt(max(radius**2 - (ahead * math.cos(aside)) ** 2, CENTIMETRE))) / 2.0
+    behind = math.atan2(ahead * math.cos(aside), flown - ahead * math.sin(aside))
+    settled = math.acos(min(speed * math.cos(aside) ** 2 / (spin * radius), 1.0))
+    if behind - aside < settled:
+        back = _fallen_back(behind - aside, settled, max(abs(turn) - behind, 0.0))
+        flown, behind = radius * math.cos(back) / math.cos(aside), aside + back
+    pace, near = spin * flown, accel / limits.p_position**2
+    runs_on = pace / limits.p_position if pace <= near else near / 2.0 + pace**2 / (2.0 * accel)
+    return FlownCircle(flown, behind, runs_on, limits.circle_sense)
+
+
+def _fallen_back(begin: float, settled: float, turn: float) -> float:
+    """Return the angle from velocity to point after a turn at the speed limit."""
+    return settled * math.tanh(settled * turn / 2.0 + math.atanh(begin / settled))

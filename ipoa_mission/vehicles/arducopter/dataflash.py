@@ -1,7 +1,6 @@
-"""Reader of ArduPilot's log (`.bin`), by the record layouts at the log's start.
+"""Reader of ArduPilot's log (`.bin`) by the layouts of its FMT records.
 
-A record is a head of two bytes, its kind, and packed values. FMT records define the layout of all others. The
-reader of pymavlink is not used: it takes a second per megabyte, and hours for a file of zeros.
+pymavlink's reader takes a second per megabyte, and hours for a file of zeros.
 """
 
 import struct
@@ -49,7 +48,7 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 
 @dataclass(frozen=True)
 class RecordKind:
-    """One kind of record: its name, its bytes, and what each column is made of."""
+    """A record kind: name, struct layout, columns and their conversions."""
 
     name: str
     layout: struct.Struct
@@ -57,7 +56,7 @@ class RecordKind:
     made_by: tuple[Callable[[Any], Any], ...]
 
     def read(self, data: bytes, at: int) -> dict[str, Any]:
-        """Read the values by column, in degrees, metres and the format's other unscaled units."""
+        """In degrees, metres and unscaled units."""
         values = self.layout.unpack_from(data, at)
         return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
 
@@ -65,12 +64,12 @@ class RecordKind:
 def read_records(
     path: Path, wanted: frozenset[str], torn: Counter[str] | None = None
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Read the records of the wanted kinds in order, as (kind, values by column).
+    """Read the wanted kinds of records in order, as (kind, values by column).
 
-    Damaged bytes are skipped up to the next head; `torn` counts them, by kind or in bytes.
+    Damaged bytes are skipped; `torn` counts them, by kind or in bytes.
 
     Raises:
-        BadInput: the file cannot be read, or does not start like a log.
+        BadInput: the file cannot be read, or is no log.
     """
     try:
         data = path.read_bytes()
@@ -108,7 +107,6 @@ def read_records(
 
 
 def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
-    """Return the record kind that FMT defines; None if it is invalid."""
     names = tuple(columns.split(","))
     if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
         return None

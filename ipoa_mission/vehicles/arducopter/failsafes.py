@@ -1,16 +1,14 @@
 """ArduCopter's failsafe actions.
 
 Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, crash_check.cpp, avoidance_adsb.cpp,
-AP_BattMonitor, AC_Fence, AP_SmartRTL. Armed on the ground it disarms instead. Before a failsafe landing it holds for
-4 s, except for a fence breach. Not covered: advanced failsafe (AFS_*, in no build), scripts.
+AP_BattMonitor, AC_Fence, AP_SmartRTL. On the ground it disarms instead. Not covered: advanced failsafe (AFS_*),
+scripts.
 """
 
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import (
+from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
     STATION_LOST,
@@ -21,9 +19,11 @@ from ipoa_mission.vehicles.failsafe import (
     StationLoss,
     ordered,
 )
-from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
+from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
 
-LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
+LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]
 LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)
 RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND,))
 SMART_RETURNS = FailsafeAction(Contingency.SMART_RTL, (Contingency.RTL, Contingency.LAND))
@@ -108,12 +108,12 @@ RULES = (
     ),
 )
 
-#: The bit of FS_OPTIONS that continues a mission, for these causes only.
+#: Bits of FS_OPTIONS that continue a mission.
 CONTINUE_BITS = {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}
-LANDING_BIT, DEFAULT_OPTIONS = 8, 16.0  # the bit of FS_OPTIONS that continues a landing; its default
+LANDING_BIT, DEFAULT_OPTIONS = 8, 16.0  # of FS_OPTIONS: continue a landing
 LANDING_PARAMETERS = ("BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT", *CONTINUE_BITS)
-URGENCY = (5, 1, 2, 4, 3, 0)  # battery actions, most urgent first; others come last
-BATTERIES = tuple(f"BATT{n}" for n in "23456789")  # in addition to the first
+URGENCY = (5, 1, 2, 4, 3, 0)  # battery actions, most urgent first
+BATTERIES = tuple(f"BATT{n}" for n in "23456789")
 
 DECIDED_BY = tuple(
     dict.fromkeys(
@@ -124,7 +124,7 @@ DECIDED_BY = tuple(
     )
 )
 
-#: It heeds stations with ids from the first to the second parameter (GCS::sysid_is_gcs).
+#: Station ids from the first to the second parameter (GCS::sysid_is_gcs).
 HEEDED = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
 STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *HEEDED), *HEEDED)
 
@@ -168,7 +168,7 @@ def _first(name: str) -> str:
 
 
 def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
-    """Replace SmartRTL by its fallback if it records no path: no points or no accuracy."""
+    """Replace SmartRTL by its fallback if it records no path."""
     keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
     if answer.contingency is not Contingency.SMART_RTL or keeps:
         return answer
@@ -177,10 +177,9 @@ def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -
 
 
 def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:
-    """Skip the action for a critical battery if it is less urgent than that for a low one.
+    """Skip the action for a critical battery if it is less urgent than for a low one.
 
-    Several batteries are not compared. ArduCopter 4.7 ranks actions 6 and 7 below 0: they have no effect after a low
-    battery with action 0.
+    Several batteries are not compared. ArduCopter 4.7 ranks actions 6 and 7 below 0.
     """
     if one.cause != CRITICAL_BATTERY:
         return one

@@ -1,28 +1,27 @@
-"""ArduCopter's motion limits by its parameters, in SI units, and its times on the ground.
+"""ArduCopter's motion limits, and its times on the ground.
 
-Parameters have the names of 4.7 (metres) or before (centimetres). Ground times are read from its land detector and
-measured in simulated flights; docs/lab/flight-time.md gives the source of each.
+Ground times are read and measured in SITL (docs/lab/flight-time.md).
 """
 
 import math
 from dataclasses import dataclass
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.returning import CopterReturn
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 
-ARMING_DELAY_S = 2.0  # motors do not turn for this time after arming, in any mode
-LIFT_S = 0.2  # from motors at full spin until lift-off
-THROTTLE_DOWN_S = 0.58  # from touchdown until the least throttle
-LAND_DETECTOR_S = 1.0  # at least throttle, before the motors spool down and the vehicle disarms
-CENTIMETRE = 0.01  # resolution of ArduCopter's heights [m]
+ARMING_DELAY_S = 2.0  # motors are off after arming
+LIFT_S = 0.2  # from full spin to lift-off
+THROTTLE_DOWN_S = 0.58  # from touchdown to least throttle
+LAND_DETECTOR_S = 1.0  # at least throttle, before spooling down
+CENTIMETRE = 0.01  # resolution of heights [m]
 
 BRAKES_CLIMB = (4, 8)
-SENSE_OF_RATE = (4, 7)  # from this series on the sign of CIRCLE_RATE sets every circle's sense
-EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the yaw follows the path, except in RTL
+SENSE_OF_RATE = (4, 7)  # since then CIRCLE_RATE's sign sets every sense
+EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: along the path except in RTL
 
 POSITIVE = (
     "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
@@ -31,13 +30,13 @@ POSITIVE = (
 
 
 def usable(parameters: Parameters) -> Parameters:
-    """Return the parameters without values that must be positive and are not."""
+    """Drop values that must be positive and are not."""
     return {name: value for name, value in parameters.items() if name not in POSITIVE or value > 0}
 
 
 @dataclass(frozen=True)
 class CopterLimits:
-    """Motion limits of an ArduCopter: m, s, m/s, m/s^2, m/s^3, m/s^4, rad; gains in 1/s; a filter in Hz."""
+    """Motion limits in m, s, rad; gains in 1/s; a filter in Hz."""
 
     speed: float
     climb: float
@@ -77,11 +76,10 @@ class CopterLimits:
 
 
 def copter_limits(parameters: Parameters, version: Version | None = None) -> CopterLimits:
-    """Return the limits of these parameters, with ArduCopter 4.7's defaults; version None: the newest measured.
+    """Return the limits of these parameters, with ArduCopter 4.7's defaults.
 
-    Since 4.8 a climb is braked with all of the acceleration, before with half of it (`shape_pos_vel_accel`). The
-    S-curves' jerk is limited by WPNAV_JERK and the attitude controller's rates. Their snap is limited by the lean's
-    time constant and angular acceleration, halved: a multirotor accelerates by leaning.
+    Since 4.8 a climb is braked with all acceleration, before with half (`shape_pos_vel_accel`). WPNAV_JERK and attitude
+    rates limit the S-curves' jerk. The lean's time constant and angular acceleration, halved, limit their snap.
 
     Raises:
         BadInput: a parameter that must be positive is not.

@@ -1,4 +1,4 @@
-"""ArduPilot's own log (`.bin`): positions, states, measurements, items and parameters."""
+"""ArduPilot's own log (`.bin`)."""
 
 import math
 import re
@@ -11,24 +11,24 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.mission.commands import Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dataflash import BYTES, read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only record of arming before 4.1
+ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, before 4.1
 HOME = 1  # ORGN.Type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
-#: Battery number by record name: each had its own record until 4.0 gave BAT an instance; CURR before 3.7.
+#: Battery number by record name: BAT has an instance since 4.0; CURR before 3.7.
 BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
-#: BATTn_MONITOR of monitors that repeat other batteries (ESCs, sum) or measure fuel.
+#: BATTn_MONITOR that repeats other batteries (ESCs, sum) or measures fuel.
 SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
 KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 NEEDED = {
@@ -36,13 +36,13 @@ NEEDED = {
     "MODE": "its modes are unknown",
     "XKF1 NKF1": "speeds are derived from positions",
 }
-#: The vehicle in the log's text: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
+#: As in "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
 
 @dataclass
 class _Gathered:
-    """The data of the records read so far; times by the autopilot's clock [s]."""
+    """Times by the autopilot's clock [s]."""
 
     fixes: list[tuple[float, ...]] = field(default_factory=list)
     velocities: list[tuple[float, ...]] = field(default_factory=list)
@@ -60,17 +60,17 @@ class _Gathered:
 
 
 def read_copter_log(path: Path) -> Log:
-    """Read positions (POS) and events: arming, modes, items begun (MISE; before 4.5 MSG), mission, parameters.
+    """Read positions (POS), arming, modes, items begun (MISE; before 4.5 MSG), mission, parameters.
 
     Raises:
-        BadInput: the file cannot be read, has no positions, or is of another vehicle than a copter.
+        BadInput: the file cannot be read, has no positions, or is of no copter.
     """
     gathered, torn = _Gathered(), Counter[str]()
     for kind, values in read_records(path, KINDS, torn):
         gathered.kinds.add(kind)
         try:
             _note(gathered, kind, values)
-        except (KeyError, TypeError, ValueError):  # a record with a damaged layout
+        except (KeyError, TypeError, ValueError):  # damaged layout
             torn[kind] += 1
     if gathered.vehicle and gathered.vehicle != "Copter":
         words = f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}"
@@ -85,7 +85,6 @@ def read_copter_log(path: Path) -> Log:
 
 
 def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
-    """Report damage, and missing records that every complete log has."""
     if count := torn.pop(BYTES, 0):
         yield f"{count} bytes of the log are not whole records: it is damaged or truncated"
     for kind, count in sorted(torn.items()):
@@ -145,7 +144,7 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
 
 
 def _batteries(gathered: _Gathered) -> list[list[Battery]]:
-    """Return the batteries measured directly; all if there is none."""
+    """Return those measured directly; all if there is none."""
     monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
     names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
     itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
@@ -153,7 +152,7 @@ def _batteries(gathered: _Gathered) -> list[list[Battery]]:
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
-    """Add an item of the vehicle's list; it logs all items, home first, when it receives or opens a list."""
+    """The vehicle logs all items, home first, with each new list."""
     seq = values["CNum"]
     if seq == 0:
         items.clear()
@@ -163,7 +162,7 @@ def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
 
 
 def _item(values: dict[str, Any]) -> Item:
-    """Return the item; before 4.1 records have no frame, and altitudes are assumed to be above home."""
+    """Before 4.1 altitudes are assumed above home."""
     frame = values.get("Frame", Frame.GLOBAL if values["CNum"] == 0 else Frame.GLOBAL_RELATIVE_ALT)
     params = (values["Prm1"], values["Prm2"], values["Prm3"], values["Prm4"])
     return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])
@@ -202,7 +201,7 @@ def _fixes(rows: Points, velocities: Points) -> Fixes:
 
 
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
-    """Derive velocity north, east, down from positions; zero off the Earth."""
+    """Derive velocities north, east, down; zero off the Earth."""
     start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
     places, speeds = LocalFrame(start).to_local(latitude, longitude, altitude), np.zeros((len(times), 3))
     sound = np.isfinite(places).all(axis=1)

@@ -1,5 +1,3 @@
-"""ArduCopter's measured behavior on a link, for the built-in autopilot."""
-
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.simulator.mock_profile import (

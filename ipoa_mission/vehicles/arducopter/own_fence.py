@@ -1,19 +1,16 @@
-"""ArduCopter's own fence (AC_Fence): active limits by its parameters."""
-
 import math
 
-from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Place, level_distance
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME, Place, level_distance
 
-CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4: the mission's polygons
-#: Parameters that enable the fence, always or from arming or take-off.
+CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4: polygons
+#: These enable the fence, always or from arming or take-off.
 FENCE_SWITCHES = {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 0.0}
 DEFAULTS = {"FENCE_TYPE": 7.0, "FENCE_RADIUS": 300.0, "FENCE_ALT_MAX": 100.0, "FENCE_ALT_MIN": -10.0}
 
 
 def limits_on(parameters: Parameters) -> OwnFence | None:
-    """Return the enabled limits, whatever the fence action; None if none is enabled."""
     if not any(parameters.get(name, usual) for name, usual in FENCE_SWITCHES.items()):
         return None
     p = {**DEFAULTS, **parameters}
@@ -29,13 +26,13 @@ def limits_on(parameters: Parameters) -> OwnFence | None:
 
 
 def return_ceiling(parameters: Parameters) -> float:
-    """Return the greatest climb height of RTL above home [m]: FENCE_MARGIN below the fence's ceiling."""
+    """Return RTL's greatest height above home [m]."""
     fence = limits_on(parameters)
     return math.inf if fence is None else fence.ceiling.value - parameters.get("FENCE_MARGIN", 2.0)
 
 
 def is_within(parameters: Parameters, place: Place) -> bool:
-    """Return whether RTL considers a rally point: it ignores those outside the fence."""
+    """Return whether RTL considers a rally point."""
     fence = limits_on(parameters)
     if fence is None:
         return True

@@ -1,11 +1,12 @@
-"""ArduCopter in AUTO, RTL, LAND and LOITER, for the built-in autopilot: items and orders to legs."""
+"""ArduCopter's modes in the built-in autopilot: items and orders to legs."""
 
 import math
 import random
 from collections.abc import Callable, Iterator
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
@@ -29,16 +30,15 @@ from ipoa_mission.vehicles.arducopter.limits import (
     copter_limits,
     usable,
 )
-from ipoa_mission.vehicles.parameters import Parameters
 
 
 class ArduPilotPilot:
-    """Give the copter its next leg when one ends: of the current procedure, or by `_then`."""
+    """Give the copter its next leg: of the procedure, or by `_then`."""
 
     def __init__(
         self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
-        """Ignore `chance`: ArduCopter's simulated flights repeat to a tenth of a second."""
+        """Ignore `chance`: SITL flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
         given = body.conditions
         limits = copter_limits(usable(parameters), given.version)
@@ -53,8 +53,6 @@ class ArduPilotPilot:
         self._copter.face(body.yaw)
         self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S + airframe.lift_delay
 
-    # --- orders -----------------------------------------------------------------------------------------------------
-
     def enter(self) -> None:
         match self._now.mode:
             case FlightMode.MISSION:
@@ -67,7 +65,7 @@ class ArduPilotPilot:
                 self._stay()
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Continue after the mission was replaced in flight; restart at the waypoint if the next items differ."""
+        """Continue in the new mission; restart at the waypoint if the next items differ."""
         now, after = self._now.current, self._now.program.items
         ahead = slice(now, now + 3)
         if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
@@ -77,10 +75,10 @@ class ArduPilotPilot:
         return self._now.goal_of_return(self._copter.place, self._parameters)
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Ignore the order: ArduCopter has no such command."""
+        """ArduCopter has no such command."""
 
     def climb(self, height: float) -> None:
-        """Take off outside a mission, in GUIDED, to a height above home [m]."""
+        """Take off in GUIDED to a height above home [m]."""
         self._take_off(height, self._stay)
 
     @property
@@ -95,10 +93,8 @@ class ArduPilotPilot:
             self._go_on()
         self._update_body()
 
-    # --- the mission ------------------------------------------------------------------------------------------------
-
     def _begin_behind(self, index: int) -> None:
-        """Start the item after `index`; execute items without duration at once."""
+        """Start the next item with a duration."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
             self._stay()
@@ -137,8 +133,6 @@ class ArduPilotPilot:
     def _place(self, index: int) -> Place:
         return self._now.program.place(index, self._copter.place)
 
-    # --- what comes when a leg is over ------------------------------------------------------------------------------
-
     def _go_on(self) -> None:
         if next(self._legs, self) is self and self._then is not None:
             then, self._then = self._then, None
@@ -162,7 +156,6 @@ class ArduPilotPilot:
         next(legs)
 
     def _come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of a landing or RTL; the last is a descent, unless RTL stays in the air."""
         if self._now.landed:
             return
         self._legs, self._then = legs, self._touch
@@ -175,7 +168,6 @@ class ArduPilotPilot:
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
-        """Wait on the ground until the landing is detected and the motors have spooled down."""
         self._now.landed = seconds >= self._landing_s
         if seconds >= self._landing_s + self._copter.spool_down:
             if self._now.mode is FlightMode.MISSION:

@@ -1,20 +1,19 @@
-"""ArduPilot's answer to one item of an uploaded list, read in its source."""
+"""ArduPilot's answer to an uploaded item, read in its source."""
 
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
 DEG_E7 = 1e-7
 UINT16_MAX = 2**16 - 1
 INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
-MOST_VERTICES = 255  # of a polygon; an 8-bit count
+MOST_VERTICES = 255  # of a polygon (8 bits)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
-    """Return the refusal of an item in a mission of `count` items on the wire; None if accepted."""
+    """`count`: items on the wire."""
     may_be_nan = (firmware.takes_nan or {}).get(command, frozenset())
     for n, value in enumerate(values[:4], start=1):
         if math.isinf(value) or (math.isnan(value) and n not in may_be_nan):
@@ -58,7 +57,7 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 
 
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
-    """Return the refusal of an invalid latitude or longitude; frame 2 sends them in steps of 1e-7 degrees."""
+    """Frame 2 sends steps of 1e-7 degrees."""
     unit = DEG_E7 if frame == Frame.MISSION else 1.0
     if not abs(values[4]) * unit <= 90.0:
         return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")

@@ -1,26 +1,25 @@
-"""Goal and height of ArduCopter's RTL: home or a rally point (4.x).
+"""Goal and height of ArduCopter's RTL (4.x).
 
-It flies to the nearest rally point, unless home is nearer and RALLY_INCL_HOME includes it, or all are beyond
-RALLY_LIMIT_KM. Its height there is at least the rally point's. Rally points outside its own fence are ignored. Not
-modeled: polygons of a mission's fence, and routes around obstacles (OA_TYPE).
+It flies to the nearest rally point inside its own fence, at least at that height. Home counts if nearer and
+RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and OA_TYPE.
 """
 
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import HOME, OverTerrain, Place, level_distance
 from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, OverTerrain, Place, level_distance
 
-LEAST_CONE = 0.5  # below it RTL_CONE_SLOPE is ignored
+LEAST_CONE = 0.5  # RTL_CONE_SLOPE below is ignored
 LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
 ABOVE_TERRAIN = 1.0  # RTL_ALT_TYPE
 
 
 class CopterReturn(NamedTuple):
-    """Limits of the return height: RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and below the fence's ceiling [m]."""
+    """RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and the fence's limit [m]."""
 
     altitude: float
     climb: float
@@ -34,10 +33,9 @@ class CopterReturn(NamedTuple):
         return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
-        """Return the return height above home [m], from a height `above` home and a level distance, to `goal_up`.
+        """Return the height above home [m], from `above` home over a level distance to `goal_up`.
 
-        At least RTL_ALT, the goal's height, and RTL_CLIMB_MIN above the present height. Near the goal the cone limits
-        it, under a fence FENCE_MARGIN below the ceiling. It never descends for a limit.
+        Near the goal the cone limits it, and FENCE_MARGIN below a ceiling. It never descends for a limit.
         """
         least = max(LEAST_HEIGHT, above + self.climb)
         top = max(self.altitude, goal_up, least)
@@ -47,7 +45,7 @@ class CopterReturn(NamedTuple):
 
 
 def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-    """Return the index of the rally point that RTL from `here` flies to; None: home."""
+    """Return the index of RTL's rally point; None: home."""
     ways = {n: level_distance(here, place) for n, place in enumerate(rally) if is_within(parameters, place)}
     if not ways:
         return None
@@ -59,10 +57,9 @@ def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) 
 
 
 def over_terrain(parameters: Parameters) -> OverTerrain | None:
-    """Return how RTL follows terrain: RTL_ALT_TYPE 1, and a range finder for navigation or terrain data.
+    """RTL_ALT_TYPE 1 needs a range finder or terrain data.
 
-    Without both it acts as RTL_ALT_TYPE 0, and so while a range finder does not see the ground. Arming needs terrain
-    data without a range finder.
+    While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
     """
     seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
     knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0

@@ -1,6 +1,6 @@
-"""Flight times of ArduCopter 4.x in AUTO: each item is flown to its end by the copter's model.
+"""Flight times of ArduCopter 4.x in AUTO.
 
-Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
+Sources: ArduPilot's documentation of S-curves and splines, and flights.
 """
 
 import math
@@ -8,14 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.flight_model import Abort
-from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.prediction import Prediction, corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
@@ -38,16 +38,15 @@ from ipoa_mission.vehicles.arducopter.limits import (
     CopterLimits,
 )
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
-from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.wind import CALM, Wind
 
 NO_PLACE = (math.nan,) * 3
-DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half width of the interval: [s] and share of the time
+DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half width: [s] and share of the time
 
-ABORT_DOUBT, ABORT_DOUBT_SHARE = 0.4, 0.018  # the same of a contingency: 90 % of 94 flown
+ABORT_DOUBT, ABORT_DOUBT_SHARE = 0.4, 0.018  # of a contingency: 90 % of 94 flown
 
-LANDING_DOUBT = 0.9  # half width of the leg before LAND (`procedures.LAND_BELOW`) [s]
-#: The leg before RTL may be shorter or longer by these: its clock waits while the vehicle drifts [s].
+LANDING_DOUBT = 0.9  # of the leg before LAND (`procedures.LAND_BELOW`) [s]
+#: The leg before RTL may be shorter or longer: its clock waits for a drifting vehicle [s].
 RETURN_EARLY, RETURN_LATE = 0.3, 1.5
 
 PLACE_COMMANDS = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
@@ -60,11 +59,11 @@ def fly_arducopter(
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
 ) -> Prediction:
-    """Predict the times of an itinerary; `fast` is as in `estimate`.
+    """Predict the times of an itinerary.
 
     Raises:
         BadInput: an item never ends, or a parameter is invalid.
-        MissionError: the copter makes no progress, for example against too strong a wind.
+        MissionError: no progress, for example against the wind.
     """
     flight = _begun(route, limits, wind, fast, airframe)
     for n in range(len(route.visits)):
@@ -103,7 +102,7 @@ def fly_aborted(
     airframe: Airframe,
     order: Abort,
 ) -> Prediction:
-    """Predict the times of an itinerary up to an abort and of the contingency then; raises as `fly_arducopter`.
+    """Predict the times with an abort and its contingency; raises as `fly_arducopter`.
 
     The track has a sample at the abort.
     """
@@ -134,8 +133,6 @@ def _begun(route: Itinerary, limits: CopterLimits, wind: Wind, fast: bool | None
 
 
 class _Flight:
-    """A flight in progress: the copter and its records."""
-
     def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
         self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
         self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
@@ -151,7 +148,6 @@ class _Flight:
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
-        """Execute visit n; return why it was slow."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in TAKEOFFS:
@@ -183,15 +179,14 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        """Return the place of visit n; open coordinates are those of the previous place."""
         return self.route.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
-        """Return the copter's stopping place if visit n leaves its place open; computing it is slow."""
+        """Return the stopping place if visit n leaves its place open; slow."""
         return self.copter.here if self.route.program.leaves_open(n) else NO_PLACE
 
     def fly_to(self, n: int) -> str:
-        """Fly to visit n and hold there; return why it was slow."""
+        """Fly to visit n and hold; return why it was slow."""
         program, visit, copter = self.route.program, self.route.visits[n], self.copter
         onward, stop = program.onward(n), stop_at(program, n, self.here(n))
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
@@ -247,7 +242,6 @@ class _Flight:
                 return
 
     def come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of a landing or RTL; on the ground wait until the landing is detected."""
         self.go(legs)
         if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
@@ -255,7 +249,7 @@ class _Flight:
             self.airborne = False
 
     def run(self) -> float:
-        """Fly the current leg to its end; return the highest level speed on it [m/s]."""
+        """Fly the leg; return its highest level speed [m/s]."""
         flown = self.copter.run(self.until)
         self.tracks.append(Track.of(flown))
         self.note()

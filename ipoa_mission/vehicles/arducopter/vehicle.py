@@ -1,32 +1,73 @@
-"""The ArduCopter plug-in; its model, deviation law and mock profile are imported on demand."""
+"""The ArduCopter plug-in."""
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.failsafe import Failsafe, OwnFence
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
+from ipoa_mission.autopilot.guidance_profile import (
+    EQUIPMENT,
+    SIMPLE,
+    ArmingWords,
+    FlownCircle,
+    GuidanceProfile,
+    JumpProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+)
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, OverTerrain, Place
+from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.arducopter import failsafes, returning
 from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, limits_on
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
-from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
-from ipoa_mission.vehicles.arming import ArmingWords
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.circle import FlownCircle
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
-from ipoa_mission.vehicles.modes import Modes
-from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
-from ipoa_mission.vehicles.returning import OverTerrain, Place
-from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
+
+#: Stored, and skipped.
+SKIPPED_COMMANDS = frozenset(
+    {Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED}
+)
+#: Cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
+QUIET_FUNCTIONS = frozenset({
+    0, 9, 15, 19, 27, 28, 29, 30, 34, 35, 36, 44, 45, 66, 67, 78, 79, 94, 102, 113, 163, 164, 166, 167, 168, 169, 172,
+    174, 175, 177, 185, 186, 212, 213, 214, 215, 216, 217,
+})  # fmt: skip
+PARACHUTE_RELEASE = 2  # of DO_PARACHUTE
+
+WAY_KNOWN = WayKnown(
+    flown=SIMPLE | {
+        Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
+        Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,
+    },
+    still=EQUIPMENT | SKIPPED_COMMANDS | {
+        Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.CONDITION_YAW, Command.DO_FENCE_ENABLE,
+        Command.DO_GUIDED_LIMITS, Command.DO_SET_RESUME_REPEAT_DIST, Command.DO_GO_AROUND, Command.DO_PAUSE_CONTINUE,
+        Command.DO_SET_REVERSE, Command.DO_INVERTED_FLIGHT, Command.DO_AUTOTUNE_ENABLE, Command.DO_ENGINE_CONTROL,
+        Command.DO_VTOL_TRANSITION,
+    },
+    why={
+        Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
+        Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
+        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, which is not modeled",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+        Command.DO_PARACHUTE: "a parachute may be released",
+        Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
+    },
+    unless={
+        Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,
+        Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != PARACHUTE_RELEASE,
+        Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
+    },
+)  # fmt: skip
+
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -46,7 +87,7 @@ FIRMWARE = Firmware(
         }
     ),
     rally=rows({"----ddm": "NAV_RALLY_POINT"}),
-    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS is set
+    fence_is_union=False,  # unless by bit 1 of FENCE_OPTIONS
     max_items=650,
     max_fence_items=70,
     max_rally_points=46,
@@ -68,7 +109,7 @@ FIRMWARE = Firmware(
 
 MODES = Modes(
     mission=3,
-    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0); GUIDED needs a position
+    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0)
     hold=17,  # LOITER follows the throttle stick
     returning=6,
     returns=frozenset({6, 21, 27}),
@@ -90,7 +131,7 @@ MODES = Modes(
     },
 )
 
-#: Texts of AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
+#: AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
 ARMING_WORDS = ArmingWords(
     re.compile(r"(Pre)?Arm: "),
     re.compile(
@@ -108,6 +149,7 @@ class ArduCopter(Autopilot):
     """ArduPilot on a multicopter."""
 
     name = "ardupilot"
+    rank = 1
     model = "ArduCopter"
     mav_autopilot = 3
     mav_types = MULTICOPTERS
@@ -160,7 +202,7 @@ class ArduCopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.arducopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
@@ -170,7 +212,7 @@ class ArduCopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance to the position controller's stopping point.
+        """Return the distance to the stopping point.
 
         >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
@@ -187,7 +229,7 @@ class ArduCopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Return the braking displacement: shaped to land or hold, else to the stopping point.
+        """Return the displacement: shaped to land or hold, else to the stopping point.
 
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
@@ -206,20 +248,20 @@ class ArduCopter(Autopilot):
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
-        """Return the circle of a vehicle that pursues a point on the commanded one.
+        """Return the circle of pursuit.
 
         >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
-        from ipoa_mission.vehicles.arducopter.circling import flown_circle
+        from ipoa_mission.vehicles.arducopter.braking import flown_circle
         from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
         limits = copter_limits(parameters, version)
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return the stretch: LAND_SPEED below LAND_ALT_LOW, the normal descent above.
+        """Return LAND_SPEED below LAND_ALT_LOW.
 
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
@@ -232,11 +274,11 @@ class ArduCopter(Autopilot):
         return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the limits of FENCE_TYPE if enabled and FENCE_ACTION does more than report (AC_Fence)."""
+        """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
         return None if parameters.get("FENCE_ACTION", 1.0) <= REPORT_ONLY else limits_on(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return the index of RTL's rally point.
+        """Return RTL's rally point.
 
         >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
@@ -251,7 +293,7 @@ class ArduCopter(Autopilot):
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """Return the terrain following of RTL_ALT_TYPE and WPNAV_TER_MARGIN.
+        """Return RTL_ALT_TYPE's effect.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
@@ -259,7 +301,7 @@ class ArduCopter(Autopilot):
         return returning.over_terrain(self.book.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the failsafe actions, read in the source.
+        """Read in the source.
 
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)

@@ -1,1 +1,1 @@
-"""PX4 multicopter plug-in: profile, flight model, log format and simulated pilot."""
+"""PX4 multicopter plug-in."""

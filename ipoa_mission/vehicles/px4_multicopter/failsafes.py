@@ -1,16 +1,14 @@
 """PX4's failsafe actions.
 
-Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637, to be 1.19):
-src/modules/commander/failsafe, its parameters, navigator. Of several actions the most severe counts. An unavailable one
-falls back along hold, RTL, land, descent without a position, stopped motors. Not covered: VTOL, offboard, the first
-seconds after arming.
+Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637): commander/failsafe, its
+parameters, navigator. The most severe counts. Fallbacks: hold, RTL, land, descent without position, stopped motors. Not
+covered: VTOL, offboard, seconds after arming.
 """
 
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.contingency import Contingency, FlightStage
-from ipoa_mission.vehicles.failsafe import (
+from ipoa_mission.autopilot.failsafe import (
     BY_HAND,
     GOES_ON,
     STATION_LOST,
@@ -21,7 +19,8 @@ from ipoa_mission.vehicles.failsafe import (
     StationLoss,
     ordered,
 )
-from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 V1_18, V1_19 = (1, 18), (1, 19)
 FALLS = FailsafeAction(Contingency.TERMINATE)
@@ -81,11 +80,11 @@ RULES = (
     *ordered(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
 
-#: The parameter whose bits ignore a lost link by mode: 1 in a mission, 2 (1.18) in a return.
+#: Bits that ignore a lost link: 1 in a mission, 2 (1.18) in a return.
 EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
 IN_MISSION, IN_AUTO = 1, 2
-DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; shorter delays are ignored
-#: Causes without a delay: orders of the navigator, position monitoring, and pilots.
+DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; shorter are ignored
+#: Orders of navigator, position monitoring, and pilots.
 WITHOUT_DELAY = frozenset({ACCURACY, "position lost (EKF)", "traffic near", BY_HAND})
 
 DECIDED_BY = tuple(
@@ -130,7 +129,6 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
-    """Add the hold that lets the user react before the action."""
     delay = parameters.get(DELAY, 5.0)
     waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in WITHOUT_DELAY
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

@@ -1,25 +1,24 @@
-"""PX4's motion limits by its parameters, its return height, and its land detector.
+"""PX4's motion limits, return height and land detector, by its parameters.
 
-Parameters are in SI units and degrees. The land detector is read from the source and measured in simulated flights;
-docs/lab/flight-time.md gives the source of each.
+The land detector is read and measured (docs/lab/flight-time.md).
 """
 
 import math
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
-from ipoa_mission.vehicles.version import Version
 
-RANGE_LAG_S = 0.14  # lag of PX4's height over the ground, by a range finder, during descent
-NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
-RELAXED_THRUST = 0.6  # low thrust, as a share of the way from least to hover thrust, if hover thrust is learned
-BRAKES_LATE = 0.6  # the navigator's delay before LAND and hold brake [s]
-STAGES = 3  # of the land detector: contact, maybe landed, landed
+RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
+NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]
+RELAXED_THRUST = 0.6  # low thrust, from least to hover thrust, if that is learned
+BRAKES_LATE = 0.6  # LAND and hold [s]
+STAGES = 3  # contact, maybe landed, landed
 
-TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first, then move
+TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first
 POSITIVE = (
     "MPC_XY_CRUISE", "MPC_XY_VEL_MAX", "MPC_XY_TRAJ_P", "MPC_XY_ERR_MAX", "MPC_XY_P", "MPC_ACC_HOR", "MPC_JERK_AUTO",
     "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_UP_MAX", "MPC_ACC_DOWN_MAX", "MPC_TKO_SPEED", "MPC_LAND_SPEED",
@@ -29,7 +28,7 @@ POSITIVE = (
 
 
 class Px4Return(NamedTuple):
-    """Limits of the return height: RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
+    """RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
 
     altitude: float
     least_distance: float
@@ -42,11 +41,10 @@ class Px4Return(NamedTuple):
         return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
-        """Return the return height above home [m], from a height `above` home at a level `distance` [m].
+        """Return the return height above home [m] at a level `distance` [m].
 
-        It is RTL_RETURN_ALT, lowered near home if RTL_CONE_ANG is above 0. Within RTL_MIN_DIST the cone applies, at
-        least two NAV_ACC_RAD; within NAV_ACC_RAD twice the distance. It never descends for that, and never climbs above
-        RTL_RETURN_ALT.
+        It is RTL_RETURN_ALT. Within RTL_MIN_DIST RTL_CONE_ANG lowers it, to two NAV_ACC_RAD; within NAV_ACC_RAD to
+        twice the distance. It never descends for that.
         """
         if self.cone_deg <= 0.0:
             return max(above, self.altitude)
@@ -59,10 +57,9 @@ class Px4Return(NamedTuple):
 
 
 class Px4Touchdown(NamedTuple):
-    """The land detector: LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], low thrust.
+    """LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], `low_thrust` over hover thrust.
 
-    `low_thrust`: the greatest thrust setpoint of a landed vehicle, as a share of hover thrust. Each of the `STAGES`
-    takes an equal part of `trigger_s`, and three times as long after a range finder has lost the ground.
+    Each of the `STAGES` takes a part of `trigger_s`, three times as long without ground in range.
     """
 
     trigger_s: float
@@ -78,11 +75,10 @@ class Px4Touchdown(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """Motion limits of a PX4 multicopter: m, s, m/s, m/s^2, m/s^3, rad.
+    """Motion limits in m, s, rad.
 
-    LAND slows down from `sinks_from` [m/s], which may exceed its descent rate. `splits_axes`: the vertical setpoint has
-    its own speed and waits separately, up to `most_height_error` ahead of the vehicle. A vehicle that has passed its
-    item is then not led back.
+    LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. `splits_axes`: the vertical setpoint waits
+    separately, up to `most_height_error` ahead, and a passed item is not flown back to.
     """
 
     cruise: float
@@ -133,11 +129,10 @@ class Px4Limits(NamedTuple):
 
 
 def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:
-    """Return the limits of these parameters, with the defaults of a version; None: the newest measured.
+    """Return the limits of these parameters and a version's defaults.
 
-    Descending, the vertical controller may use 1.2 times the trajectory's speed (FlightTaskAuto). Hover thrust is
-    learned by a Kalman filter with a process noise of HTE_HT_NOISE per second. Smooth flights have its least
-    measurement noise, 1 m/s^2, so its time constant is hover / (noise g).
+    Descents use up to 1.2 times the trajectory's speed (FlightTaskAuto). A Kalman filter learns hover thrust with
+    process noise HTE_HT_NOISE. Its measurement noise is 1 m/s^2, so its time constant is hover / (noise g).
 
     Raises:
         BadInput: a parameter that must be positive is not.

@@ -1,7 +1,4 @@
-"""PX4's own log (`.ulg`), read by pyulog (extra `logs`): positions, states, items and parameters.
-
-From PX4 1.12 on it contains each item when the flight reaches it (`logged_items`).
-"""
+"""PX4's own log (`.ulg`), read by pyulog (extra `logs`); since 1.12 with `logged_items`."""
 
 from collections.abc import Iterator, Set
 from contextlib import redirect_stdout
@@ -12,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
@@ -20,13 +18,12 @@ from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reach
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_name
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.spherical_plane import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
-#: vehicle_status.nav_state to HEARTBEAT.custom_mode (main and sub mode).
+#: vehicle_status.nav_state to HEARTBEAT.custom_mode.
 MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
@@ -34,29 +31,29 @@ POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
 
-HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; head of a message: size and kind
-DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
+HEADER, MESSAGE = 16, Struct("<HB")  # bytes before messages; head: size and kind
+DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"
 MESSAGES = DEFINES + BEGINS_DATA + b"DRSO"
 
 Event = tuple[float, Message]
 
 
 def read_ulog(path: Path) -> Log:
-    """Read positions and events: arming and modes (vehicle_status), items (mission_result), texts, parameters.
+    """Read positions, arming and modes (vehicle_status), items (mission_result), texts, parameters.
 
     Raises:
-        BadInput: the file cannot be read, has no positions or states, or is not of a multicopter.
+        BadInput: the file cannot be read, has no positions or states, or is of no multicopter.
         MissionError: pyulog is not installed.
     """
     log = _open(path)
     try:
         return _log(path, log)
-    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # missing columns in a damaged file
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:
         raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
 def _log(path: Path, log: Any) -> Log:
-    topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
+    topics = {topic.name: topic.data for topic in reversed(log.data_list)}
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
         wrong = "expected a PX4 log with the topic vehicle_status"
@@ -65,7 +62,7 @@ def _log(path: Path, log: Any) -> Log:
         wrong = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
         raise BadInput(wrong, code="log-incomplete", place=path)
     status = topics["vehicle_status"]
-    kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # the latter before 1.9
+    kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # before 1.9
     if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
         wrong = "expected the log of a multicopter, not of another kind of vehicle"
         raise BadInput(wrong, code="other-vehicle", place=path)
@@ -90,7 +87,6 @@ def _log(path: Path, log: Any) -> Log:
 
 
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
-    """Report damage, truncation, dropouts, and missing topics that every complete log has."""
     data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
@@ -115,14 +111,14 @@ def _open(path: Path) -> Any:
     pyulog = imported("pyulog", f"{path}: reading PX4's logs needs the package pyulog", "logs")
     _expect_definitions(path)
     try:
-        with path.open("rb") as file, redirect_stdout(StringIO()):  # pyulog prints warnings
+        with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints warnings
             return pyulog.ULog(file, TOPICS)
-    except Exception as error:  # pyulog raises any exception on a damaged file
+    except Exception as error:  # any, on a damaged file
         raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
 def _expect_definitions(path: Path) -> None:
-    """Refuse a log with damaged definitions, in which pyulog would search forever for their end."""
+    """Refuse damaged definitions, in which pyulog would search forever."""
     data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
@@ -137,7 +133,7 @@ def _expect_definitions(path: Path) -> None:
 def _parameters(log: Any, begins: float) -> Iterator[Event]:
     changed = [(time / 1e6, name, value) for time, name, value in log.changed_parameters]
     for time, name, value in [*((begins, *pair) for pair in log.initial_parameters.items()), *changed]:
-        if isinstance(value, int | float):  # anything else in a damaged file
+        if isinstance(value, int | float):
             yield time, ParamValue(name, float(value), FLOAT, 0, 0)
 
 
@@ -150,9 +146,9 @@ def _homes(home: Any | None) -> Iterator[Event]:
 
 
 def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
-    """Return a heartbeat for each change of arming or mode, at PX4's own time of arming if logged.
+    """Return a heartbeat for each change of arming or mode, at PX4's time if logged.
 
-    A log that starts armed was opened by arming, at the given time, if the logger is configured so.
+    A log that starts armed was opened by arming, if the logger is configured so.
     """
     armed_times = status.get("armed_time", np.zeros(len(status["timestamp"])))
     before: tuple[bool, int] | None = None
@@ -177,7 +173,7 @@ def _battery(data: Any) -> Iterator[Battery]:
 
 
 def _attitude(data: Any | None) -> Points:
-    """Return time, roll, pitch and yaw (n, 4) of quaternions from body axes to north, east, down."""
+    """Return time, roll, pitch, yaw (n, 4) of quaternions from body to north, east, down."""
     if data is None:
         return np.empty((0, 4))
     w, x, y, z = (_column(data, f"q[{n}]") for n in range(4))
@@ -188,7 +184,6 @@ def _attitude(data: Any | None) -> Points:
 
 
 def _items(result: Any | None) -> Iterator[Event]:
-    """Return PX4's progress messages: item reached, current item, mission complete."""
     if result is None:
         return
     reached, turned = -1, (-1, False)
@@ -217,13 +212,13 @@ def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 def _column(topic: Any, name: str) -> Vector:
-    """Return a topic's field, (n,); a damaged log may contain signaling NaN, of which NumPy warns."""
+    """Return a field (n,); NumPy would warn of signaling NaN."""
     with np.errstate(invalid="ignore"):
         return np.asarray(topic[name], float)
 
 
 def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
-    """Return times, latitude, longitude and altitude of local positions that have a reference on the Earth."""
+    """Return times, latitude, longitude, altitude of referenced local positions."""
     referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
     rows = np.column_stack([_column(place, name) for name in columns])[referenced]
@@ -233,7 +228,7 @@ def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
-    """Return home's altitude at each time: PX4 corrects it on the ground, and for drift in flight."""
+    """Return home's altitude, which PX4 corrects on the ground and in flight."""
     home = topics.get("home_position")
     if home is None:
         return np.full(len(times), altitude[0] if len(times) else 0.0)
@@ -246,7 +241,7 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     if local is None:
         return np.zeros(len(times))
     at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
-    sound = np.isfinite(speed)  # a damaged log may contain anything
+    sound = np.isfinite(speed)
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
 

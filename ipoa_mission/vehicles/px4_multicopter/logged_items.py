@@ -1,7 +1,6 @@
-"""PX4's mission from its own log: navigator_mission_item contains each item when the flight reaches it.
+"""PX4's mission from navigator_mission_item: each item when the flight reaches it.
 
-An item may be logged in steps. A take-off is NAV_TAKEOFF in place, then NAV_WAYPOINT; a landing is a waypoint, then the
-landing. Places are in single precision, accurate to 0.4 m.
+An item may come in steps, as NAV_TAKEOFF and NAV_WAYPOINT. Places are in single precision: 0.4 m.
 """
 
 import math
@@ -10,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.logs.logged import Begun
-from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item
 
 
 def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
-    """Return the items that the flight reached, each at its first time [s], with its steps joined."""
+    """Return each item at its first time [s], steps joined."""
     if topic is None or result is None:
         return
     rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))

@@ -1,10 +1,8 @@
-"""PX4's measured behavior on a link, for the built-in autopilot."""
-
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
-from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
 MOCK_PROFILE = MockProfile(

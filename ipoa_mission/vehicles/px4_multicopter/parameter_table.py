@@ -1,12 +1,8 @@
-"""PX4's parameters: defaults that affect a mission, parameters for ground stations, and types.
-
-The set-up of the vehicle (sensors, radio, modes, battery, failsafes) is as in its simulator and does not affect a
-mission.
-"""
+"""PX4's parameters: defaults (sensors, radio, modes, battery, failsafes as in SITL) and types."""
 
 from collections.abc import Mapping
 
-from ipoa_mission.vehicles.parameters import (
+from ipoa_mission.autopilot.parameters import (
     INT32,
     REAL32,
     Declared,
@@ -15,17 +11,16 @@ from ipoa_mission.vehicles.parameters import (
     Quantity,
     declared,
 )
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.autopilot.version import Version
 
-#: From this version on the vertical setpoint has its own speed (1ae8f2383f). A vehicle that passes its waypoint without
-#: reaching it is not led back (d0004403a3).
+#: Since then the vertical setpoint has its own speed (1ae8f2383f), and a passed waypoint is not flown back to
+#: (d0004403a3).
 SPLITS_AXES = (1, 18)
 MEASURED = (Version(1, 17), Version(1, 18, 0, "beta"))  # docs/lab/flown.md, px4-1.18.md
-LEAST_HOLD = 0.1  # of a waypoint at which PX4 is to stop [s]
-SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # defaults that changed with that version (c05cc47b75)
+LEAST_HOLD = 0.1  # at which PX4 is to stop [s]
+SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # c05cc47b75
 
-#: PX4 1.17's defaults for a multicopter in AUTO.MISSION (in its SI units and degrees). `rc.mc_defaults`, which PX4 sets
-#: at start, takes precedence over its parameter reference.
+#: PX4 1.17's for a multicopter (SI units, degrees); `rc.mc_defaults` has precedence over its reference.
 DEFAULTS: Parameters = {
     "MPC_XY_CRUISE": 5.0,
     "MPC_XY_VEL_MAX": 12.0,

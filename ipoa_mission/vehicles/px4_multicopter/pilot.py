@@ -1,15 +1,15 @@
-"""PX4 in AUTO.MISSION, RTL, LAND and LOITER, for the built-in autopilot: items and commands to orders."""
+"""PX4's modes in the built-in autopilot: items and commands to orders."""
 
 import math
 import random
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
@@ -26,14 +26,12 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
 
-#: Items that suppress the report of the waypoint before them (as measured).
+#: They suppress the report of the waypoint before (measured).
 REPORT_SUPPRESSING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
 NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 
 
 class PX4Pilot:
-    """Flies the orders of one item, RTL or LAND in sequence, and moves the vehicle."""
-
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
@@ -48,10 +46,8 @@ class PX4Pilot:
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
         self._announced = False
-        self._here = self._state.body.place  # the last commanded place
+        self._here = self._state.body.place  # last commanded
         self._cruise = self._limits.cruise
-
-    # --- orders -----------------------------------------------------------------------------------------------------
 
     def enter(self) -> None:
         match self._now.mode:
@@ -66,18 +62,17 @@ class PX4Pilot:
                 self._brake()
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Continue at the present index after the mission was replaced in flight."""
         self._begin_behind(self._now.current - 1)
 
     def climb(self, height: float) -> None:
-        """Take off or climb straight up to a height above home [m], and stay there."""
+        """Climb to a height above home [m], and stay."""
         here = self._over_home()
         self._here = here._replace(up=height)
         rise = take_off if self._now.landed else self._way_to
         self._carry_out([rise(self._here, self._limits), *stay(self._here, self._limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly to a place and stay there; NaN: the last commanded place, the present height, the usual speed."""
+        """Fly to a place and stay; NaN: last place, present height, usual speed."""
         if math.isnan(east) and math.isnan(up):
             self._brake()
             return
@@ -153,10 +148,8 @@ class PX4Pilot:
         vehicle.lean_x, vehicle.lean_y = body.thrust.east, body.thrust.north
         vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
 
-    # --- the mission ------------------------------------------------------------------------------------------------
-
     def _begin_behind(self, index: int) -> None:
-        """Start the item after `index`; execute items without duration at once."""
+        """Start the next item with a duration."""
         now = self._now
         item = now.come_to(index, self._change_speed)
         if item is None:
@@ -182,7 +175,7 @@ class PX4Pilot:
             self._here = self._down(goal)
             return [] if self._now.landed else way_down(start, self._here, limits, cruise, 0.0)
         self._here, climb = goal, []
-        if self._now.landed:  # any item first takes off to its height
+        if self._now.landed:
             start = self._over_home()._replace(up=goal.up)
             climb = [take_off(start, limits)]
         onward = self._now.program.onward(index)
@@ -191,8 +184,6 @@ class PX4Pilot:
         if item.command == Command.NAV_LOITER_UNLIM:
             order = order._replace(holds=math.inf, beyond=goal)
         return [*climb, order]
-
-    # --- returns and orders outside a mission -----------------------------------------------------------------------
 
     def _return(self) -> None:
         self._cruise = self._limits.cruise
@@ -204,12 +195,10 @@ class PX4Pilot:
         return place._replace(up=self._ground.at(place.east, place.north))
 
     def _over_home(self) -> Enu:
-        """Return its place, with the height above the estimated home."""
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home)
 
     def _brake(self) -> None:
-        """Brake within the path's limits, and stay at the stopping place."""
         body, limits = self._state.body, self._limits
         time = math.hypot(*body.speed[:2]) / (2.0 * limits.accel) + limits.accel / (2.0 * limits.jerk)
         east, north = (body.place[axis] + body.speed[axis] * time for axis in (0, 1))
@@ -219,7 +208,7 @@ class PX4Pilot:
         self._fly([order._replace(holds=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:
-        """Replace the current orders; on the ground only those of a mission are accepted."""
+        """Replace the orders; on the ground only for a mission."""
         grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
         self._carry_out([] if grounded else orders)
 

@@ -1,11 +1,10 @@
-"""PX4's answer to one item of an uploaded list, read in its source."""
+"""PX4's answer to an uploaded item, read in its source."""
 
 import math
 from collections.abc import Container, Sequence
 
-from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.firmware_tables import Firmware
-from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
+from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
 LEAST_VERTICES = 3
 ROI = frozenset({Command.NAV_ROI, Command.DO_SET_ROI})
@@ -41,7 +40,6 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 def _of_a_list(
     firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
 ) -> Refused | None:
-    """Check an item of any list as PX4 does, by the same code."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -52,9 +50,9 @@ def _of_a_list(
 
 
 def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of the first unused param that is neither 0 nor NaN.
+    """Return the refusal of the first unused param other than 0 or NaN.
 
-    In a frame with a place an unused latitude or longitude must be NaN: 0 is a place.
+    With a place, unused latitude or longitude must be NaN.
     """
     used = None if firmware.used is None else firmware.used.get(command)
     if used is None:

@@ -1,17 +1,15 @@
-"""Goal, route and height of PX4's RTL: home, a rally point, or the landing of its mission.
+"""Goal and route of PX4's RTL: the nearest of home, rally points and the mission's landing.
 
-The nearest one counts. A rally point must be 2 m nearer than the best so far and 10 m away from home. Heights count
-from the goal's. From 1.19 on RTL flies around the polygons and circles of a fence, except on the smallest boards; that
-route is not modeled. Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main (bb59c637, to be 1.19).
+Heights count from the goal's. From 1.19 on RTL flies around fences, except on the smallest boards; not modeled. Read in
+1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main (bb59c637).
 """
 
 import math
 from collections.abc import Sequence
 
-from ipoa_mission.vehicles.failsafe import Series
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
-from ipoa_mission.vehicles.returning import (
+from ipoa_mission.autopilot.failsafe import Series
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import (
     HOME,
     MissionLanding,
     Place,
@@ -19,17 +17,18 @@ from ipoa_mission.vehicles.returning import (
     ReturnRoute,
     level_distance,
 )
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
 
-REQUIRED_ADVANTAGE = 2.0  # of a rally point or a landing [m]
-LEAST_RALLY_DISTANCE = 10.0  # rally points this near home are ignored [m]
+REQUIRED_ADVANTAGE = 2.0  # of a rally point or landing [m]
+LEAST_RALLY_DISTANCE = 10.0  # from home [m]
 # RTL_TYPE; 0: home or a rally point
 NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0
-RALLY_ONLY_SINCE = (1, 18)  # since this series
-FENCE_ROUTING_SINCE = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
+RALLY_ONLY_SINCE = (1, 18)
+FENCE_ROUTING_SINCE = (1, 19)  # 40e61d2429, after release/1.18 branched
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
-    """Return `Px4Return`'s height counted from the goal's height [m]."""
+    """Return the height above the goal's [m]."""
     from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 
     return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
@@ -38,7 +37,7 @@ def return_height(parameters: Parameters, height: float, distance: float, goal_u
 def return_route(
     parameters: Parameters, here: Place, rally: Sequence[Place], landing: MissionLanding | None, series: Series
 ) -> ReturnRoute:
-    """Return the route of RTL_TYPE; 1 uses home only without rally point and landing, 5 (1.18) never."""
+    """Return RTL_TYPE's route; 1 uses home last, 5 (1.18) never."""
     kind = parameters.get("RTL_TYPE", 0.0)
     if kind in {LANDING_OR_BACK, SHORTER_WAY}:
         ahead = landing is not None and (kind == LANDING_OR_BACK or landing.ahead < landing.behind)
@@ -60,5 +59,5 @@ def return_route(
 
 
 def room_to_fences(parameters: Parameters, series: Series) -> float | None:
-    """Return the distance of RTL to the fences that it flies around [m]; None: it ignores them."""
+    """Return the distance to fences that it flies around [m]; None: ignored."""
     return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"]) if series >= FENCE_ROUTING_SINCE else None

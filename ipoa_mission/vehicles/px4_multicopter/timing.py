@@ -1,8 +1,7 @@
-"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION with a multicopter, by repeated simulation with noise.
+"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION.
 
-Times are noisy: a waypoint counts only when place *and* height are reached, and noisy measurements correct home's
-height for two minutes after take-off. A mission is flown once without noise for the path, and repeatedly with noise for
-times and spread.
+Noisy heights move home for two minutes after take-off. The path is flown once without noise, times and spread often
+with it.
 """
 
 import math
@@ -13,18 +12,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.flight_model import Abort
-from ipoa_mission.forecast.timing.prediction import Missed, Prediction
-from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
+from ipoa_mission.forecast.timing.prediction import Missed, Prediction, corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
@@ -40,12 +39,11 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
 STEP = 0.04  # [s]
-SAMPLE_STEPS = 3  # steps between samples of the track
+SAMPLE_STEPS = 3  # between samples
 
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
@@ -53,19 +51,17 @@ LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
 
 @dataclass(frozen=True)
 class NoisyRuns:
-    """Number of noisy runs, and the interval from their spread."""
-
     most: int = 90
-    batch: int = 6  # runs between checks of convergence
-    known_share: float = 0.003  # relative standard error of the mean at convergence
-    broken_off_share: float = 0.008  # the same for a contingency
-    doubt_s: float = 0.8  # standard deviation of the model's error: constant part,
-    doubt_share: float = 0.0125  # and share of the time
-    landing_s: float = 1.6  # additional standard deviation of landings, in recorded flights
-    interval_deviations: float = 1.645  # half width of the 90 % interval in standard deviations
-    late_quantile: float = 0.93  # of the runs, if misses make it later than those deviations
-    broken_off_deviations: float = 2.3  # half width for contingencies, as flown
-    missed_s: float = 3.0  # a waypoint that takes this much longer than the median was missed
+    batch: int = 6  # runs between checks
+    known_share: float = 0.003  # relative standard error of the mean
+    broken_off_share: float = 0.008  # for a contingency
+    doubt_s: float = 0.8  # standard deviation of the model: constant,
+    doubt_share: float = 0.0125
+    landing_s: float = 1.6  # more for landings, as recorded
+    interval_deviations: float = 1.645  # half width of the 90 % interval
+    late_quantile: float = 0.93
+    broken_off_deviations: float = 2.3  # for contingencies, as flown
+    missed_s: float = 3.0  # later than the median: missed
 
 
 RUNS = NoisyRuns()
@@ -80,11 +76,11 @@ def fly_px4(
     senses: SensorModel = SIH_SENSES,
     version: Version | None = None,
 ) -> Prediction:
-    """Predict the times of an itinerary; `fast` is as in `estimate`. With `KNOWS` (no noise) it is flown once.
+    """Predict the times of an itinerary, once with `KNOWS` (no noise).
 
     Raises:
         BadInput: an item never ends, or a parameter is invalid.
-        MissionError: the vehicle makes no progress, for example against too strong a wind.
+        MissionError: no progress, for example against the wind.
     """
     flights = Flights(route, parameters, wind, airframe, senses, version)
     smooth, samples = flights.prepared(False, fast)(0)
@@ -96,7 +92,7 @@ def fly_px4(
             break
         try:
             times.append(once(seed)[0])
-        except MissionError as lost:  # it circles a waypoint with too small a radius
+        except MissionError as lost:  # it circles a waypoint
             if seed > 2 * len(times) + RUNS.batch:
                 raise
             remarks.append(f"some flights did not end: {lost}")
@@ -105,7 +101,7 @@ def fly_px4(
     lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
     below = RUNS.interval_deviations * runs.std(axis=0)
-    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)  # a missed waypoint makes it late
+    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)
     unsure = RUNS.interval_deviations**2 * doubt
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
@@ -125,7 +121,7 @@ def fly_aborted(
     order: Abort,
     version: Version | None = None,
 ) -> Prediction:
-    """Predict the times of an itinerary up to an abort and of the contingency then, as the mean of noisy runs.
+    """Predict the times with an abort and its contingency: the mean of noisy runs.
 
     Raises:
         BadInput, MissionError: as `fly_px4` does; or the contingency has no end.
@@ -162,13 +158,12 @@ def fly_aborted(
 
 
 def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
-    """Return whether the standard error of the mean is at most this share of it."""
     ends = np.array([run[-1] for run in times])
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
 
 
 def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
-    """Return for each waypoint the share of runs (m, n) [s] that miss it, and the mean delay then."""
+    """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
     flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
@@ -179,9 +174,9 @@ def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
 
 
 class FlownOnce(NamedTuple):
-    """One flight: the times [s] at its start and after each order (n + 1,), samples, and its touchdown [s] if any.
+    """Times [s] at the start and after each order (n + 1,), samples (m, 7), touchdown [s].
 
-    A sample (m, 7) is time, place and velocity.
+    A sample is time, place and velocity.
     """
 
     done: Vector
@@ -190,8 +185,6 @@ class FlownOnce(NamedTuple):
 
 
 class Flights:
-    """Repeated flights of one itinerary."""
-
     def __init__(
         self, route: Itinerary, parameters: Parameters, wind: Wind = CALM, airframe: Airframe = SIH,
         senses: SensorModel = SIH_SENSES, version: Version | None = None,
@@ -206,12 +199,12 @@ class Flights:
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
     def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
-        """Return a function of a seed that flies it once: end of each visit (n,) [s], and samples without noise.
+        """Return a function of a seed: end of each visit (n,) [s], and samples (m, 7) without noise.
 
-        A sample (m, 7) is time, place and velocity; `steps` is the expected total number of steps.
+        `steps`: expected number.
 
         Raises:
-            MissionError: the vehicle makes no progress.
+            MissionError: no progress.
         """
         flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
 
@@ -224,9 +217,9 @@ class Flights:
     def broken_off(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
-        """Fly up to a time [s] with the noise of a seed, or without any, and then the contingency, as `flown`.
+        """Fly up to a time [s], with a seed's noise or none, then the contingency.
 
-        Returns also the number of orders begun before that time.
+        Returns also the number of orders begun by then.
         """
         self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
         until = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
@@ -240,7 +233,6 @@ class Flights:
         return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
     def contingency(self, contingency: Contingency, at: Vector) -> list[Order]:
-        """Return the orders of an RTL or a LAND from one sample (7,) of a flight."""
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
         if contingency is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
@@ -252,7 +244,7 @@ class Flights:
     def flown(
         self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
     ) -> Callable[[int], FlownOnce]:
-        """Return `prepared`'s function by order; raises as it does. With noise samples are kept if `sampled`."""
+        """Return `prepared`'s function, by order; raises as it does."""
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
@@ -277,7 +269,7 @@ class Flights:
         return once
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
-        """Return the reasons why visit n was slow, by samples at these times (m,) [s]."""
+        """Return why visit n was slow, by samples at these times (m,) [s]."""
         command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
@@ -301,7 +293,7 @@ class Flights:
         )
 
     def allowed(self, order: Order) -> float:
-        """Return the level speed that the climb or descent rate allows [m/s]."""
+        """Return the level speed that climb or descent allows [m/s]."""
         length, rise = math.dist(order.start[:2], order.goal[:2]), order.goal.up - order.start.up
         rate = self.limits.climb if rise > 0 else self.limits.descent
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise

@@ -1,4 +1,4 @@
-"""The PX4 multicopter plug-in; its model, deviation law and mock profile are imported on demand."""
+"""The PX4 multicopter plug-in."""
 
 import math
 import re
@@ -6,19 +6,25 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from ipoa_mission.mission.commands import FLOWN_TO, Command
-from ipoa_mission.vehicles.arming import ArmingWords
-from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
-from ipoa_mission.vehicles.jump_profile import JumpProfile
-from ipoa_mission.vehicles.mav_types import MULTICOPTERS
-from ipoa_mission.vehicles.modes import Modes, mode_number
-from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
-from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
+from ipoa_mission.autopilot.guidance_profile import (
+    ArmingWords,
+    GuidanceProfile,
+    JumpProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+    WaypointDefaults,
+    mode_number,
+)
+from ipoa_mission.autopilot.mav_types import MULTICOPTERS
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, MissionLanding, Place, ReturnRoute
+from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,
@@ -29,10 +35,20 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     SPLITS_AXES,
 )
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
-from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
-from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
-from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
-from ipoa_mission.vehicles.version import Version
+
+WAY_KNOWN = WayKnown(
+    why={
+        Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
+        Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
+        Command.NAV_VTOL_LAND: "it is for a VTOL vehicle",
+        Command.DO_VTOL_TRANSITION: "a multicopter waits forever for a transition to fixed wing",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+        Command.COMPONENT_ARM_DISARM: "it may stop the motors",
+        Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
+        Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
+    },
+)
+
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -59,16 +75,16 @@ FIRMWARE = Firmware(
     max_rally_points=32,
     highest_altitude=math.inf,
     nan_holds=True,
-    photo_looks_s=0.05,  # polling interval of camera_trigger
+    photo_looks_s=0.05,  # camera_trigger
     jumps=JumpProfile(at_once=9),
 )
 
 MODES = Modes(
     mission=mode_number(4, 4),
-    arming=mode_number(4, 4),  # armed in mission mode it takes off at once
+    arming=mode_number(4, 4),  # takes off once armed
     hold=mode_number(4, 3),
     returning=mode_number(4, 5),
-    returns=frozenset({mode_number(4, 5)}),  # an RTL item switches to this mode
+    returns=frozenset({mode_number(4, 5)}),  # of an RTL item
     lands=frozenset({mode_number(4, 6)}),
     names={
         mode_number(1): "MANUAL",
@@ -85,7 +101,7 @@ MODES = Modes(
     has_sub_modes=True,
 )
 
-#: Texts of the commander's checks in 1.17, sent only when an arming order is refused.
+#: The commander's checks in 1.17, sent when arming is refused.
 ARMING_WORDS = ArmingWords(
     re.compile(r"Arming denied: |Preflight Fail: "),
     re.compile(
@@ -100,6 +116,7 @@ class Px4Multicopter(Autopilot):
     """PX4 on a multicopter."""
 
     name = "px4"
+    rank = 0
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS
@@ -133,7 +150,7 @@ class Px4Multicopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
@@ -143,14 +160,13 @@ class Px4Multicopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance with MPC_ACC_HOR, which it reaches by MPC_JERK_AUTO."""
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
-        turns = (gains + brakes) / limits.jerk  # time until full braking [s]
+        turns = (gains + brakes) / limits.jerk  # [s]
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
@@ -158,7 +174,7 @@ class Px4Multicopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Return the displacement to the navigator's stopping point for LAND and hold (preproject_stop_point).
+        """Return the displacement of LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
         >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
@@ -174,7 +190,7 @@ class Px4Multicopter(Autopilot):
         return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return the stretch from MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
+        """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
 
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
@@ -185,7 +201,7 @@ class Px4Multicopter(Autopilot):
         return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the limits of the fence; a limit of 0 is off. GF_ACTION 0 does nothing, 1 only warns."""
+        """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
         if parameters.get("GF_ACTION", 0.0) <= WARN_ONLY:
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
@@ -196,7 +212,7 @@ class Px4Multicopter(Autopilot):
         )
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return the index of RTL's rally point.
+        """Return RTL's rally point.
 
         >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
         0
@@ -211,7 +227,7 @@ class Px4Multicopter(Autopilot):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """Return the route of RTL_TYPE.
+        """Return RTL_TYPE's route.
 
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
@@ -219,11 +235,11 @@ class Px4Multicopter(Autopilot):
         return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """NAV_ACC_RAD of multicopters is 10 m from 1.18 on."""
+        """NAV_ACC_RAD is 10 m from 1.18 on."""
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """From 1.18 on a waypoint needs a hold to stop, and a radius because the default has grown to 10 m.
+        """From 1.18 on stops need a hold, and the default radius is 10 m.
 
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
@@ -234,7 +250,7 @@ class Px4Multicopter(Autopilot):
         return returning.return_height(parameters, height, distance, goal_up)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """Return the distance; from 1.19 on.
+        """Return the distance, from 1.19 on.
 
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
@@ -242,7 +258,7 @@ class Px4Multicopter(Autopilot):
         return returning.room_to_fences(parameters, (version or self.newest).series)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the failsafe actions, read in the source.
+        """Read in the source.
 
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s

@@ -1,4 +1,4 @@
-"""Kinds of obstacles, one a file, with exact distances, drawings and data for kernels."""
+"""Kinds of obstacles, one a file."""
 
 from ipoa_mission.world.obstacles.cylinder import Cylinder, RoundZone
 from ipoa_mission.world.obstacles.nearest import straightened

@@ -1,7 +1,4 @@
-"""Compiled distance of a straight leg to an extruded polygon: try every parameter that may be nearest.
-
-Along the leg the squared distance to a corner, a wall or an edge of a cap is a polynomial, so these have closed forms.
-"""
+"""Compiled distance of a leg to an extruded polygon: roots of polynomials."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -11,12 +8,11 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-TRIED_PER_EDGE = 8  # parameters per edge of the plan
+TRIED_PER_EDGE = 8
 
 
 @njit(inline="always")
 def _distance(starts, ends, base, top, x, y, z):
-    """Return the signed distance of a place to the prism; the plan's edges go from `starts` to `ends` (m, 2)."""
     nearest, inside = math.inf, False
     for k in range(len(starts)):
         e0, n0, e1, n1 = starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1]
@@ -34,7 +30,7 @@ def _distance(starts, ends, base, top, x, y, z):
 
 @njit(inline="always")
 def _feet(starts, ends, a, step, tried):
-    """Add the parameters at which the leg is nearest to a corner, crosses an edge's line, or is abreast of its ends."""
+    """Add parameters nearest to a corner, across an edge, or abreast of its ends."""
     square, count = step[0] ** 2 + step[1] ** 2, 0
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
@@ -55,7 +51,6 @@ def _feet(starts, ends, a, step, tried):
 
 @njit(inline="always")
 def _rims(starts, ends, height, a, step, tried, count):
-    """Add the parameters at which the leg is nearest to the corners and edges of the plan at a height."""
     square, up = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, height - a[2]
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
@@ -74,9 +69,9 @@ def _rims(starts, ends, height, a, step, tried, count):
 
 @njit(cache=True, error_model="numpy")
 def nearest(starts, ends, base, top, a, b):
-    """Return the least distance [m] of the leg a-b, (3,) each, to a prism with plan edges (m, 2), and its fraction.
+    """Return the least distance [m] of the leg a-b to a prism with edges (m, 2), and its fraction.
 
-    Within the prism only the tried parameters count; the distance may be less between them.
+    Within the prism the distance may be less between the tried parameters.
     """
     step = b - a
     tried = np.zeros(TRIED_PER_EDGE * len(starts) + 5)

@@ -1,5 +1,3 @@
-"""A vertical, closed cylinder: a tower, a mast, a tree."""
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,15 +10,15 @@ from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
-TOUCHING = 1e-9  # relative lateral tolerance within which a leg may be inside
+TOUCHING = 1e-9  # relative
 
 
 @dataclass(frozen=True)
 class Cylinder(Part):
-    """A vertical, closed cylinder.
+    """A vertical, closed cylinder: a tower, a mast, a tree.
 
     Attributes:
-        name: its name in messages.
+        name: in messages.
         east: of its axis [m].
         north: of its axis [m].
         radius: above zero [m].
@@ -70,11 +68,10 @@ class Cylinder(Part):
         return upright_distance(aside, points[:, 2], self.base, self.top)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Return the least signed distance of the leg, and the fraction where it is.
+        """Solve a quartic for the edge of a cap.
 
-        Let q(t) be the squared distance to the axis and w(t) the height over a cap. The edge of the cap is nearest
-        where (q' + (w^2)')^2 q = r^2 q'^2, a quartic. Inside, side and cap balance where q = (r + w)^2. A leg outside
-        can only be nearest to the edge of a cap that it goes beyond.
+        Let q(t) be the squared distance to the axis and w(t) the height over a cap. The edge is nearest where (q' +
+        (w^2)')^2 q = r^2 q'^2. Inside, side and cap balance where q = (r + w)^2.
         """
         b = straightened(a, b)
         axis = np.array([self.east, self.north])
@@ -114,7 +111,7 @@ class Cylinder(Part):
 
 
 class RoundZone(Cylinder):
-    """A cylinder of forbidden air, without a solid body."""
+    """A cylinder of forbidden air."""
 
     @property
     def solid(self) -> bool:

@@ -1,8 +1,4 @@
-"""Fractions of a straight leg at which a body may be nearest.
-
-Along a line, the distance to every feature of these bodies is the root of a polynomial. The minimum is at one of a few
-parameters with closed forms; all are tried, without sampling.
-"""
+"""Fractions of a leg at which a body may be nearest: roots of polynomials."""
 
 from typing import Protocol
 
@@ -11,7 +7,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 
-LEAST_STEP = 1e-12  # shorter steps along an axis count as zero [m]
+LEAST_STEP = 1e-12  # counts as zero [m]
 
 
 class _Body(Protocol):
@@ -19,12 +15,12 @@ class _Body(Protocol):
 
 
 def straightened(a: Vector, b: Vector) -> Vector:
-    """Return the end b (3,) of a leg without tiny steps, so that quotients do not overflow."""
+    """Remove tiny steps, whose quotients overflow."""
     return np.where(np.abs(b - a) < LEAST_STEP, a, b)
 
 
 def least(body: _Body, a: Vector, b: Vector, candidates: Vector) -> tuple[float, float]:
-    """Return the least distance [m] of the leg a-b at its ends and at `candidates` (n,), and the fraction."""
+    """Return the least distance [m] at the ends and at `candidates` (n,), and its fraction."""
     fractions = np.concatenate([[0.0, 1.0], candidates[(candidates > 0) & (candidates < 1)]])
     distances = body.distance(a + fractions[:, None] * (b - a))
     best = int(np.argmin(distances))
@@ -32,24 +28,23 @@ def least(body: _Body, a: Vector, b: Vector, candidates: Vector) -> tuple[float,
 
 
 def foot(a: Vector, b: Vector, points: NDArray[np.float64]) -> Vector:
-    """Return parameters (n,) at which the line a-b is nearest to points (n, k) or (k,)."""
+    """Return parameters (n,) nearest to points."""
     square = float((b - a) @ (b - a))
     return np.atleast_1d((points - a) @ (b - a) / square) if square > 0 else np.zeros(0)
 
 
 def levels(a: Vector, b: Vector, base: float, top: float) -> Vector:
-    """Return parameters at which the leg passes the base, the top and the middle height."""
+    """Return parameters at the base, the top and the middle height."""
     climb = b[2] - a[2]
     return np.array([base - a[2], top - a[2], (base + top) / 2 - a[2]]) / climb if climb != 0 else np.zeros(0)
 
 
 def derivative(ascending: Vector) -> Vector:
-    """Return the coefficients of a polynomial's derivative, both in ascending order."""
     return np.asarray(ascending[1:] * np.arange(1, len(ascending)))
 
 
 def roots(ascending: Vector) -> Vector:
-    """Return the real parts of all roots: rounding turns a double root into a complex pair."""
+    """Return real parts: rounding turns a double root into a complex pair."""
     scale = float(np.abs(ascending).max())
     return (
         np.asarray(np.polynomial.polynomial.polyroots(np.trim_zeros(ascending / scale, "b")).real)
@@ -59,7 +54,7 @@ def roots(ascending: Vector) -> Vector:
 
 
 def upright_distance(aside: Vector, up: Vector, base: float, top: float) -> NDArray[np.float64]:
-    """Return the signed distance (n,) to an upright body from its plan's signed distance (n,) and heights (n,) [m]."""
+    """Return the signed distance from the plan's, (n,) [m]."""
     above = np.maximum(base - up, up - top)
     outside = np.hypot(np.maximum(aside, 0.0), np.maximum(above, 0.0))
     return np.asarray(outside + np.minimum(np.maximum(aside, above), 0.0))

@@ -1,8 +1,6 @@
-"""Interface of obstacles; a new kind is one file with a subclass of `Obstacle`.
+"""Interface of obstacles: a new kind is one file with a subclass of `Obstacle`.
 
-Compiled code (the planner's kernels, the page's script) knows only three elementary bodies. Every kind returns the
-`parts` that represent it there: a sphere itself, a cone perhaps a pile of cylinders. Proofs and checks ask the obstacle
-itself, so they are exact.
+Compiled code knows only three elementary bodies, the `parts` of every kind.
 """
 
 from abc import ABC, abstractmethod
@@ -18,7 +16,7 @@ from ipoa_mission.world.polygon import Plane
 
 
 class Column(NamedTuple):
-    """An upright body: the shapely ground plan `shape`, grown by `radius` [m], from `base` to `top`."""
+    """The plan `shape`, grown by `radius` [m], from `base` to `top`."""
 
     shape: Any
     radius: float
@@ -27,10 +25,9 @@ class Column(NamedTuple):
 
 
 class Passing(NamedTuple):
-    """Lower bounds of the distances at which straight legs pass a body, (n,) each [m].
+    """Lower bounds of legs' distances to outline, top and base, (n,) [m].
 
-    `aside` is to its outline, `above` over its top, `below` under its base. `sides` is the number of sides on which a
-    leg can hit it.
+    `sides`: number of sides on which a leg can hit it.
     """
 
     aside: Vector
@@ -40,9 +37,9 @@ class Passing(NamedTuple):
 
 
 class Obstacle(ABC):
-    """A closed body with a name; a new kind defines `bounds`, `parts`, `distance` and `leg_clearance`.
+    """A closed body, drawn by default as its parts and its box.
 
-    By default it is solid, drawn as its parts, and as its box from above and the side.
+    Proofs use `leg_clearance`. The clearance as flown uses `column`, or else `parts`: a closer cover bounds it closer.
     """
 
     name: str
@@ -50,29 +47,27 @@ class Obstacle(ABC):
     @property
     @abstractmethod
     def bounds(self) -> NDArray[np.float64]:
-        """Return the box around it, (2, 3): lower and upper corner [m]."""
+        """Return lower and upper corner, (2, 3) [m]."""
 
     @property
     @abstractmethod
     def parts(self) -> "tuple[Part, ...]":
-        """Return elementary bodies that cover it closely; the cost of a path counts each as a threat."""
+        """Return elementary bodies that cover it closely."""
 
     @abstractmethod
     def distance(self, points: Points) -> Vector:
-        """Return the Euclidean distance of points (n, 3) to the surface, (n,) [m]: negative inside."""
+        """Return signed distances (n,) [m]: negative inside."""
 
     @abstractmethod
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Return the least signed distance [m] of the straight leg from a to b, and the leg's fraction there."""
+        """Return the leg's least signed distance [m], and its fraction."""
 
     @property
     def convex(self) -> bool:
-        """Return whether it is surely convex; then the distance along a straight leg is convex."""
         return False
 
     @property
     def solid(self) -> bool:
-        """Return whether it is a solid body; a zone is forbidden air."""
         return True
 
     @property
@@ -81,51 +76,56 @@ class Obstacle(ABC):
 
     @property
     def plan(self) -> Any:
-        """Return its shapely ground plan: that of its column, or its box."""
         if (column := self.column) is not None:
             return column.shape.buffer(column.radius) if column.radius else column.shape
         return shapely.box(*self.bounds[:, :2].ravel())
 
     def grown(self, aside: float, below: float, above: float) -> "Obstacle":
-        """Return it grown by these distances [m]; a kind that cannot grow stays."""
         return self
 
-    def passing(self, a: Points, b: Points) -> Passing:
-        """Return the distances at which the straight legs from a to b (n, 3) pass it.
+    def passings(self, a: Points, b: Points) -> "tuple[Passing, ...]":
+        """Bound the distances to each body that covers it."""
+        if self.column is not None:
+            return (self.passing(a, b),)
+        sides = np.full(len(a), 1.0 if self.convex else 2.0)  # a leg may pass between two parts
+        return tuple(part.passing(a, b)._replace(sides=sides) for part in self.parts)
 
-        They are lateral to its column or box, over its top, or under its base; a courtyard or corner has two sides.
-        """
+    def passing(self, a: Points, b: Points) -> Passing:
+        """Bound the distances to its column; a courtyard or corner has two sides."""
+        assert self.column is not None
         lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
-        shape, radius, base, top = self.column or Column(self.plan, 0.0, *self.bounds[:, 2])
+        shape, radius, base, top = self.column
         sides = np.ones(len(a))
-        if self.column is not None and not self.convex:
+        if not self.convex:
             sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
         low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
         return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
 
     def leg_distances(self, a: Points, b: Points) -> Vector:
-        """Return lower bounds of the signed distances of the straight legs from a to b (n, 3), (n,) [m].
+        """Bound the signed distances of legs, (n,) [m].
 
         A bound is exact for a level or vertical leg outside an upright body.
         """
+        if self.column is None:
+            return np.asarray(np.min([part.leg_distances(a, b) for part in self.parts], axis=0))
         aside, above, below, _ = self.passing(a, b)
         beyond = np.maximum(above, below)
         outside = np.hypot(np.maximum(aside, 0.0), np.maximum(beyond, 0.0))
         return np.asarray(outside + np.minimum(np.maximum(aside, beyond), 0.0))
 
     def outline(self) -> tuple[Plane, ...]:
-        """Return rings of the ground plan, each (n, 2) and open: the outer one, then the holes."""
+        """Return open rings of the plan (n, 2), the outer one first."""
         return (_rectangle(self.bounds[:, :2]),)
 
     def silhouette(self, axis: int) -> Plane:
-        """Return its silhouette on the vertical plane of `axis` (0: east, 1: north) and up, (n, 2)."""
+        """Return its outline along `axis` (0: east, 1: north) and up, (n, 2)."""
         return _rectangle(self.bounds[:, [axis, 2]])
 
 
 class GridRow(NamedTuple):
-    """An elementary body for the planner's kernels; `planning.obstacle_grid.ObstacleGrid` defines the numbers.
+    """A row of `planning.obstacle_grid.ObstacleGrid`.
 
-    With `edges` (m, 4) of east, north, east, north, the first two numbers are replaced by their indices in the grid.
+    The grid sets the indices of `edges` (m, 4), east, north, east, north, as the first two numbers.
     """
 
     kind: int
@@ -138,12 +138,10 @@ NO_EDGES = np.zeros((0, 4))
 
 
 class Part(Obstacle):
-    """An elementary body that compiled code knows."""
-
     @property
     @abstractmethod
     def plan_radius(self) -> float:
-        """Return the radius [m] of a circle around its outline, about the middle of its box."""
+        """Return a radius around the middle of its box [m]."""
 
     @abstractmethod
     def grid_row(self) -> GridRow:
@@ -151,7 +149,7 @@ class Part(Obstacle):
 
     @abstractmethod
     def page_shape(self) -> dict[str, Any]:
-        """Return it for the page's script: numbers and arrays by name."""
+        """Return its data for the page's script."""
 
 
 def _rectangle(corners: NDArray[np.float64]) -> Plane:
@@ -160,6 +158,5 @@ def _rectangle(corners: NDArray[np.float64]) -> Plane:
 
 
 def expect_positive(name: str, what: str, value: float) -> None:
-    """Raise BadInput, with the obstacle's name, unless the extent is positive."""
     if not value > 0:
         raise BadInput(f"expected a positive number of metres, not {value:g}", place=f"{name}.{what}")

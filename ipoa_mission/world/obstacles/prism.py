@@ -1,5 +1,3 @@
-"""An extruded polygon: a building with its courtyards, a box, a zone."""
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,16 +11,16 @@ from ipoa_mission.world.obstacles.nearest import least, straightened, upright_di
 from ipoa_mission.world.obstacles.obstacle import PRISM, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
-TOUCHING = 1e-6  # below this distance a leg may be inside, and only walls may have been tried [m]
+TOUCHING = 1e-6  # below, a leg may be inside [m]
 
 
 @dataclass(frozen=True)
 class Prism(Part):
-    """A polygon footprint with holes, extruded from `base` to `top`: a building with its courtyards, or a box.
+    """An extruded polygon: a building with its courtyards, or a box.
 
     Attributes:
-        name: its name in messages.
-        outer: corners of the footprint (east, north) [m], in either direction, the first not repeated.
+        name: in messages.
+        outer: corners (east, north) [m], in either direction, the first not repeated.
         holes: rings of the same kind inside it.
         base: its lowest height [m].
         top: its greatest height [m].
@@ -42,7 +40,7 @@ class Prism(Part):
 
     def __post_init__(self) -> None:
         expect_positive(self.name, "top - base", self.top - self.base)
-        _ = self.footprint  # built now, to raise for an invalid one
+        _ = self.footprint  # raises if invalid
 
     @cached_property
     def footprint(self) -> Polygon:
@@ -69,7 +67,6 @@ class Prism(Part):
         return (self,)
 
     def grown(self, aside: float, below: float, above: float) -> "Prism":
-        """Return it grown by these distances [m], with rounded corners."""
         outer, holes = rings_of(self.footprint.buffered(aside))
         return type(self)(self.name, outer, holes, self.base - below, self.top + above)
 
@@ -105,7 +102,7 @@ class Prism(Part):
 
 
 class Zone(Prism):
-    """A prism of forbidden air, without a solid body."""
+    """A prism of forbidden air."""
 
     @property
     def solid(self) -> bool:

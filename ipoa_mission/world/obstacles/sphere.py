@@ -1,5 +1,3 @@
-"""A ball."""
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,7 +16,7 @@ class Sphere(Part):
     """A ball.
 
     Attributes:
-        name: its name in messages.
+        name: in messages.
         center: east, north and up [m].
         radius: above zero [m].
 
@@ -52,11 +50,10 @@ class Sphere(Part):
         return shapely.Point(self.center[:2]).buffer(self.radius)
 
     def grown(self, aside: float, below: float, above: float) -> "Sphere":
-        """Return it grown in all directions by `aside` [m]."""
         return Sphere(self.name, self.center, self.radius + aside)
 
     def passing(self, a: Points, b: Points) -> Passing:
-        """Return the distances of the tangent plane nearest to each leg: their level and vertical parts."""
+        """Return distances to the tangent plane nearest to each leg."""
         away = self._away(a, b)
         length = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         share = (length - self.radius) / length
@@ -67,7 +64,6 @@ class Sphere(Part):
         return np.asarray(np.linalg.norm(self._away(a, b), axis=1) - self.radius)
 
     def _away(self, a: Points, b: Points) -> Points:
-        """Return the vectors from the center to the nearest place of each leg, (n, 3) [m]."""
         step, center = b - a, np.asarray(self.center)
         squares = np.maximum((step**2).sum(axis=1), 1e-12)
         along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)

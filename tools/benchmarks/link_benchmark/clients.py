@@ -10,13 +10,13 @@ import threading
 import time
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import to_wire
-from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 
 LIMIT_S = 240.0

@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import closing
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.line import Line
@@ -16,7 +17,6 @@ from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tools.benchmarks.link_benchmark.clients import NotConnected, mavproxy
 from tools.benchmarks.link_benchmark.rows import Cell, Run, add_row, read_rows
 from tools.benchmarks.link_benchmark.vehicle import HOME, mission, vehicle

@@ -4,7 +4,7 @@ import csv
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 
 CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
 

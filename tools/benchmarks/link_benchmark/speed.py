@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.vehicles.autopilot import Autopilot
 from tools import REPOSITORY
 from tools.benchmarks.link_benchmark import speed_clients
 from tools.benchmarks.link_benchmark.vehicle import vehicle

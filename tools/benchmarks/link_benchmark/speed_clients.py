@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 from fastcrc.crc16 import mcrf4xx
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.link import connect as link_connect
 from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link import upload as upload_module
@@ -17,7 +18,6 @@ from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import to_wire
-from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 
 #: Uploads a list: calls its argument at the final Ack, and returns after the list was read back.

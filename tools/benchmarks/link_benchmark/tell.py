@@ -2,7 +2,7 @@
 
 import statistics
 
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot
 from tools.benchmarks.link_benchmark.measure import ITEMS
 from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, Run
 

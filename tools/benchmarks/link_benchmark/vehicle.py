@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import Peer, UdpChannel
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
@@ -12,7 +13,6 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)

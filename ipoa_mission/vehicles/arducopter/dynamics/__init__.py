@@ -1,1 +1,1 @@
-"""ArduCopter 4.x: legs, guidance, control and body, shared by the estimate and the built-in autopilot."""
+"""ArduCopter 4.x, for estimates and the built-in autopilot."""

@@ -1,13 +1,11 @@
-"""An ArduCopter in flight: commanded legs and the state over time.
-
-The estimate calls `run` for each leg; the built-in autopilot calls `step`.
-"""
+"""An ArduCopter in flight; the estimate calls `run`, the built-in autopilot `step`."""
 
 import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
@@ -16,7 +14,6 @@ from ipoa_mission.forecast.itinerary.copter_circle import bearing_from
 from ipoa_mission.forecast.itinerary.copter_spline import place_after
 from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (
@@ -50,26 +47,23 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
-JUST_BEGUN = 0.3  # a speed change up to this time into a leg replans it, as `straight` was flown [s]
+JUST_BEGUN = 0.3  # a later speed change does not replan the leg, as flown [s]
 SAME_PLACE = 1e-3  # [m]
-#: The climb left when a take-off counts as done. Rounding leaves up to 0.5 mm, whose leg takes 0.4 s, or nothing, which
-#: takes 0 s. This rest takes 0.2 s [m].
+#: Climb left when a take-off counts as done [m]. Rounding leaves up to 0.5 mm, for a leg of 0 or 0.4 s; this one takes
+#: 0.2 s.
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
-SHAPED = frozenset({ORBIT, LEVEL_OFF})  # kinds of legs that end in motion
+SHAPED = frozenset({ORBIT, LEVEL_OFF})  # end in motion
 SLOWEST = 0.5  # least headway in wind [m/s]
-NO_ROOM = -1  # result of `fly_leg`: no room for more samples
-BLOWN_OFF = -2  # result of `fly_leg`: the copter is lost
+NO_ROOM = -1
+BLOWN_OFF = -2
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
-SETTLED = 10.0  # after this time of a hold nothing changes [s]
+SETTLED = 10.0  # of a hold [s]
 
 
 class Stop(NamedTuple):
-    """A destination: straight, or a `spline` that leaves towards the place `after` (True: by another spline).
-
-    A `turn` [rad], clockwise positive, makes the path an arc.
-    """
+    """A destination: straight, an arc by `turn` [rad, clockwise], or a `spline` towards `after` (True: a spline)."""
 
     place: Place
     spline: bool = False
@@ -78,7 +72,7 @@ class Stop(NamedTuple):
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
-    """Return item n of a program as a stop; open coordinates are those of `here`."""
+    """Return item n as a stop; open coordinates as `here`."""
     item, place = program.items[n], program.place(n, here)
     if item.command != Command.NAV_SPLINE_WAYPOINT:
         return Stop(place, turn=turn_of(item))
@@ -91,8 +85,6 @@ def stop_at(program: Program, n: int, here: Place) -> Stop:
 
 
 class Copter:
-    """A copter at rest over `here`; `this` is the current leg, `passed` whether it is over."""
-
     def __init__(
         self,
         limits: CopterLimits,
@@ -102,7 +94,6 @@ class Copter:
         here: Place = (0.0, 0.0, 0.0),
         ground: Ground = LEVEL,
     ) -> None:
-        """`fast` is as in `estimate`; it descends to the `ground`."""
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
@@ -111,7 +102,7 @@ class Copter:
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
-        self._left = 0.0  # leave speed of the last spline planned ahead [m/s]
+        self._left = 0.0  # of the last planned spline [m/s]
 
     @property
     def place(self) -> Place:
@@ -119,7 +110,6 @@ class Copter:
 
     @property
     def here(self) -> Place:
-        """The start of the next leg: the end of a finished leg, or the stopping place."""
         this = self.this
         moves = this.kind in SHAPED or (this.kind > SPLINE and this.leave > 0.0)
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
@@ -134,18 +124,14 @@ class Copter:
         east, north = state.x + state.vx * share, state.y + state.vy * share
         return east, north, max(state.z + up, self._ground.at(east, north))
 
-    # --- time passes ------------------------------------------------------------------------------------------------
-
     def step(self) -> bool:
-        """Advance by one step; return whether the leg is over. After its end the copter stays there."""
+        """Return whether the leg is over."""
         over = step(self.state, self._before, self.this, self.following, self._tuning)
         self.passed = self.passed or over
         return self.passed
 
     def run(self, until: float = math.inf) -> Points:
-        """Fly the leg to its end; return samples of the track: time, place, velocity (n, 7).
-
-        At the time `until` [s] it stops, and the leg has not `passed`.
+        """Fly the leg to its end, or to the time `until` [s]; return (n, 7): time, place, velocity.
 
         Raises:
             MissionError: the copter does not reach the end.
@@ -199,13 +185,10 @@ class Copter:
     def face(self, yaw: float) -> None:
         self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
 
-    # --- what to fly ------------------------------------------------------------------------------------------------
-
     def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
-        """Start a leg to `stop`: the one planned as the last leg's `following`, else from `here`.
+        """Start a leg to `stop`, as planned before or from `here`; with `following` it passes the stop.
 
-        With `following` the copter does not stop here. The yaw follows the path if `turns`, else it stays. A leg that
-        `ends_near` ends within the acceptance radius.
+        `turns`: the yaw follows the path. `ends_near`: it ends within the acceptance radius.
         """
         self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if turns else 0.0)
         planned, state = self.following, self.state
@@ -228,10 +211,7 @@ class Copter:
         self._begin(this._replace(ends_near=float(ends_near)), onward)
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
-        """Return a leg from `here`: at the present speed out of a spline that was not to end at rest, else at rest.
-
-        It is never an arc: arcs are flown only if planned at the start of the previous leg.
-        """
+        """Return a leg from `here`, at rest or at the speed of an unfinished spline; never an arc."""
         before, here = self.this, self.here
         if self.passed and before.kind == SPLINE and before.leave > 0.0:
             if stop.spline:
@@ -243,19 +223,17 @@ class Copter:
         return self._leg(stop._replace(turn=0.0), here, NO_LEG)
 
     def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
-        """Return the leg from `origin` to `stop`, entered from `previous` unless that is NO_LEG."""
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
             return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
         return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
-        """Return a leg planned before, perhaps in progress, perhaps with a changed speed."""
         elapsed = self.state.clock
-        enter = self.state.speed if self._before is NO_LEG else 0.0  # after a spline a leg starts at its speed
+        enter = self.state.speed if self._before is NO_LEG else 0.0  # a leg after a spline starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
         way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
-        turn = 0.0 if self._before is NO_LEG else planned.turn  # no arc after a spline
+        turn = 0.0 if self._before is NO_LEG else planned.turn
         return straight_leg(*way, enter=enter, turn=turn, is_changed=is_changed)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
@@ -263,13 +241,12 @@ class Copter:
         self.state.clock_next = self.state.share = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
-        """Execute DO_CHANGE_SPEED: kind 0 and 1 level, 2 climb, 3 descent; 0 or less is ignored."""
+        """Execute DO_CHANGE_SPEED: kind 0 and 1 level, 2 climb, 3 descent."""
         if speed > 0:
             name = {2: "up", 3: "down"}.get(kind, "level")
             self.speeds = self.speeds._replace(**{name: speed})
 
     def wait_at(self, item: Item) -> float:
-        """Return the hold time at an item's place [s]."""
         first = item.params[0] if math.isfinite(item.params[0]) else 0.0
         match item.command:
             case Command.NAV_LOITER_UNLIM:
@@ -281,11 +258,10 @@ class Copter:
         return float(int(first))
 
     def hold(self, seconds: float) -> None:
-        """Stay `here`, or in motion at the stopping place."""
         self._begin_over(hold_leg(self.here, seconds))
 
     def brake(self) -> Place:
-        """Reset guidance and control except the lean, and stop; return the stopping place."""
+        """Reset all but the lean; return the stopping place."""
         self._restart()
         self._begin_over(hold_leg(self.stopping_place(), math.inf))
         self.passed = True
@@ -297,7 +273,6 @@ class Copter:
         state.rate = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
-        """Circle around a center by a turn [rad], from the stopping place."""
         self._restart()
         state, here = self.state, self.stopping_place()
         state.target_x, state.target_y, state.target_z = here
@@ -311,12 +286,12 @@ class Copter:
         self._begin_over(level_off_leg(self.place, up, speeds))
 
     def take_off(self, height: float) -> None:
-        """Climb straight up, except the rest that the next leg climbs."""
+        """Climb straight up, except TAKEOFF_REST."""
         leg = upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds)
         self._begin_over(leg._replace(leave=self._still_moving))
 
     def sink(self, most: float) -> bool:
-        """Descend at the payload speed to the ground, or by `most` [m]; return whether to the ground."""
+        """Descend by at most `most` [m]; return whether to the ground."""
         x, y, z = self.here
         ground, speed = self._ground.at(x, y), min(self.limits.payload_speed, self.limits.descent)
         end = max(ground, z - most) if most > 0.0 else ground
@@ -330,13 +305,12 @@ class Copter:
 
     @property
     def _still_moving(self) -> float:
-        """Above 0 if the previous leg ended in motion, which is then braked."""
         return 1.0 if self.this.kind in SHAPED else self.this.leave
 
     def descend(self, counted_from: float = 0.0) -> None:
-        """Descend to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
+        """Descend to the ground: at LAND_SPEED below LAND_ALT_LOW.
 
-        LAND_ALT_LOW counts from the ground if a range finder sees it, else from `counted_from` [m above home].
+        It counts from the ground with a range finder, else from `counted_from` [m above home].
         """
         ground = self._ground.at(*self.here[:2])
         low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
@@ -351,7 +325,6 @@ class Copter:
 
     @property
     def spool_down(self) -> float:
-        """Time for the motors to spool down after landing, before disarming [s]."""
         return self.limits.spool_up
 
 

@@ -1,5 +1,3 @@
-"""Constructors of ArduCopter's legs: straight with an S-curve, splines with tangents, and vertical ones."""
-
 import math
 from dataclasses import replace
 from functools import lru_cache
@@ -7,7 +5,7 @@ from functools import lru_cache
 from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
 from ipoa_mission.forecast.itinerary.copter_spline import cubic, minus, spline_tangents
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.vehicles.arducopter.circling import circle_spin
+from ipoa_mission.vehicles.arducopter.braking import circle_spin
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     HOLD,
     LEVEL_OFF,
@@ -24,13 +22,13 @@ from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimi
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
-SPLINE_SHARE = 0.5  # of the acceleration limits, along and across a spline
+SPLINE_SHARE = 0.5  # of the acceleration limits
 SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 ZERO_LENGTH = 1e-6  # [m]
 
 
 def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits) -> SCurveLimits:
-    """Return the greatest speed and acceleration along the path whose level and vertical parts keep their limits."""
+    """Return the limits along the path, by level and vertical ones."""
     length = math.dist(origin, target)
     if length < 1e-9:
         return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
@@ -42,7 +40,7 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     return SCurveLimits(speed, accel, copter.jerk, copter.snap)
 
 
-@lru_cache(maxsize=256)  # successive candidate routes differ in one waypoint
+@lru_cache(maxsize=256)
 def straight_leg(
     origin: Place,
     target: Place,
@@ -53,9 +51,9 @@ def straight_leg(
     turn: float = 0.0,
     is_changed: bool = False,
 ) -> CopterLeg:
-    """Return a straight leg, or with a `turn` [rad] an arc; ends at rest, or next to a spline at a speed.
+    """Return a straight leg, or an arc by `turn` [rad].
 
-    `is_changed`: its speed was changed after it was planned.
+    `is_changed`: its speed changed after planning.
     """
     leg = _leg(STRAIGHT, origin, target, speeds)
     if leg.length <= ZERO_LENGTH:
@@ -68,7 +66,7 @@ def straight_leg(
 
 
 def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """Return the limits along the chord; on an arc the corner acceleration limits the level speed."""
+    """Return those of the chord; corner acceleration limits an arc's speed."""
     speeds = leg.speeds
     if leg.turn != 0.0:
         radius = arc_radius(leg.origin, leg.target, leg.turn)
@@ -77,7 +75,6 @@ def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
 
 
 def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """Return the limits after a speed change; on an arc along its path, without its corner acceleration."""
     limits = _limits_of(leg, copter)
     if leg.turn == 0.0:
         return limits
@@ -93,7 +90,7 @@ def spline_leg(
     speeds: MotionLimits,
     copter: CopterLimits,
 ) -> CopterLeg:
-    """Return a curve that starts tangent to the previous leg and ends towards `after`, as `spline_tangents`."""
+    """It starts tangent to the previous leg (`spline_tangents`)."""
     flown_in = None
     if previous is not None:
         flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
@@ -107,7 +104,7 @@ def spline_leg(
 
 
 def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
-    """Return a vertical leg to a `height` [m]: a CLIMB, a DESCENT, or a HOLD that `lasts` [s]."""
+    """`height` [m]; a HOLD `lasts` [s]."""
     return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
 
 
@@ -118,7 +115,7 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
 def orbit_leg(
     here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
-    """Return a circle around a center at the height of `here`, by a `turn` [rad], clockwise positive."""
+    """`turn` [rad], clockwise."""
     spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
     if radius > 0.0:
         spin = circle_spin(copter, radius, speeds.level)
@@ -132,10 +129,9 @@ def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
 
 
 def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
-    """Return `this` with its end speed matched to the next leg, if one of the two is a spline.
+    """Return `this` with its end speed matched to a spline before or after.
 
-    The entry speed of a spline allows braking along its chord to `left`: the leave speed of the last planned spline
-    [m/s].
+    `left`: the leave speed of the last spline [m/s].
     """
     if this.kind == following.kind == STRAIGHT:
         return this
@@ -149,12 +145,12 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
 
 
 def speed_left(leg: CopterLeg) -> float:
-    """Return the greatest leave speed of a spline, whatever follows; 0 if it ends at rest [m/s]."""
+    """[m/s]"""
     return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
 def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: CopterLimits) -> CopterLeg:
-    """Return the leg with other speeds in force, `elapsed` s after its start."""
+    """`elapsed` s after its start."""
     if speeds == leg.speeds:
         return leg
     changed = leg._replace(speeds=speeds)
@@ -170,5 +166,4 @@ def _leg(kind: float, origin: Place, target: Place, speeds: MotionLimits) -> Cop
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:
-    """Return the greatest speed at a leg's start (end 0) or end (end 1): the bend's, or a straight leg's peak."""
     return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])

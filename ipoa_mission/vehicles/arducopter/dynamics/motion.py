@@ -1,8 +1,4 @@
-"""Data types of the stepping code: leg, tuning, and flight state.
-
-Plain Python and numba run the same code. Read-only types are NamedTuples, mutable ones are objects with attributes. For
-numba, legs and states are records with the same names.
-"""
+"""Leg, tuning and flight state; numba gets records of the same names."""
 
 import math
 from dataclasses import dataclass
@@ -15,11 +11,10 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import MAX_LEVELS, Wind
 
 STEP = 0.02  # [s]
-ASTRAY, ASTRAY_S = 30.0, 3.0  # greatest lag behind the target in calm air: [m], plus [s] of flight
+ASTRAY, ASTRAY_S = 30.0, 3.0  # lag in calm air: [m], plus [s] of flight
 STANDING_SHARE = 0.05  # of the speed: a slower target does not turn the yaw
 
-#: Kinds of legs. CLIMB and DESCENT are those of take-off and landing, without an S-curve. ORBIT is a circle, LEVEL_OFF
-#: the end of LOITER_TO_ALT.
+#: Kinds of legs. CLIMB and DESCENT have no S-curve; LEVEL_OFF ends LOITER_TO_ALT.
 NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD, ORBIT, LEVEL_OFF = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 
 
@@ -33,7 +28,7 @@ ZERO = Vector(0.0, 0.0, 0.0)
 
 
 class MotionLimits(NamedTuple):
-    """Greatest level, upward and downward values: of speed [m/s] or acceleration [m/s^2]."""
+    """Greatest level, upward and downward values [m/s or m/s^2]."""
 
     level: float
     up: float
@@ -41,7 +36,7 @@ class MotionLimits(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """A circle of a `radius` [m]; the turn rate grows by `spin_up` [rad/s^2] to `spin` [rad/s]."""
+    """A circle: `radius` [m], final turn rate `spin` [rad/s]."""
 
     radius: float
     spin: float
@@ -52,11 +47,11 @@ NO_ORBIT = Orbit(0.0, 0.0, 0.0)
 
 
 class CopterLeg(NamedTuple):
-    """A leg from `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or vertical.
+    """A leg at up to `speeds`: straight with a `profile`, along a `cubic`, or vertical.
 
-    A spline keeps `accel` and leaves at up to `leave` [m/s]; its end tangent is `end`. A HOLD `lasts` [s]. A straight
-    leg with a `turn` [rad] is an arc around `center`, clockwise positive, as is an `orbit`. With `ends_near` (1) it
-    ends within the acceptance radius of its target, at any time. A DESCENT with a `leave` speed starts in motion.
+    A spline leaves at up to `leave` [m/s] with the tangent `end`. A HOLD `lasts` [s]. A `turn` [rad, clockwise] makes
+    an arc around `center`. `ends_near` (1): it ends within the acceptance radius. A DESCENT with a `leave` speed starts
+    in motion.
     """
 
     kind: float
@@ -85,7 +80,7 @@ Levels = tuple[Level, Level, Level, Level, Level, Level, Level, Level]
 
 
 class Tuning(NamedTuple):
-    """Constants of a flight; shares are those of a first-order lag within one step."""
+    """Constants of a flight; shares are of a first-order lag in one step."""
 
     radius: float
     corner_accel: float
@@ -102,25 +97,25 @@ class Tuning(NamedTuple):
     d_velocity: float
     p_height: float
     most_lean: float
-    smoothing: float  # share: of the velocity error
-    leaning: float  # share: of the lean setpoint
-    turning: float  # share: of the lean
-    slowing: float  # share: of the path's clock
+    smoothing: float  # share of the velocity error
+    leaning: float  # share of the lean setpoint
+    turning: float
+    slowing: float
     rotor_drag: float
     body_drag: float
     wind_east: float
     wind_north: float
     wind_exponent: float
     gradient_height: float
-    wind_levels: Levels  # replaces the wind above if the first level is below the last
-    slew: float  # of the yaw in one step [rad]; 0: fixed heading
-    most_astray: float  # a copter farther from its target is lost [m]
-    turning_from: float  # the yaw follows a target faster than this [m/s]
-    brakes_climb: float  # 1: with all of its acceleration, as since 4.8; 0: with half of it
+    wind_levels: Levels  # used if the first level is below the last
+    slew: float  # of the yaw in one step [rad]; 0: fixed
+    most_astray: float  # farther from its target it is lost [m]
+    turning_from: float  # least target speed that turns the yaw [m/s]
+    brakes_climb: float  # 1: with all acceleration, since 4.8; 0: half
 
 
 def levels_of(wind: Wind) -> Levels:
-    """Return height, east and north wind (towards) of each level, padded with the last; all 0 without a profile."""
+    """Return height, east and north wind (towards) of each level, padded; all 0 without profile."""
     given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
     return tuple(given + given[-1:] * (MAX_LEVELS - len(given)))  # type: ignore[return-value]
 
@@ -166,7 +161,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
 
 @dataclass(slots=True)
 class State:
-    """A flight at one moment: the vehicle (east, north, up), controllers, path clock and target."""
+    """A flight at one moment; places are (east, north, up)."""
 
     time: float = 0.0
     x: float = 0.0
@@ -178,35 +173,35 @@ class State:
     ax: float = 0.0
     ay: float = 0.0
     az: float = 0.0
-    asked_x: float = 0.0  # lean setpoint as level acceleration: g tan(angle)
+    asked_x: float = 0.0  # lean setpoint: g tan(angle)
     asked_y: float = 0.0
-    shaped_x: float = 0.0  # output of the attitude controller
+    shaped_x: float = 0.0  # of the attitude controller
     shaped_y: float = 0.0
     lean_x: float = 0.0
     lean_y: float = 0.0
-    load: float = 1.0  # share of the weight that the rotors carry; the air carries the rest
+    load: float = 1.0  # share of the weight on the rotors
     yaw: float = 0.0  # clockwise from north
-    nose_x: float = 0.0  # its unit vector
+    nose_x: float = 0.0
     nose_y: float = 1.0
     error_x: float = 0.0  # filtered velocity error, and its integral
     error_y: float = 0.0
     integral_x: float = 0.0
     integral_y: float = 0.0
     rate: float = 1.0  # of the path's clock
-    clock_before: float = 0.0  # time on the previous leg, on this one and on the next [s]
+    clock_before: float = 0.0  # on the previous, this and next leg [s]
     clock: float = 0.0
     clock_next: float = 0.0
-    share: float = 0.0  # of a spline
-    bearing: float = 0.0  # from the center of an orbit to its start
-    spin: float = 0.0  # turn rate on an orbit, and angle turned [rad]
+    share: float = 0.0
+    bearing: float = 0.0  # from an orbit's center to its start
+    spin: float = 0.0  # turn rate [rad/s] and angle turned [rad]
     turned: float = 0.0
-    above: float = 0.0  # height above the goal one step ago [m]
-    speed: float = 0.0  # of the target
+    above: float = 0.0  # over the goal one step ago [m]
+    speed: float = 0.0
     target_x: float = 0.0
     target_y: float = 0.0
     target_z: float = 0.0
-    aim_x: float = 0.0  # velocity of the target
+    aim_x: float = 0.0  # target velocity
     aim_y: float = 0.0
     aim_z: float = 0.0
-    push_x: float = 0.0  # acceleration of the target
+    push_x: float = 0.0  # target acceleration
     push_y: float = 0.0

@@ -1,40 +1,34 @@
-"""ArduCopter's procedures of several legs: LAND, RTL, circles, LOITER_TO_ALT, PAYLOAD_PLACE.
-
-Each generator yields when the next leg is ready to fly.
-"""
+"""ArduCopter's procedures of several legs; each yields when a leg is ready."""
 
 import math
 from collections.abc import Iterator
 
+from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import NEAR_CIRCLE, circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place, Program
-from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.legs import straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE
-from ipoa_mission.vehicles.returning import HOME
 
-#: LAND first flies to its place at the present height, truncated to centimetres: the waypoint's or some centimetres
-#: off. That leg takes 0 s, or 1 to 1.8 s, unknown before the flight. 0.8 s are assumed: this share of a 1 cm leg.
+#: LAND flies to its place at the present height truncated to centimetres, for 0 s or 1 to 1.8 s. 0.8 s are assumed:
+#: this share of a 1 cm leg.
 LAND_BELOW = 0.75
-#: RTL starts with a leg to the stopping point, truncated likewise: the mean length of that leg [m].
+#: RTL's leg to the stopping point is truncated likewise: its mean length [m].
 RETURN_ROUNDING = 0.7 * CENTIMETRE
-PLACED = 0.65  # time of PAYLOAD_PLACE on the ground [s]
+PLACED = 0.65  # PAYLOAD_PLACE on the ground [s]
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
 
 def landing_place(program: Program, item: Item) -> Place | None:
-    """Return the item's place and height; None: land in place."""
+    """None: land in place."""
     return None if (item.latitude_deg, item.longitude_deg) == (0.0, 0.0) else program.place_of(item)
 
 
 def land(copter: Copter, place: Place | None) -> Iterator[None]:
-    """LAND: fly over its place, or the rounding leg, and descend; None: descend.
-
-    Since 4.7 LAND_ALT_LOW counts from the altitude of the place.
-    """
+    """Since 4.7 LAND_ALT_LOW counts from the altitude of the place."""
     x, y, z = here = copter.here
     if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
         copter.fly_to(Stop((*place[:2], z)))
@@ -48,10 +42,6 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
 
 
 def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
-    """RTL: climb to the return height, limited by the cone, fly to the goal, loiter, descend.
-
-    `goal`: home or a rally point, with its height.
-    """
     limits, (x, y, z), (east, north, _) = copter.limits, copter.brake(), goal
     far = math.hypot(x - east, y - north)
     height = limits.returning.height(z, far, goal[2])
@@ -74,7 +64,7 @@ def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
 
 
 def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
-    """LOITER_TURNS: fly to the nearest point of the circle, unless near it, and circle at that height."""
+    """LOITER_TURNS: at the height of the circle's nearest point."""
     radius = radius_of(item)
     edge, apart = circle_entry(copter.stopping_place(), center, radius, copter.state.yaw)
     if apart > NEAR_CIRCLE:
@@ -85,7 +75,6 @@ def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
 
 
 def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
-    """LOITER_TO_ALT: fly to within the acceptance radius of the place, then brake and change height."""
     copter.fly_to(Stop(place), ends_near=True)
     yield
     copter.level_off(place[2])
@@ -93,9 +82,9 @@ def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
 
 
 def payload_place(copter: Copter, place: Place | None, item: Item) -> Iterator[None]:
-    """PAYLOAD_PLACE: fly to its place, descend to the ground or by param1 at most, climb back; None: it is there.
+    """PAYLOAD_PLACE: fly there, descend to the ground or by param1, climb back.
 
-    It flies there at its present height, or at the item's height if that leg was already planned.
+    It flies at its present height, or the item's if that leg was planned.
     """
     if place is not None:
         is_planned = copter.following.target == place

@@ -1,20 +1,19 @@
-"""Speed profile of an ArduCopter 4.x leg: acceleration with raised-cosine jerk ramps, cruise, symmetric braking.
+"""Speed profile of an ArduCopter 4.x leg ("S-curves", Copter 4.1 on).
 
-Source: ArduPilot's published laws ("S-curves", Copter 4.1 on). Jerk rises from 0 to J over the ramp time t_j as
-`(J/2)(1 - cos(pi t/t_j))`, may stay at J, and falls again. The snap limit is S = pi J / (2 t_j).
+Jerk rises from 0 to J as `(J/2)(1 - cos(pi t/t_j))`, may stay, and falls. The snap limit is S = pi J / (2 t_j).
 """
 
 import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # shapes of jerk over a segment
-MOST_SEGMENTS = 24  # of a profile: three speed changes and the cruises between
+CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
+MOST_SEGMENTS = 24
 
 
 @dataclass(frozen=True)
 class SCurveLimits:
-    """Limits along a leg: speed [m/s], acceleration [m/s^2], jerk [m/s^3], snap [m/s^4]."""
+    """Limits along a leg [m/s, m/s^2, m/s^3, m/s^4]."""
 
     speed: float
     accel: float
@@ -23,7 +22,7 @@ class SCurveLimits:
 
 
 class Segment(NamedTuple):
-    """A span of one jerk shape: `begin` [s], duration [s], peak jerk; acceleration, speed and way at its start."""
+    """A span of one jerk shape, and the state at its start."""
 
     begin: float
     lasts: float
@@ -35,9 +34,9 @@ class Segment(NamedTuple):
 
 
 class Profile(NamedTuple):
-    """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s].
+    """A leg's segments: it accelerates until `risen` and brakes from `falls` [s].
 
-    It ends at the speed `leave` [m/s]. Segments that never start pad it to `MOST_SEGMENTS`.
+    Segments that never start pad it to `MOST_SEGMENTS`.
     """
 
     segments: Annotated[list[Segment], MOST_SEGMENTS]
@@ -57,7 +56,7 @@ AT_REST = Profile(_filled([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.
 
 @dataclass(frozen=True)
 class Ramp:
-    """A speed change: jerk ramps of `ramp` s each, `hold` s at `jerk`, `coast` s at full acceleration; S-shaped."""
+    """Jerk ramps of `ramp` s, `hold` s at `jerk`, `coast` s at full acceleration."""
 
     gain: float
     ramp: float
@@ -71,13 +70,13 @@ class Ramp:
 
 
 def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
-    """Return the fastest speed change by `gain`; small ones shorten the ramps from rest, and soften them in motion."""
+    """Return the fastest change by `gain`; small ones get shorter ramps from rest, softer ones in motion."""
     if gain <= 1e-9:
         return Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
     jerk, accel = limits.jerk, limits.accel
     ramp = min(jerk * math.pi / (2 * limits.snap), math.sqrt(accel * math.pi / (2 * limits.snap)))
     jerk = min(jerk, 2 * limits.snap * ramp / math.pi)
-    full = accel / jerk + ramp  # duration of an acceleration pulse without coast
+    full = accel / jerk + ramp
     if gain >= accel * full:
         return Ramp(gain, ramp, jerk, accel / jerk - ramp, gain / accel - full)
     reached = (-jerk * ramp + math.sqrt((jerk * ramp) ** 2 + 4 * jerk * gain)) / 2
@@ -89,16 +88,12 @@ def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
 
 
 def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: float = 0.0) -> Profile:
-    """Return the profile of a leg of `length` > 0 m; `enter` and `leave` speeds are cut to the peak from rest.
-
-    From rest to rest the peak V solves V T(V) = L below the limit, where T(V) is the time to reach V. Each ramp is
-    symmetric in time, so its way is its mean speed times its time.
-    """
+    """Return the profile of a leg of `length` > 0 m; end speeds are cut to the peak from rest."""
     peak = _peak(length, limits)
     enter, leave = min(enter, peak), min(leave, peak)
     if enter > 0 or leave > 0:
         if _covers(max(enter, leave), enter, leave, limits) > length:
-            enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # too short for the change: stop at the end
+            enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # no room for the change: stop
         peak = _fitting(peak, enter, leave, length, limits)
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
@@ -113,14 +108,12 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
 
 
 def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
-    """Return the way of the two speed changes: each its mean speed times its time."""
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
 
 def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
-    """Return the highest speed up to `peak` whose two changes fit into the length, by bisection."""
     low, high = max(enter, leave), peak
     if _covers(high, enter, leave, limits) <= length:
         return high
@@ -131,9 +124,9 @@ def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCu
 
 
 def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> Profile:
-    """Return a profile whose speed limit changes at `at` s: it finishes its acceleration, then changes speed.
+    """Return a profile whose speed limit changes at `at` s, after its acceleration.
 
-    As in the autopilot, a leg that already brakes is unchanged. A higher speed is cut to the way left.
+    As in the autopilot, a leg that already brakes is unchanged.
     """
     before = current.peak
     if at >= current.falls or limits.speed == before:
@@ -167,22 +160,22 @@ def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> 
 
 
 def _peak(length: float, limits: SCurveLimits) -> float:
-    """Return the peak speed of a leg from rest to rest: the limit, or V with V T(V) = L."""
+    """Return the peak speed from rest to rest: the limit, or V with V T(V) = L."""
     jerk, accel, snap = limits.jerk, limits.accel, limits.snap
     ramp = min(jerk * math.pi / (2 * snap), math.sqrt(accel * math.pi / (2 * snap)))
     jerk = min(jerk, 2 * snap * ramp / math.pi)
     full = accel / jerk + ramp
     speed = accel / 2 * (math.sqrt(full * full + 4 * length / accel) - full)
-    if speed < accel * full:  # full acceleration is not reached: 2 a (a/J + t_j)^2 = L
+    if speed < accel * full:  # 2 a (a/J + t_j)^2 = L
         reached = min(accel, (length * jerk * jerk / 2) ** (1 / 3))
-        for _ in range(20):  # Newton from above, monotonic
+        for _ in range(20):  # Newton, monotonic
             time = reached / jerk + ramp
             step = (2 * reached * time * time - length) / (2 * time * (time + 2 * reached / jerk))
             reached -= step
             if abs(step) < 1e-12:
                 break
         speed = reached * (reached / jerk + ramp)
-        if reached < jerk * ramp:  # full jerk is not reached either: L = 16 S t_j^4 / pi
+        if reached < jerk * ramp:  # L = 16 S t_j^4 / pi
             speed = 4 * snap / math.pi * (length * math.pi / (16 * snap)) ** 0.75
     return min(limits.speed, speed)
 
@@ -190,7 +183,6 @@ def _peak(length: float, limits: SCurveLimits) -> float:
 def _append(
     segments: list[Segment], ramp: Ramp, sign: float, state: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
-    """Append the seven segments of a speed change; return the state (time, acceleration, speed, way) after it."""
     jerk = sign * ramp.jerk
     for shape, lasts, j in (
         (RISING, ramp.ramp, jerk),
@@ -209,7 +201,6 @@ def _append(
 
 
 def _moved(segment: Segment, t: float) -> tuple[float, float, float]:
-    """Return the change of acceleration, speed and way of a segment within t seconds."""
     j, a, v = segment.jerk, segment.accel, segment.speed
     accel, speed, way = j * t, a * t + j * t * t / 2, v * t + a * t * t / 2 + j * t**3 / 6
     if segment.shape == CONSTANT or segment.lasts <= 0:

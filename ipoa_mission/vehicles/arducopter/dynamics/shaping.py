@@ -1,20 +1,19 @@
-"""Target shaping of ArduCopter's position controller: to a moving point, to rest, to a height.
+"""Target shaping of ArduCopter's position controller.
 
-Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel_accel_xy). The same code runs as Python
-and compiled, by `steps`.
+Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel_accel_xy).
 """
 
 import math
 
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
 
-LEVEL = 0.03  # LOITER_TO_ALT ends within 5 cm, and as flown 0.5 s later, as with this tolerance [m]
+LEVEL = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Follow a point that moves along a circle, level; return whether it has completed its turn.
+    """Follow a point on a circle; return whether it completed its turn.
 
-    With a radius of 0 the target moves to the center during the time of the turn.
+    With a radius of 0 the target moves to the center meanwhile.
     """
     way = this.orbit
     state.spin = min(state.spin + way.spin_up * STEP, way.spin)
@@ -27,7 +26,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Brake to rest, and climb or descend to a height; return whether it is reached or passed."""
+    """Return whether the height is reached."""
     before = state.z - this.target.z
     shape_to_rest(state, tuning)
     wanted = square_root_law(-before, tuning.accel_z, tuning.p_height)
@@ -46,7 +45,7 @@ def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
 
 
 def square_root_law(error: float, accel: float, gain: float) -> float:
-    """Return the speed for a position error: linear near the goal, else the one from which `accel` can stop."""
+    """Return the speed for a position error."""
     linear = accel / (gain * gain)
     if abs(error) <= linear:
         return gain * error
@@ -54,7 +53,6 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
 
 
 def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
-    """Move the target towards a place at rest, as fast as acceleration and jerk allow."""
     advance(state)
     gain, accel = tuning.shaping_jerk / tuning.accel, tuning.accel
     ex, ey = x - state.target_x, y - state.target_y
@@ -86,7 +84,7 @@ def advance(state: State) -> None:
 
 
 def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
-    """Change the target's acceleration towards this one; braking takes precedence over turning."""
+    """Approach this target acceleration; braking takes precedence over turning."""
     x, y = within(x, y, 2.0 * tuning.accel)
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     if speed > 0.0:

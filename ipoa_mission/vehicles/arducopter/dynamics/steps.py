@@ -1,7 +1,4 @@
-"""ArduCopter step by step: path clock, overlapping legs, controllers, vehicle.
-
-Plain scalar code on named state runs both as Python and compiled: see `compiled`. `motion` defines the arguments.
-"""
+"""ArduCopter step by step, as Python and compiled; `motion` defines the arguments."""
 
 import math
 from collections.abc import Sequence
@@ -34,15 +31,11 @@ from ipoa_mission.vehicles.arducopter.dynamics.ways import along, on_way
 
 Triple = tuple[float, float, float]
 
-SAMPLE_STEPS = 5  # steps between samples of the track
-SETTLED_S, STEADY = 30.0, 1e-6  # a cruise this old and with less acceleration is steady [s, m/s^2]
-
-
-# --- legs -----------------------------------------------------------------------------------------------------------
+SAMPLE_STEPS = 5  # between samples
+SETTLED_S, STEADY = 30.0, 1e-6  # age and acceleration of a steady cruise [s, m/s^2]
 
 
 def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
-    """Return the greatest length of a vector along the unit direction (x, y, z) within level, up and down `limits`."""
     level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
     if level < 1e-9:
         return vertical
@@ -52,13 +45,13 @@ def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
 
 
 def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
-    """Return a spline leg at parameter u: place, unit direction, length of its derivative, speed limit of the bend."""
+    """Return place, direction, length of the derivative, and speed limit at parameter u."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
     px, vx, ax = a.x + u * (b.x + u * (c.x + u * d.x)), b.x + u * (2 * c.x + 3 * u * d.x), 2 * c.x + 6 * u * d.x
     py, vy, ay = a.y + u * (b.y + u * (c.y + u * d.y)), b.y + u * (2 * c.y + 3 * u * d.y), 2 * c.y + 6 * u * d.y
     pz, vz, az = a.z + u * (b.z + u * (c.z + u * d.z)), b.z + u * (2 * c.z + 3 * u * d.z), 2 * c.z + 6 * u * d.z
     rate = math.sqrt(vx * vx + vy * vy + vz * vz)
-    if rate < 1e-6:  # at rest the curve starts along its second derivative
+    if rate < 1e-6:  # at rest: along its second derivative
         size = math.sqrt(ax * ax + ay * ay + az * az)
         if size < 1e-9:
             return (px, py, pz), (0.0, 0.0, 0.0), 0.0, 0.0
@@ -75,11 +68,8 @@ def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
     return (px, py, pz), (vx, vy, vz), rate, top
 
 
-# --- guidance: where the target is, and how it moves ---------------------------------------------------------------
-
-
 def clock_step(state: State, tuning: Tuning) -> float:
-    """Slow the path's clock if the vehicle lags; return the clock's advance in a step [s]."""
+    """Slow the path's clock if the vehicle lags; return its step [s]."""
     wanted = 1.0
     square = state.aim_x**2 + state.aim_y**2 + state.aim_z**2
     if square > 1e-12:
@@ -91,7 +81,7 @@ def clock_step(state: State, tuning: Tuning) -> float:
 
 
 def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
-    """Add the motion along a leg to the target's; `way_back` is the origin of its way [m]."""
+    """Add a leg's motion to the target's; `way_back` as in `on_way`."""
     a, v, s = along(leg, t)
     (x, y, z), (vx, vy, vz), (ax, ay, _) = on_way(leg, a, v, s, way_back)
     state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
@@ -100,7 +90,7 @@ def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
 
 
 def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning: Tuning) -> bool:
-    """Return whether the next leg may start: the overlap's middle is within radius and corner acceleration."""
+    """Return whether the overlap's middle is within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
     a, v, s = along(this, elapsed + half)
     (x, y, z), _, (ax, ay, az) = on_way(this, a, v, s, this.length)
@@ -116,7 +106,7 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
 def along_legs(
     state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning, h: float
 ) -> bool:
-    """Sum the rest of the previous leg, this leg, and the overlapping next one; return whether this one is over."""
+    """Sum all three legs; return whether this one is over."""
     state.clock += h
     state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
     state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
@@ -134,7 +124,7 @@ def along_legs(
             and 0.0 < rest <= following.profile.risen
             and turn_is_gentle(this, following, state.clock, tuning)
         ):
-            state.clock_next = h / 2  # the mean start within this step
+            state.clock_next = h / 2
         if state.clock_next > 0.0:
             add_leg(state, following, state.clock_next, 0.0)
             finished = finished or state.clock_next >= rest
@@ -143,14 +133,14 @@ def along_legs(
 
 
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
-    """Move the target along a curve within the limits of bends and end; return whether it is over."""
+    """Return whether it is over."""
     state.clock += h
     (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
     left = math.sqrt((this.target.x - x) ** 2 + (this.target.y - y) ** 2 + (this.target.z - z) ** 2)
     most = along_limit(dx, dy, dz, this.accel)
     top, speed = min(top, math.sqrt(2 * most * left + this.leave**2)), state.speed
     speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
-    if state.share >= 1.0:  # the target waits at the end for the vehicle
+    if state.share >= 1.0:  # waits for the vehicle
         speed = 0.0
     state.target_x, state.target_y, state.target_z = x, y, z
     state.aim_x, state.aim_y, state.aim_z = speed * dx, speed * dy, speed * dz
@@ -166,7 +156,7 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
 
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
-    """Return the square-root law's speed, corrected for its decrease while it is followed."""
+    """Return the square-root law's speed, less its decrease."""
     wanted = square_root_law(error, accel, gain)
     if wanted * speed <= 0.0:
         return wanted
@@ -176,7 +166,7 @@ def braked(error: float, speed: float, accel: float, gain: float) -> float:
 
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Stay, climb or descend over one place by velocity shaping; return whether it is over."""
+    """Return whether it is over."""
     top = this.target.z
     if this.leave > 0.0:
         shape_to_rest(state, tuning)
@@ -205,11 +195,7 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < slow
 
 
-# --- control and body -----------------------------------------------------------------------------------------------
-
-
 def control(state: State, tuning: Tuning) -> None:
-    """Compute the lean from position and velocity errors, for the vehicle's state at the end of the step."""
     x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
     far = math.sqrt(x * x + y * y)
     if far > tuning.accel / tuning.p_position**2:
@@ -232,7 +218,7 @@ def control(state: State, tuning: Tuning) -> None:
 
 
 def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> tuple[float, float]:
-    """Return the acceleration cut to the greatest lean; the part across the path takes precedence."""
+    """The part across the path takes precedence."""
     flat = math.sqrt(aim_x * aim_x + aim_y * aim_y)
     if flat < 1e-9:
         size = most / math.sqrt(x * x + y * y)
@@ -245,7 +231,6 @@ def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> 
 
 
 def move(state: State, tuning: Tuning) -> None:
-    """Move the vehicle: lean follows the command, drag acts on the leaning body; height follows the target."""
     state.shaped_x += (state.asked_x - state.shaped_x) * tuning.leaning
     state.shaped_y += (state.asked_y - state.shaped_y) * tuning.leaning
     state.lean_x += (state.shaped_x - state.lean_x) * tuning.turning
@@ -262,12 +247,11 @@ def move(state: State, tuning: Tuning) -> None:
 
 
 def turn_nose(state: State, tuning: Tuning) -> None:
-    """Turn the yaw towards the target's velocity within the slew rate, once the target moves."""
     fast = state.aim_x**2 + state.aim_y**2
     if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
         return
     onward = state.nose_x * state.aim_x + state.nose_y * state.aim_y
-    if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # already aligned
+    if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # aligned
         return
     error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
     state.yaw += min(max(error, -tuning.slew), tuning.slew)
@@ -275,7 +259,6 @@ def turn_nose(state: State, tuning: Tuning) -> None:
 
 
 def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
-    """Return the wind towards east and north [m/s] at a height."""
     levels = tuning.wind_levels
     if levels[0][0] == levels[-1][0]:
         gust = 1.0
@@ -293,11 +276,10 @@ def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
 
 
 def drag(state: State, tuning: Tuning) -> Triple:
-    """Return drag acceleration: of the rotors against the airspeed, of the body along each of its axes."""
     east, north = wind_at(state.z, tuning)
     x, y, z = state.vx - east, state.vy - north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
-    nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # body axes: up, forward, left
+    nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # axes: up, forward, left
     fx, fy = state.nose_x, state.nose_y
     tilt = fx * nx + fy * ny
     size = math.sqrt(1.0 - tilt * tilt)
@@ -316,7 +298,7 @@ def drag(state: State, tuning: Tuning) -> Triple:
 
 
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
-    """Advance by one step; return whether the leg counts as passed."""
+    """Return whether the leg counts as passed."""
     if this.kind == STRAIGHT:
         finished = along_legs(state, before, this, following, tuning, clock_step(state, tuning))
     elif this.kind == SPLINE:
@@ -336,7 +318,6 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:
-    """Skip the steady middle of a long level leg."""
     left = this.profile.falls - state.clock - SETTLED_S
     if (
         this.kind != STRAIGHT
@@ -351,7 +332,7 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
     way = left * along(this, state.clock)[1]
     east, north = way * this.direction.x, way * this.direction.y
     state.x, state.y = state.x + east, state.y + north
-    state.target_x, state.target_y = state.target_x + east, state.target_y + north  # keeps its lag
+    state.target_x, state.target_y = state.target_x + east, state.target_y + north
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
 
@@ -363,9 +344,9 @@ def fly_leg(
     tuning: Tuning,
     samples: Points,
 ) -> int:
-    """Fly until this leg counts as passed; return the number of samples: time, place and velocity (n, 7).
+    """Fly until this leg is passed; return the number of samples (time, place, velocity; n, 7).
 
-    -1: no room for more samples, -2: the copter is blown off its path. States and legs are sequences of one.
+    -1: no room for more samples, -2: blown off. States and legs are sequences of one.
     """
     state, leg, used, count, passed = states[0], this[0], 0, 0, False
     while not passed:

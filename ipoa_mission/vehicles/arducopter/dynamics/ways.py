@@ -1,6 +1,6 @@
-"""Motion along an S-curve leg of ArduCopter: way by time, and place on a line or an arc.
+"""Motion along an S-curve leg of ArduCopter.
 
-The same code runs as Python and compiled, by `steps`.
+The same code runs as Python and compiled.
 """
 
 import math
@@ -11,7 +11,7 @@ Triple = tuple[float, float, float]
 
 
 def along(leg: CopterLeg, t: float) -> Triple:
-    """Return acceleration, speed and way of a straight leg, t seconds after its start."""
+    """Return acceleration, speed and way after t seconds."""
     segments = leg.profile.segments
     at = len(segments) - 1
     if t <= 0.0:
@@ -36,9 +36,9 @@ def along(leg: CopterLeg, t: float) -> Triple:
 
 
 def on_way(leg: CopterLeg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
-    """Return place, velocity and acceleration of a leg for these along its way [m, m/s, m/s^2].
+    """Return place, velocity and acceleration [m, m/s, m/s^2].
 
-    The place is relative to its origin, or with its length as `way_back` to its target.
+    The place is relative to the origin, or with the length as `way_back` to the target.
     """
     if leg.turn == 0.0:
         way = leg.direction

@@ -1,11 +1,8 @@
-"""The vehicle: lean and thrust follow their setpoints with lags, drag is linear, the ground holds it."""
-
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Body, Enu, Law, Level, State
 
 
 def wind_at(height: float, law: Law) -> tuple[float, float]:
-    """Return the wind towards east and north [m/s] at a height."""
     levels = law.wind_levels
     if levels[0].height == levels[7].height:
         blows = 1.0
@@ -23,10 +20,6 @@ def wind_at(height: float, law: Law) -> tuple[float, float]:
 
 
 def integrate(state: State, asked: Enu, law: Law, stands: bool) -> Body:
-    """Return the vehicle a step later, with a lean and thrust setpoint `asked`.
-
-    A landed vehicle keeps its place, and its estimated speed is wrong by the drift.
-    """
     body, drift, dt, drag = state.body, state.errors.drift, law.dt, law.airframe.drag
     asked_east = body.asked.east + (asked.east - body.asked.east) * law.leaning
     asked_north = body.asked.north + (asked.north - body.asked.north) * law.leaning

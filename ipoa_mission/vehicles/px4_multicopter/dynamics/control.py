@@ -1,7 +1,7 @@
-"""PX4's position controller: position error to velocity, velocity PID to acceleration, within the greatest lean.
+"""PX4's position controller.
 
-The hover thrust estimator ignores drag, so a climb makes its estimate too large. The thrust is then less than the
-controller assumes, and its anti-windup reduces the level integrator: PX4 flies slower after a take-off.
+After a climb the hover thrust estimate is too large, as it ignores drag. Anti-windup then reduces the level integrator:
+PX4 flies slower.
 """
 
 import math
@@ -21,14 +21,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
-HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # speed limits of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
+HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
 
 
 def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> tuple[Enu, Control]:
     """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
 
-    It uses the vehicle's state at the end of the step. A take-off ramps up the climb limit from one without thrust;
-    during the ramp there is no acceleration feed-forward.
+    A take-off ramps up the climb limit, without acceleration feed-forward.
     """
     limits, body, was, dt = law.limits, state.body, state.control, law.dt
     east, north = level_velocity(trajectory, body, limits, dt)
@@ -51,7 +50,7 @@ def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> 
     thrust = max(foreseen + limits.p_vz * up + was.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
     share = 1.0 if size <= law.most_lean else law.most_lean / size
-    # Anti-windup: the greatest lean or less thrust gives less than the setpoint, so the integrator is reduced.
+    # anti-windup: with too little lean or thrust
     back = 2.0 / limits.p_v * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
     integral = Enu(
         was.integral.east + limits.i_v * (east - back * ask_east) * dt,
@@ -62,7 +61,6 @@ def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> 
 
 
 def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
-    """Return the velocity setpoint of the position error, at most MPC_XY_VEL_MAX."""
     x: Axis = trajectory.east
     y: Axis = trajectory.north
     east = x.speed + limits.p_xy * (x.place - body.place.east - body.speed.east * dt)
@@ -73,7 +71,7 @@ def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: fl
 
 
 def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
-    """Update the hover thrust estimate in the air; it mistakes drag in a climb for weight."""
+    """It counts drag in a climb as weight."""
     fast = level(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt

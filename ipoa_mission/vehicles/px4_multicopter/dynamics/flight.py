@@ -1,5 +1,3 @@
-"""A whole flight of a PX4 multicopter, order by order; runs as Python and compiled by numba."""
-
 import math
 from collections.abc import Sequence
 
@@ -23,16 +21,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 
-ROOM = 64  # initial capacity for samples
+ROOM = 64  # for samples
 
-SETTLED_S = 30.0  # after this time a cruise is steady [s]
+SETTLED_S = 30.0  # [s]
 
 
 def past_cruise(state: State, order: Order, law: Law) -> State:
-    """Skip the steady middle of a long level leg; return the state after it.
-
-    Sensor errors continue unchanged: on average the skipped ones cancel.
-    """
+    """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
     if order.kind != GO or state.guidance.side != ON_LINE or state.time - state.begun < SETTLED_S or speed < 0.1:
@@ -63,12 +58,10 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
 def fly(
     orders: Sequence[Order], laws: Sequence[Law], height: float, seeds: tuple[float, float], every: int
 ) -> tuple[Vector, Points, float]:
-    """Return the times [s] at the start and after each order (n + 1,), samples, and the time of touchdown [s].
+    """Return times [s] at the start and after each order (n + 1,), samples, and the touchdown [s] or NOT_YET.
 
-    A sample is time, place and estimated speed, (m, 7), taken each `every` steps (0: none). Without touchdown its time
-    is NOT_YET. The flight starts over home, at rest, at `height` [m]; on the ground it takes off after spooling up. An
-    aborted order ends at the abort. If an order is not reached within its patience, the flight ends early with fewer
-    times than orders.
+    Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home at
+    `height` [m], or takes off. It ends at an abort, or early if an order's patience ends.
     """
     law = laws[0]
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)

@@ -1,5 +1,3 @@
-"""PX4's guidance along a leg: back to it after a deviation, at the speed that the waypoints allow."""
-
 import math
 from typing import NamedTuple
 
@@ -23,30 +21,26 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
-AT_GOAL = 1e-5  # no velocity setpoint nearer than this [m]
-TURNING = 0.98  # cosine between velocity and aim below which it is turning
-LEAST_AHEAD = 5.0  # look-ahead on the leg in a turn, or the acceptance radius if larger [m]
-MOVING = 0.2  # a slower vehicle is never turning [m/s]
-SLOW = 0.5  # below this speed the level and vertical parts are cut separately [m/s]
+AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
+TURNING = 0.98  # cosine between velocity and aim in a turn
+LEAST_AHEAD = 5.0  # look-ahead in a turn, at least the acceptance radius [m]
+MOVING = 0.2  # least speed of a turn [m/s]
+SLOW = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
 class Way(NamedTuple):
-    """The waypoints in use: from `start` to `goal`, and on to `beyond`."""
-
     start: Enu
     goal: Enu
     beyond: Enu
 
 
 class Climb(NamedTuple):
-    """Limits of the climb or descent rate and its acceleration."""
-
     rate: float
     accel: float
 
 
 def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
-    """Update the vehicle's side of the leg; after a change it is led back from its present place."""
+    """After a change it returns from its present place."""
     if limits.splits_axes:
         return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)
@@ -67,7 +61,7 @@ def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
 
 
 def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
-    """Return the length of a leg, and a place's distance along and lateral to it [m]."""
+    """Return the leg's length, and the place along and lateral to it [m]."""
     leg_east, leg_north, leg_up = goal.east - start.east, goal.north - start.north, goal.up - start.up
     length = math.sqrt(leg_east * leg_east + leg_north * leg_north + leg_up * leg_up)
     if length <= 1e-6:
@@ -79,7 +73,7 @@ def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
 
 
 def way(guidance: Guidance, order: Order) -> Way:
-    """Return the waypoints in use: the leg's, or from the vehicle to the leg's end, start or nearest point."""
+    """Return the leg's waypoints, or the way back to its end, start or nearest point."""
     start, goal, beyond, at = of(order.start), of(order.goal), of(order.beyond), guidance.anchor
     if guidance.side == BEYOND:
         return Way(at, goal, beyond)
@@ -94,17 +88,15 @@ def way(guidance: Guidance, order: Order) -> Way:
 
 
 def home_told(state: State, order: Order) -> float:
-    """Return the guidance's error of home's height, if the order follows home [m]."""
+    """Return the guidance's error of home's height [m]."""
     return state.errors.told if order.follows_home else 0.0
 
 
 def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
-    """Return whether it takes off below MPC_LAND_ALT1, where it climbs at MPC_TKO_SPEED."""
     return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
 
 
 def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
-    """Return the limits of climb or descent; `low`: during take-off near the ground."""
     if not rising:
         return Climb(limits.descent, limits.accel_down)
     if low:
@@ -113,9 +105,9 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
 
 
 def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) -> tuple[Enu, Guidance]:
-    """Return the velocity setpoint before jerk limits, and the guidance's new state.
+    """Return the velocity setpoint before jerk limits, and the guidance.
 
-    In a turn the speed may not increase, and the aim is a point ahead on the leg.
+    In a turn it aims ahead on the leg and does not accelerate.
     """
     limits, x, y, z = law.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
     to = way(guidance, order)
@@ -141,7 +133,6 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
 
 
 def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
-    """Return the vector to a point on the leg ahead of the nearest one; the aim itself for a leg without length."""
     east, north, up = to.goal.east - to.start.east, to.goal.north - to.start.north, to.goal.up - to.start.up
     size = math.sqrt(east * east + north * north + up * up)
     if size <= 1e-6:
@@ -156,7 +147,6 @@ def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
 
 
 def apart(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity with the level part towards the aim and the full vertical speed towards its height."""
     far = level(aim)
     share = fast / far if far > 0.0 else 0.0
     up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
@@ -164,7 +154,6 @@ def apart(aim: Enu, fast: float, rise: float) -> Enu:
 
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity towards the aim whose level and vertical parts keep their limits."""
     size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
     if size <= AT_GOAL:
         return ZERO

@@ -1,5 +1,3 @@
-"""PX4's yaw setpoint and yaw motion, by MPC_YAWRAUTO_MAX and _ACC."""
-
 import math
 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, Yaw
@@ -7,7 +5,6 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def heading_wanted(state: State, order: Order) -> float:
-    """Return the order's heading, else the direction to its goal; over the goal the present one [rad]."""
     if not math.isnan(order.heading):
         return order.heading
     east, north = order.goal.east - state.body.place.east, order.goal.north - state.body.place.north
@@ -17,7 +14,6 @@ def heading_wanted(state: State, order: Order) -> float:
 
 
 def heading_error(state: State, order: Order) -> float:
-    """Return the yaw error [rad]; 0 while the yaw is unknown."""
     error = heading_wanted(state, order) - state.nose.yaw
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 

@@ -1,15 +1,13 @@
-"""PX4's landing: descent rate and land detector."""
-
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import LAND, Body, Contact, Law, Order, State
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES
 
 
 def sink_rate(state: State, order: Order, law: Law) -> float:
-    """Return the descent rate: MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
+    """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
-    Between the two heights it interpolates from MPC_Z_VEL_MAX_DN, limited to MPC_Z_V_AUTO_DN. Heights are over the
-    ground if a range finder sees it, with a lag, else over home. Only with a range finder it crawls.
+    Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
+    allows the crawl.
     """
     limits, sees = law.limits, law.senses.sees_ground
     height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
@@ -24,9 +22,9 @@ def stands(state: State, order: Order) -> bool:
 
 
 def detect_contact(state: State, body: Body, thrust: float, law: Law) -> Contact:
-    """Return the land detector's state: contact, maybe landed, landed, each after low thrust and speed for long enough.
+    """Return the land detector's state: low thrust and speed for long enough.
 
-    The range finder loses the ground once the estimated height is below it.
+    The range finder loses the ground below an estimated height of 0.
     """
     was, touchdown = state.contact, law.limits.touchdown
     sees, stands = law.senses.sees_ground, body.on_ground

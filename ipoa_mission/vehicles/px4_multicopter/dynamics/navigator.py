@@ -1,13 +1,11 @@
-"""PX4's navigator: the orders of each mission item."""
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
@@ -15,7 +13,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-ANYWHERE = 1e9  # a radius without effect [m]
+ANYWHERE = 1e9  # without effect [m]
 
 
 def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
@@ -29,18 +27,16 @@ def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, 
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """Return the order to fly a leg; `beyond`: the next place, without a stop at the goal."""
     most = min(cruise, limits.most_speed)
     return Order(GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
-    """Return the order to climb straight up, to a height above home at that time."""
+    """Return a climb above home at that time."""
     return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """Return the order to fly to a waypoint; `beyond` is ignored if it holds."""
     holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
@@ -58,9 +54,9 @@ def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
-    """Return the orders to land: fly over the place if it is beyond the acceptance radius, then descend.
+    """It first flies over the place if beyond the acceptance radius.
 
-    `holds`: time on the ground before disarming [s].
+    `holds`: on the ground [s].
     """
     over = ground._replace(up=here.up)
     way = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
@@ -69,17 +65,17 @@ def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: fl
 
 
 def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
-    """Return the stopping place of LAND and hold, with a delay of 0.6 s before it brakes."""
+    """Return the stopping place of LAND and hold, 0.6 s late."""
     level = math.hypot(speed.east, speed.north)
     time = level / (2.0 * limits.accel) + BRAKES_LATE
     return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
 
 
 def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
-    """Return the orders of RTL: climb by `Px4Return`, fly home at MPC_XY_CRUISE, wait, land, disarm.
+    """Return the orders of RTL: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
 
-    `home` is the ground at home or a rally point; heights count from `up`, the rally point's own. While it
-    climbs it flies back to `here`. Once high enough and within NAV_LOITER_RAD of `here` it flies straight to the goal.
+    `home`: ground at home or a rally point; heights count from `up`. While it climbs it flies back to `here`, until
+    within NAV_LOITER_RAD.
     """
     far = math.hypot(here.east - home.east, here.north - home.north)
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
@@ -94,7 +90,6 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
 
 
 def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    """Return the orders of a return along waypoints without climbing, down to the ground below the last place."""
     way, at = list[Order](), here
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
@@ -106,7 +101,7 @@ def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) 
 
 
 class Planned(NamedTuple):
-    """The orders of an itinerary, the number of orders done after each visit, and remarks."""
+    """Orders, how many are done after each visit, and remarks."""
 
     orders: tuple[Order, ...]
     done: tuple[int, ...]
@@ -114,9 +109,9 @@ class Planned(NamedTuple):
 
 
 def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
-    """Return the orders of an itinerary, from the ground, or from over home if it has no take-off.
+    """Return the orders of an itinerary, from the ground, or from over home.
 
-    A landed vehicle disarms `landing_delay` s later than modeled.
+    It disarms `landing_delay` s later.
 
     Raises:
         BadInput: an item never ends.
@@ -135,7 +130,7 @@ def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Pla
 
 
 def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
-    """Return the order with its patience from the previous order's end; a small radius is hard to hit."""
+    """Return the order with its patience; a small radius is hard to hit."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
     lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
@@ -145,7 +140,6 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
 def with_another_end(
     flown: Sequence[Order], contingency: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
 ) -> tuple[Order, ...]:
-    """Return the orders flown up to the abort, and those of the contingency."""
     orders, at = list(flown), contingency[0].start
     for order in contingency:
         late = landing_delay if order.kind == LAND else 0.0
@@ -155,8 +149,6 @@ def with_another_end(
 
 
 class _Navigator:
-    """The last commanded place and the cruise speed, visit by visit."""
-
     def __init__(self, route: Itinerary, limits: Px4Limits) -> None:
         self.route, self.limits, self.cruise = route, limits, limits.cruise
         height = flying_already(route)
@@ -199,7 +191,6 @@ class _Navigator:
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:
-        """Return orders that end on the ground, and update the state."""
         self.here, self.airborne = orders[-1].goal, False
         return orders
 
@@ -207,10 +198,9 @@ class _Navigator:
         return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
-        """Return the place of visit n; open coordinates are those of the last commanded place."""
+        """Open coordinates are the last commanded ones."""
         return Enu(*self.route.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:
-        """Return the next place after n if the vehicle does not stop there."""
         onward = self.route.program.onward(n)
         return None if onward is None else self.target(onward)

@@ -1,8 +1,7 @@
-"""PX4's sensor errors: drift of the estimated speed, and noisy corrections of home's height.
+"""PX4's sensor errors: drift of the speed, and noisy corrections of home's height.
 
-Source: pull request 25003 (from 1.17 on), "Commander: adjust home position altitude after gnss altitude correction".
-For two minutes after take-off home and all waypoints move whenever the measured height differs by more than 1 m. The
-navigator knows at once, the guidance a little later.
+From 1.17 on (pull request 25003), for two minutes after take-off, home and waypoints move if the measured height
+differs by 1 m. The navigator knows at once, the guidance later.
 """
 
 import math
@@ -10,21 +9,21 @@ import math
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_YET, ZERO, Enu, Errors, Law, State
 
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
-NOTICED_S = 0.075  # delay from navigator to guidance: half its cycle, and the setpoint's latency [s]
-#: Two multiplicative congruences (L'Ecuyer, 1988), whose products are exact in floating point.
+NOTICED_S = 0.075  # half the navigator's cycle, and the setpoint's latency [s]
+#: Two congruences (L'Ecuyer, 1988) with products exact in floating point.
 FACTOR, MODULUS = 40014.0, 2147483563.0
 FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
 
 
 def normal(first: float, second: float) -> tuple[float, float, float, float]:
-    """Return the next two seeds, and two normally distributed numbers (Box and Muller)."""
+    """Return the next seeds, and two normal deviates (Box and Muller)."""
     first, second = rest(first * FACTOR, MODULUS), rest(second * FACTOR_2, MODULUS_2)
     size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
     return first, second, size * math.cos(angle), size * math.sin(angle)
 
 
 def rest(value: float, modulus: float) -> float:
-    """Return `value % modulus` of integers with a small quotient: exact, and faster than a compiled `%`."""
+    """Return `value % modulus` for a small quotient: exact, and faster compiled."""
     return value - math.floor(value / modulus) * modulus
 
 

@@ -1,4 +1,4 @@
-"""PX4's trajectory smoothing: each axis changes speed in three spans of constant jerk, which end together."""
+"""PX4's trajectory smoothing: three spans of constant jerk per axis, ending together."""
 
 import math
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 class Profile(NamedTuple):
-    """Jerk j [m/s^3, signed], and the durations of j, 0 and -j [s]."""
+    """Jerk j [m/s^3, signed], durations of j, 0 and -j [s]."""
 
     jerk: float
     rise: float
@@ -17,10 +17,7 @@ class Profile(NamedTuple):
 
 
 def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
-    """Return the fastest change to speed `goal` and no acceleration.
-
-    With p the greatest acceleration, p^2 = j (goal - v) + a^2/2.
-    """
+    """Return the fastest change to speed `goal`: peak acceleration p^2 = j (goal - v) + a^2/2."""
     v, a = axis.speed, axis.acceleration
     miss = goal - v - a * abs(a) / (2.0 * jerk)
     if miss == 0.0 and a == 0.0:
@@ -32,15 +29,15 @@ def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
         p = math.copysign(accel, j)
         coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
     rise = (p - a) / j
-    if rise < 0.0:  # beyond the greatest acceleration: only reduce it
+    if rise < 0.0:
         return Profile(j, 0.0, coast, a / j)
     return Profile(j, rise, coast, p / j)
 
 
 def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
-    """Return the change stretched to `lasts` s, if longer, by a smaller greatest acceleration p.
+    """Return the change stretched to `lasts` s.
 
-    p is the smaller root, in the direction of j, of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
+    Peak p: the smaller root in the direction of j of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
     """
     j, a = profile.jerk, axis.acceleration
     if j == 0.0 or profile.rise + profile.coast + profile.fall >= lasts:
@@ -75,7 +72,7 @@ def moved(axis: Axis, profile: Profile, t: float) -> Axis:
 def smoothed(
     trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
 ) -> Trajectory:
-    """Return the trajectory t s later (`t_up` upwards) towards a velocity; faster axes last as long as the slowest."""
+    """Return the trajectory t s later (`t_up` upwards)."""
     x, y, z = trajectory
     accel, jerk = limits.accel, limits.jerk
     east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)

@@ -1,4 +1,4 @@
-"""Speeds that PX4's waypoints allow: to stop, to turn a corner, to pass its height."""
+"""Speeds that PX4's waypoints allow."""
 
 import math
 
@@ -7,7 +7,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
-    """Return the speed that can slow to `leave` within `distance`, with 2 a/j to reverse the acceleration.
+    """Return the speed that can slow to `leave` within `distance`.
 
     v^2 + (4 a^2/j) v = leave^2 + 2 a d, at least `leave`.
     """
@@ -16,21 +16,21 @@ def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
 
 
 def half_tangent(cosine: float) -> float:
-    """Return the tangent of half the angle of this cosine; very large for a straight line."""
+    """Return tan(angle / 2); very large for a straight line."""
     return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
 
 
 def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: Px4Limits) -> float:
-    """Return the level speed before a goal that is left towards `beyond`.
+    """Return the level speed before a goal towards `beyond`.
 
-    At the goal it is the speed of the circle that touches both legs at the acceptance radius, with MPC_XY_TRAJ_P of the
-    acceleration. It is 0 if the next leg is shorter than the radius.
+    At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
+    It is 0 if the next leg is shorter.
     """
     to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
     on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
     distance = math.sqrt(to_east * to_east + to_north * to_north)
     accel, jerk, leave = limits.accel, limits.jerk, 0.0
-    if speed_to(distance, leave, accel, jerk) >= order.cruise:  # too far for the corner to matter
+    if speed_to(distance, leave, accel, jerk) >= order.cruise:
         return order.cruise
     onward = math.sqrt(on_east * on_east + on_north * on_north)
     if onward > 0.001 and onward >= order.radius:
@@ -41,10 +41,9 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
 
 
 def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, limits: Px4Limits) -> float:
-    """Return the vertical speed with which the goal's height can be passed towards the next one.
+    """Return the vertical speed at the goal's height; `top` and `accel` limit it.
 
-    As in PX4 the angle at the goal is in the plane of height and distance from the origin. `top` and `accel` limit
-    climb or descent.
+    As in PX4 the angle is in the plane of height and distance from the origin.
     """
     leave = 0.0
     if abs(beyond.up - goal.up) > 0.001:
@@ -57,4 +56,5 @@ def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, li
 
 
 def level(place: Enu) -> float:
+    """Return the level distance."""
     return math.sqrt(place.east * place.east + place.north * place.north)

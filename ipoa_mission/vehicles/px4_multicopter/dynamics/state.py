@@ -1,7 +1,6 @@
-"""Data types of PX4's flight state and its orders; SI units, east, north, up.
+"""PX4's flight state and orders; SI units, east, north, up.
 
-NamedTuples work in plain Python and numba: a step returns a new state. `Order` and `Law`, constant in a flight, are
-passed to compiled code as NumPy records of the same names.
+Numba gets `Order` and `Law` as records of the same names.
 """
 
 import math
@@ -11,25 +10,22 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Se
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindLevel
 
-GO, TAKE_OFF, LAND = 0, 1, 2  # kinds of orders
-ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # place of the vehicle relative to its leg
-NOT_YET = -1.0  # no time yet
+GO, TAKE_OFF, LAND = 0, 1, 2  # orders
+ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4
+NOT_YET = -1.0
 
 
 class Enu(NamedTuple):
-    """A place or a rate of change."""
-
     east: float
     north: float
     up: float
 
 
 class Order(NamedTuple):
-    """Fly the leg from `start` to `goal`, and on to `beyond` (the goal again: stop there).
+    """Fly from `start` to `goal`, and on to `beyond` (the goal: stop).
 
-    It is done `holds` s after it is reached: within `radius` level and `height_radius`, with the yaw at `heading` [rad]
-    unless NaN. `follows_home`: heights are above the estimated home. `may_turn_first`: MPC_YAW_MODE 4 applies. A
-    vehicle that has not reached it within `patience` s is lost. At the time `until` [s] it is aborted.
+    Done `holds` s after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
+    estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s, aborted at `until` [s].
     """
 
     kind: int
@@ -48,11 +44,10 @@ class Order(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Constants of a flight: limits, vehicle, sensors, wind (towards), and the length of a step.
+    """Constants of a flight: limits, vehicle, sensors, wind (towards), step.
 
-    Below `gradient_height` the wind is a power law of height with `wind_exponent`. `wind_levels` replace it if the
-    first level is below the last. `most_lean`: g tan of the greatest lean. `leaning`, `turning`: shares by which lean
-    and rotors approach their setpoints in a step. `turns`: whether the yaw matters.
+    Below `gradient_height` wind is a power law with `wind_exponent`, or `wind_levels` if the first level is below the
+    last. `most_lean`: g tan. `leaning`, `turning`: shares per step. `turns`: the yaw matters.
     """
 
     limits: Px4Limits
@@ -72,15 +67,13 @@ class Law(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """The smoothed trajectory along one axis."""
-
     place: float
     speed: float
     acceleration: float
 
 
 class Trajectory(NamedTuple):
-    """The moving setpoint of the controllers."""
+    """The controllers' setpoint."""
 
     east: Axis
     north: Axis
@@ -88,10 +81,7 @@ class Trajectory(NamedTuple):
 
 
 class Guidance(NamedTuple):
-    """The vehicle's side of its leg, and the place from which it was last led back.
-
-    `held`: limit of the level speed in a turn. `rising`: whether the last setpoint was upwards.
-    """
+    """`held`: speed limit in a turn. `rising`: the last setpoint."""
 
     side: int
     anchor: Enu
@@ -100,7 +90,7 @@ class Guidance(NamedTuple):
 
 
 class Control(NamedTuple):
-    """Integrators of the velocity controller, estimated over true hover thrust, upward acceleration setpoint."""
+    """Velocity integrators, estimated over true hover thrust, upward setpoint."""
 
     integral: Enu
     hover: float
@@ -108,17 +98,14 @@ class Control(NamedTuple):
 
 
 class Level(NamedTuple):
-    """A level vector."""
-
     east: float
     north: float
 
 
 class Body(NamedTuple):
-    """The vehicle: place, estimated speed, level acceleration, lean setpoint, lean and thrust.
+    """Place, estimated speed, level acceleration, lean setpoint, lean, thrust.
 
-    Lean is the level acceleration at a thrust of one g. Thrust counts above weight. `airborne_since`: the last
-    lift-off.
+    Lean is acceleration at one g; thrust counts above weight.
     """
 
     place: Enu
@@ -131,17 +118,14 @@ class Body(NamedTuple):
 
 
 class Yaw(NamedTuple):
-    """Yaw, clockwise from north [rad], NaN if unknown; and its rate."""
+    """Clockwise from north [rad], NaN: unknown; and its rate."""
 
     yaw: float
     rate: float
 
 
 class Errors(NamedTuple):
-    """Sensor errors: the estimated height of `home` above its true one, and the later value that guidance was `told`.
-
-    The place moves faster than estimated by `drift`. `next_in`: time to the next fix [s].
-    """
+    """Error of `home`'s height, now and as `told` to guidance; `drift`; next fix [s]."""
 
     seed_1: float
     seed_2: float
@@ -153,7 +137,7 @@ class Errors(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A landing: contact, range finder lost, stages of the land detector, and the time of the last stage."""
+    """A landing: stages of the land detector and the last one's time."""
 
     stands: bool
     lost: bool
@@ -162,8 +146,6 @@ class Contact(NamedTuple):
 
 
 class State(NamedTuple):
-    """The whole state; times when the order was begun and reached, and whether its place was reached."""
-
     time: float
     body: Body
     nose: Yaw
@@ -181,5 +163,5 @@ ZERO = Enu(0.0, 0.0, 0.0)
 
 
 def of(place: Enu) -> Enu:
-    """Convert a place of an order, which may be a record, to a tuple."""
+    """Convert a record to a tuple."""
     return Enu(place.east, place.north, place.up)

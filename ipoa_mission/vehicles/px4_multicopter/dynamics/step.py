@@ -1,5 +1,3 @@
-"""One step of a PX4 multicopter: guidance, smoothed trajectory, controllers, body, sensor errors."""
-
 import math
 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
@@ -38,13 +36,12 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
 
-STANDING = 1e-6  # a slower trajectory always waits for the vehicle [m/s]
-SPLIT = 2.0**29 + 1.0  # leaves the 24 bits of single precision (Veltkamp's splitting)
-GROUND_SINK = 0.7  # downward speed of the trajectory before a take-off [m/s]
+STANDING = 1e-6  # a slower trajectory waits for the vehicle [m/s]
+SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
+GROUND_SINK = 0.7  # [m/s]
 
 
 def step(state: State, order: Order, law: Law) -> State:
-    """Return the state `law.dt` later; `reached` and `been_there` are the order's progress."""
     limits, standing = law.limits, stands(state, order)
     velocity, guidance = velocity_setpoint(state, order, law, guided(state, order, limits))
     trajectory = track_setpoint(state, order, law, velocity)
@@ -66,7 +63,7 @@ def step(state: State, order: Order, law: Law) -> State:
 
 
 def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
-    """Return the trajectory a step later; its time is stretched while the vehicle lags."""
+    """Return the trajectory a step later, stretched while the vehicle lags."""
     limits, at, was = law.limits, state.body.place, state.trajectory
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
@@ -94,17 +91,13 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
 
 
 def in_single(axis: Axis) -> Axis:
-    """Return the axis with its place in single precision, as PX4 stores it.
-
-    Away from home small steps are lost, so a trajectory never quite arrives and keeps a trace of speed and its
-    direction. During a landing these decide whether it waits for the vehicle; elsewhere the effect is negligible.
-    """
+    """Lost small steps leave a trace of speed, which decides whether a landing waits for the vehicle."""
     wide = SPLIT * axis.place
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
 def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
-    """Return whether the vehicle is at the order's goal; the navigator knows corrections of home at once."""
+    """The navigator knows home's corrections at once."""
     if order.kind == LAND:
         return contact.stages >= STAGES
     home = errors.home if order.follows_home else 0.0
@@ -116,7 +109,7 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Return whether the order is done and the guidance knows it, or aborted."""
+    """Return whether it is done, as guidance knows, or aborted."""
     if state.time >= order.until:
         return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
@@ -132,7 +125,6 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
 
 
 def begun(state: State, order: Order) -> State:
-    """Return the state at the start of an order; the ground holds only a take-off."""
     trajectory, body = state.trajectory, state.body
     on_ground = body.on_ground and order.kind == TAKE_OFF
     if on_ground:

@@ -1,0 +1,1 @@
+"""Interface of vehicle plug-ins: parameters, modes, firmware tables, commands, energy."""

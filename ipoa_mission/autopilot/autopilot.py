@@ -1,0 +1,330 @@
+"""Base class and registry of vehicle plug-ins: a firmware on one class of vehicle.
+
+`Autopilot` defines what only needs the lowest packages. Higher packages define their own interfaces (flight model,
+deviation law, mock profile) and find the implementation by `part`. A new vehicle is a folder with one class, an object
+of it, and its entry point.
+"""
+
+import re
+from abc import ABCMeta, abstractmethod
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib import import_module
+from importlib.metadata import entry_points
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, OwnFence, StationLoss
+from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
+from ipoa_mission.autopilot.guidance_profile import (
+    FlownCircle,
+    GuidanceProfile,
+    Modes,
+    ProtocolProfile,
+    WayKnown,
+    WaypointDefaults,
+)
+from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
+from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.errors import BadInput, NotModeled
+
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Points, Vector
+
+Part = TypeVar("Part")
+STATIONARY_SPEED = 0.1  # [m/s]
+
+
+class _ByName(ABCMeta):
+    def __getattr__(cls, name: str) -> "Autopilot":
+        """Return the registered autopilot of this name in capitals, as `Autopilot.PX4`."""
+        if name.isupper() and name.lower() in _registered():
+            return _registered()[name.lower()]
+        raise AttributeError(f"no autopilot is registered as {name.lower()!r}", name=name, obj=cls)
+
+
+class Autopilot(metaclass=_ByName):
+    """A firmware on one class of vehicle; a singleton, compared by identity.
+
+    Names are stable; methods may change.
+
+    Example:
+        >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
+        ('px4', 'ardupilot', 'ArduCopter')
+    """
+
+    PX4: ClassVar["Autopilot"]
+    ARDUPILOT: ClassVar["Autopilot"]
+
+    name: ClassVar[str]
+    """In scenarios, files and the command line."""
+    rank: ClassVar[int] = 9
+    """The place in lists; the lowest is the default."""
+    model: ClassVar[str]
+    """Its display name."""
+    mav_autopilot: ClassVar[int]
+    """HEARTBEAT.autopilot (MAV_AUTOPILOT)."""
+    mav_types: ClassVar[frozenset[int]]
+    """HEARTBEAT.type (MAV_TYPE) of its vehicles."""
+    measured: ClassVar[tuple[Version, ...]]
+    """Versions verified in flight, oldest first; the last is the default."""
+    modes: ClassVar[Modes]
+    book: ClassVar[ParameterTable]
+    tables: ClassVar[FirmwareTables]
+    guidance: ClassVar[GuidanceProfile]
+    way_known: ClassVar[WayKnown] = WayKnown()
+    protocol_profile: ClassVar[ProtocolProfile]
+    refusals: ClassVar[Refusals]
+    slowed_by: ClassVar[SlowedBy]
+    own_fence_by: ClassVar[tuple[str, ...]]
+    """Parameters of the vehicle's own fence."""
+    failsafe_by: ClassVar[tuple[str, ...]] = ()
+    """Parameters of failsafes, by their older names."""
+    failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
+    station_loss: ClassVar[StationLoss | None] = None
+    """When the ground station counts as lost; None: unknown."""
+    parts: ClassVar[Mapping[str, Any]] = {}
+    """Implementations by interface name: an object or its "module:name"."""
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"<Autopilot {self.name}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return autopilot_named, (self.name,)
+
+    def part(self, asked: type[Part]) -> Part:
+        """Return this autopilot's implementation of an interface.
+
+        Raises:
+            MissionError: it has none.
+        """
+        found = self.parts.get(asked.__name__)
+        if found is None:
+            raise NotModeled(f"{self.model} has no {asked.__name__} here")
+        part = _loaded(found) if isinstance(found, str) else found
+        assert isinstance(part, asked), f"{found} is no {asked.__name__}"
+        return part
+
+    def has(self, asked: type[Any]) -> bool:
+        return asked.__name__ in self.parts
+
+    def firmware(self, version: Version | None = None) -> Firmware:
+        return self.tables.of(version or self.newest)
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        return self.book.names | frozenset(self.failsafe_by)
+
+    @property
+    def firmware_name(self) -> str:
+        return self.firmware().name
+
+    @property
+    def counts_home(self) -> int:
+        return int(self.firmware().home_is_item_0)
+
+    @abstractmethod
+    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
+        """Return the straight distance to a stop (n,) [m] from `speed` [m/s] and `accel` along it [m/s^2]."""
+
+    def flies_on(self, contingency: Contingency) -> float:
+        """Return the delay before braking for a contingency [s]."""
+        return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
+
+    def braking_way(
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
+    ) -> "Points":
+        """Return the level displacement (n, 2) [m]."""
+        import numpy as np
+
+        speed = np.hypot(*velocity.T)
+        along = (velocity * accel).sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
+        way = self.braking_distance(parameters, speed, along)
+        return np.asarray(velocity * (way / np.maximum(speed, STATIONARY_SPEED))[:, None])
+
+    def circle(
+        self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
+    ) -> FlownCircle | None:
+        """Return the flown circle of NAV_LOITER_TURNS; None: not supported.
+
+        `radius` > 0 [m], `turn` [rad], greatest level `speed` [m/s].
+        """
+        return None
+
+    @abstractmethod
+    def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
+        """Return how LAND slows down; None with a range finder."""
+
+    def slowed(self, parameters: Parameters, ground: float) -> Parameters:
+        """Raise the slow landing stretch by the ground's height above home [m]."""
+        return self.slowed_by.raised(self.book, parameters, ground)
+
+    @abstractmethod
+    def own_fence(self, parameters: Parameters) -> OwnFence | None:
+        """Return the active fence; None: without effect."""
+
+    @abstractmethod
+    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+        """Return the index of a return's rally point; None: home. Parameters by their older names."""
+
+    @abstractmethod
+    def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
+        """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
+
+    def return_route(
+        self,
+        parameters: Parameters,
+        here: Place,
+        rally: Sequence[Place],
+        landing: MissionLanding | None = None,
+        version: Version | None = None,
+    ) -> ReturnRoute:
+        """Return the route of a return from `here`; parameters by their older names."""
+        return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
+
+    def defaults_of(self, version: Version | None = None) -> Parameters:
+        """Return a version's defaults that differ from the parameter table's."""
+        return {}
+
+    def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
+        """Return parameters by their older names, with the version's own defaults."""
+        return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
+
+    def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
+        return {**self.book.moving, **self.known_parameters(parameters, version)}
+
+    def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
+        """Return the hold and acceptance radius that waypoints are written with."""
+        return WaypointDefaults()
+
+    def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
+        """Return how a return follows terrain; `return_height` then counts from the ground."""
+        return None
+
+    def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
+        """Return a return's distance to fences that it flies around [m]; None: it ignores them."""
+        return None
+
+    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
+        """Return the action for each failure and pilot order; empty: unknown.
+
+        Missing parameters have the firmware's default.
+        """
+        return ()
+
+    @property
+    def newest(self) -> Version:
+        return self.measured[-1]
+
+    def checked_for(self, version: Version | None) -> str:
+        """Name the assumed firmware.
+
+        >>> Autopilot.PX4.checked_for(Version(1, 16))
+        'px4 1.16 (not measured)'
+        """
+        major, minor = (version or self.newest).series
+        return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
+
+    def facts(self, version: Version | None) -> dict[str, object]:
+        """Return the assumed firmware and its table's source as JSON values."""
+        own = self.firmware(version)
+        return {
+            "autopilot": self.name,
+            "version": str(version or self.newest),
+            "table": f"{own.version.major}.{own.version.minor}",
+            "source": own.commit,
+            "date": own.date,
+            "measured": self.is_measured(version),
+        }
+
+    def is_measured(self, version: Version | None) -> bool:
+        return version is None or version.series in {one.series for one in self.measured}
+
+    def not_measured(self, version: Version | None) -> str | None:
+        """Return a warning unless flights of this version were measured.
+
+        >>> Autopilot.PX4.not_measured(Version(1, 13))
+        'PX4 1.13.0 was not measured in flight: PX4 1.17 and 1.18 were; its items are checked by the tables of PX4 1.15'
+        """
+        if version is None or self.is_measured(version):
+            return None
+        words = f"{self.model} {version} was not measured in flight: {self._measured_words()}"
+        if version.series in self.tables.series:
+            return words
+        return f"{words}; its items are checked by the tables of {self.firmware(version)}"
+
+    def beyond_the_model(self, version: str) -> str | None:
+        """Return a warning unless a logged version was measured.
+
+        >>> Autopilot.ARDUPILOT.beyond_the_model("3.5.7")
+        'flown by ArduCopter 3.5.7, which was not measured: its times may be off; ArduCopter 4.7 and 4.8 were'
+        """
+        numbers = re.match(r"\d+\.\d+", version)
+        if numbers is None:
+            return f"the log does not name the version of {self.model}; {self._measured_words()} measured"
+        if self.is_measured(Version.parsed(numbers[0])):
+            return None
+        words = f"flown by {self.model} {version}, which was not measured: its times may be off"
+        return f"{words}; {self._measured_words()}"
+
+    def _measured_words(self) -> str:
+        series = [f"{one.major}.{one.minor}" for one in self.measured]
+        return f"{self.model} {' and '.join(series)} {'were' if len(series) > 1 else 'was'}"
+
+
+@cache
+def _registered() -> dict[str, Autopilot]:
+    """Load the vehicle plug-ins.
+
+    Raises:
+        BadInput: one cannot be imported, or is no `Autopilot`.
+    """
+    found = list[Autopilot]()
+    for entry in entry_points(group="ipoa_mission.vehicles"):
+        try:
+            vehicle = entry.load()
+        except (ImportError, AttributeError) as error:
+            raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which fails: {error}") from error
+        if not isinstance(vehicle, Autopilot):
+            raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which is no Autopilot")
+        found.append(vehicle)
+    if not found:
+        raise BadInput("no vehicle is registered among the entry points", hint="install ipoa-mission again")
+    return {one.name: one for one in sorted(found, key=lambda one: (one.rank, one.name))}
+
+
+def registered() -> tuple[Autopilot, ...]:
+    """Return the registered autopilots, the default first."""
+    return tuple(_registered().values())
+
+
+def default_autopilot() -> Autopilot:
+    return registered()[0]
+
+
+def autopilot_named(name: str) -> Autopilot:
+    """Return the autopilot of this name.
+
+    Raises:
+        ValueError: it does not exist.
+
+    >>> autopilot_named("px4") is Autopilot.PX4
+    True
+    """
+    if name in _registered():
+        return _registered()[name]
+    raise ValueError(f"expected {' or '.join(repr(str(one)) for one in registered())}, not {name!r}")
+
+
+def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
+    return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
+
+
+@cache
+def _loaded(address: str) -> Any:
+    module, _, name = address.partition(":")
+    return getattr(import_module(module), name)

@@ -1,0 +1,1 @@
+"""Energy of a flight, and the battery check."""

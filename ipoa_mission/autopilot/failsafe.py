@@ -1,0 +1,149 @@
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, FlightStage
+
+Series = tuple[int, int]
+STATION_LOST = "ground station lost"
+BY_HAND = "by hand"
+"""An order by a pilot or station; an unavailable one is refused."""
+
+
+@dataclass(frozen=True)
+class FailsafeAction:
+    """A contingency, its fallbacks, and remarks in `words`.
+
+    It first holds for `after_s`. `since`: the first series with this value.
+    """
+
+    contingency: Contingency
+    otherwise: tuple[Contingency, ...] = ()
+    words: str = ""
+    after_s: float = 0.0
+    since: Series = (0, 0)
+
+    def in_place(self) -> "FailsafeAction":
+        first, *rest = self.otherwise or (Contingency.CONTINUE,)
+        return replace(self, contingency=first, otherwise=tuple(rest), after_s=0.0)
+
+    def __str__(self) -> str:
+        return " or ".join((self.contingency, *self.otherwise)) + (f" ({self.words})" if self.words else "")
+
+
+GOES_ON = FailsafeAction(Contingency.CONTINUE)
+NO_NUMBER = FailsafeAction(Contingency.UNKNOWN, words="the value is not a number")
+
+
+@dataclass(frozen=True)
+class FailsafeRule:
+    """A cause, its parameter, and the action for each of its values.
+
+    `other` is the action without a `parameter`, and for further values. One of `needs` (name and default) must be above
+    0. `until`: the first series without the rule.
+    """
+
+    cause: str
+    parameter: str
+    default: float
+    answers: Mapping[int, FailsafeAction]
+    other: FailsafeAction
+    needs: Mapping[str, float] = field(default_factory=dict)
+    since: Series = (0, 0)
+    until: Series = (99, 0)
+
+    def value(self, parameters: Parameters) -> float:
+        return parameters.get(self.parameter, self.default) if self.parameter else math.nan
+
+    def looks(self, parameters: Parameters) -> bool:
+        return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
+
+    def answer(self, parameters: Parameters, series: Series) -> FailsafeAction:
+        if not self.looks(parameters):
+            return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
+        value = self.value(parameters)
+        if not self.parameter or not math.isfinite(value):
+            return NO_NUMBER if self.parameter else self.other
+        found = self.answers.get(int(value), self.other)
+        return found if found.since <= series else self.other
+
+    def returns_at(self, series: Series) -> int | None:
+        values = (
+            value for value, one in self.answers.items() if one.contingency is Contingency.RTL and one.since <= series
+        )
+        return next(values, None)
+
+
+@dataclass(frozen=True)
+class Failsafe:
+    """The action for a cause on the `route`, and in stages that differ.
+
+    `returns_at`: the value of `parameter` with RTL.
+    """
+
+    cause: str
+    parameter: str
+    value: float
+    route: FailsafeAction
+    differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)
+    returns_at: int | None = None
+
+    @property
+    def lands_by_choice(self) -> bool:
+        """Return whether it lands although another value would return."""
+        return self.route.contingency is Contingency.LAND and self.returns_at is not None
+
+    def at(self, stage: FlightStage) -> FailsafeAction:
+        return self.differs.get(stage, self.route)
+
+
+@dataclass(frozen=True)
+class StationLoss:
+    """When the station counts as lost: silent for `timeout`, by default `usual` [s].
+
+    `decided_by`: parameters of the action. `heeds`, `heeds_to`: first and last system id that count. A tuple lists
+    names of one parameter.
+    """
+
+    timeout: str
+    usual: float
+    decided_by: tuple[str | tuple[str, ...], ...]
+    heeds: tuple[str, ...] = ()
+    heeds_to: str = ""
+
+    def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
+        """Return the action for a station's id in words; empty if unknown."""
+        lost = next((one for one in failsafes if one.cause == STATION_LOST), None)
+        if lost is None or lost.parameter not in parameters:
+            return ""
+        by = f"{lost.parameter} {lost.value:g}"
+        if lost.route.contingency is Contingency.CONTINUE:
+            also = f", {lost.route.words}" if lost.route.words else ""
+            return f"without its ground station the vehicle continues ({by}{also})"
+        first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
+        if not first <= station <= max(first, int(parameters.get(self.heeds_to, first))):
+            return f"{by} counts for station {first}, not for this one ({station})"
+        seconds = parameters.get(self.timeout, self.usual)
+        return f"{seconds:g} s without its ground station lead to {lost.route} ({by})"
+
+
+def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
+    return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(contingency)) for contingency in contingencies)
+
+
+@dataclass(frozen=True)
+class FenceLimit:
+    """A limit [m] and its parameter; infinite: none."""
+
+    name: str
+    value: float
+
+
+@dataclass(frozen=True)
+class OwnFence:
+    """Distance from home, and heights between take-off and landing [m]."""
+
+    radius: FenceLimit
+    ceiling: FenceLimit
+    floor: FenceLimit

@@ -1,0 +1,231 @@
+"""Properties of mission execution."""
+
+import re
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from ipoa_mission.autopilot.commands import Command
+
+NO_MATCH = re.compile(r"(?!)")
+
+
+@dataclass(frozen=True)
+class ArmingWords:
+    """Patterns of an autopilot's arming texts; the defaults match nothing.
+
+    `begin`: prefix of each reason. `passing`: reasons that clear by themselves.
+    """
+
+    begin: re.Pattern[str] = NO_MATCH
+    passing: re.Pattern[str] = NO_MATCH
+
+    def reasons(self, words: str) -> tuple[str, ...]:
+        return tuple(one for one in words.split("; ") if self.begin.match(one))
+
+    def lasting(self, words: str) -> tuple[str, ...]:
+        return tuple(one for one in self.reasons(words) if not self.passing.search(self.begin.sub("", one, count=1)))
+
+
+NO_ARMING_WORDS = ArmingWords()
+
+
+class WaypointDefaults(NamedTuple):
+    """Hold [s], below which a waypoint may be passed, and radius [m]; 0: its parameter."""
+
+    hold: float = 0.0
+    radius: float = 0.0
+
+
+@dataclass(frozen=True)
+class GuidanceProfile:
+    """Properties of one autopilot's mission mode."""
+
+    flown_on_into: Set[int]
+    """Entered without a stop after a waypoint, unlike other navigation commands."""
+    flies_vtol_items: bool = False
+    """As take-off and landing of a multicopter."""
+    zero_is_here: bool = False
+    """Latitude and longitude 0: the previous place; altitude 0: its height."""
+    stops_to_hold: bool = False
+    """At an item with a hold of 1 s or more; shorter holds are ignored."""
+    stops_at_terrain: bool = False
+    """Between an altitude over terrain and another frame."""
+    flies_splines: bool = False
+    """NAV_SPLINE_WAYPOINT."""
+    climbs_where_it_stands: bool = False
+    """A take-off is vertical."""
+    needs_takeoff: bool = False
+    """On the ground."""
+    least_takeoff: tuple[str, float] | None = None
+    """A parameter [m], and a take-off's margin above it [m]."""
+    own_takeoff: float = 0.0
+    """Least height of a take-off [m]."""
+    waits_armed: str = ""
+    """The parameter of the time until it disarms on the ground [s]; empty: never."""
+    waits_until_clock: bool = False
+    """NAV_DELAY without seconds."""
+    terrain_by: str = ""
+    """Arming with items over terrain needs terrain data or this parameter's range finder."""
+    takes_radius: bool = False
+    """The acceptance radius determines where it turns."""
+    first_item: int = 1
+    """In the stored list's jumps."""
+    past_the_end: int = 0
+    """Current item after a shorter list: 0, or -1 for the last."""
+    lands_below_item: bool = False
+    """LAND's slow stretch counts from an item below home."""
+    climb_ends_at_once: bool = False
+    """Within 0.5 m, when a mission is aborted."""
+    climbs_coming_back: bool = False
+    """RTL climbs on its way back to the point of the order."""
+    home_is_where_armed: bool = False
+    """The file's home is ignored."""
+    brakes_after: float = 0.0
+    """Longest delay on an abort [s]. As flown: docs/safety.md."""
+
+
+@dataclass(frozen=True)
+class JumpProfile:
+    """DO_JUMP and DO_JUMP_TAG, read in the source."""
+
+    most: int = 65_535
+    """Jumps with a counter; others are ignored, unless endless."""
+    most_small: int = 65_535
+    """With little memory."""
+    at_once: int = 1_000
+    """Consecutive jumps; one more ends the mission."""
+    most_repeats: int = 65_535
+    repeats_without_end: bool = False
+    """A count of -1."""
+    resets: bool = False
+    """A finished jump jumps again."""
+    kept_by: tuple[str, int] = ("", 0)
+    """A parameter's bit that keeps a finished jump's counter."""
+    looks_past_jumps: bool = False
+    """For the next navigation item, past a jump to another item."""
+    queues_actions: bool = False
+    """Only the first action is looked up before the next navigation item, the others after it.
+
+    The counters of that moment count: an action after a finished jump comes one pass early.
+    """
+
+
+@dataclass(frozen=True)
+class ProtocolProfile:
+    forgets_at_count: bool = False
+    """A transfer deletes the old mission or rally points first; a fence is replaced at its end."""
+    judges_later: bool = False
+    """A transfer deletes the old mission or rally points first; a fence is replaced at once."""
+    starts_by_command: bool = False
+    """Once armed it waits for MISSION_START."""
+    pauses_in_mission: bool = False
+    """By DO_PAUSE_CONTINUE."""
+    takes_mission_file: bool = False
+    """Over MAVFTP."""
+    boots_slowly: bool = False
+    """It answers before its storage is read."""
+    tells_items: bool = False
+    """In status texts."""
+    parameters_by_name: bool = False
+    """The answer has no index."""
+    keeps_types: bool = False
+    """A set with another type has no effect."""
+    limits_are_bits: str = ""
+    """The parameter of its own fence's limits."""
+    arming_words: ArmingWords = NO_ARMING_WORDS
+    widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
+    """The hint for a fence that is too narrow."""
+
+
+def mode_number(main: int, sub: int = 0) -> int:
+    return main << 16 | sub << 24
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Custom modes of one autopilot.
+
+    `arming`: armed in it. `hold`: keeps its place without a pilot. `returning`: RTL. `returns`, `lands`: all such
+    modes.
+    """
+
+    mission: int
+    arming: int
+    hold: int
+    returning: int
+    returns: frozenset[int]
+    lands: frozenset[int]
+    names: Mapping[int, str]
+    has_sub_modes: bool = False
+
+    def name(self, custom_mode: int) -> str:
+        return self.names.get(custom_mode, f"mode {custom_mode}")
+
+    def does_next(self, custom_mode: int) -> str:
+        if custom_mode == self.mission:
+            return "it continues its mission"
+        if custom_mode in self.returns:
+            return "it returns home and lands"
+        if custom_mode in self.lands:
+            return "it lands where it is"
+        return "it stays in this mode"
+
+    def numbers(self, custom_mode: int) -> tuple[float, ...]:
+        return (custom_mode >> 16 & 0xFF, custom_mode >> 24) if self.has_sub_modes else (custom_mode,)
+
+    def ordered(self, main: float, sub: float) -> int:
+        return mode_number(int(main) & 0xFF, int(sub) & 0xFF) if self.has_sub_modes else int(main)
+
+
+#: Cameras, mounts, servos, messages.
+EQUIPMENT = frozenset({
+    Command.NAV_ROI, Command.DO_SET_RELAY, Command.DO_REPEAT_RELAY, Command.DO_SET_SERVO, Command.DO_REPEAT_SERVO,
+    Command.DO_SET_ACTUATOR, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI_WPNEXT_OFFSET, Command.DO_SET_ROI_NONE,
+    Command.DO_CONTROL_VIDEO, Command.DO_SET_ROI, Command.DO_DIGICAM_CONFIGURE, Command.DO_DIGICAM_CONTROL,
+    Command.DO_MOUNT_CONFIGURE, Command.DO_MOUNT_CONTROL, Command.DO_SET_CAM_TRIGG_DIST, Command.DO_GRIPPER,
+    Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SPRAYER, Command.DO_SEND_SCRIPT_MESSAGE, Command.OBLIQUE_SURVEY,
+    Command.SET_CAMERA_MODE, Command.SET_CAMERA_ZOOM, Command.SET_CAMERA_FOCUS, Command.SET_CAMERA_SOURCE,
+    Command.DO_GIMBAL_MANAGER_PITCHYAW, Command.DO_GIMBAL_MANAGER_CONFIGURE, Command.IMAGE_START_CAPTURE,
+    Command.IMAGE_STOP_CAPTURE, Command.DO_TRIGGER_CONTROL, Command.VIDEO_START_CAPTURE, Command.VIDEO_STOP_CAPTURE,
+    Command.DO_WINCH,
+})  # fmt: skip
+#: Labels and jumps.
+MARKS = frozenset({
+    Command.DO_JUMP, Command.JUMP_TAG, Command.DO_JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
+})  # fmt: skip
+SIMPLE = frozenset({
+    Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_RETURN_TO_LAUNCH,
+    Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_DELAY, Command.DO_CHANGE_SPEED,
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class WayKnown:
+    """Commands by effect; all others make the path unknown."""
+
+    flown: Set[int] = SIMPLE
+    still: Set[int] = EQUIPMENT
+    """Without effect."""
+    why: Mapping[int, str] = field(default_factory=dict)
+    unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
+    """Predicates on params without effect."""
+
+    def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
+        if command in self.flown or command in self.still or command in MARKS:
+            return None
+        if command in self.unless and self.unless[command](params):
+            return None
+        return self.why.get(command, "its path is not modeled")
+
+
+class FlownCircle(NamedTuple):
+    """`radius` [m], the lag `behind` at the end [rad], the way it `runs_on` until it stops [m].
+
+    `sense`: 1 clockwise, -1 counterclockwise, 0 as in the item.
+    """
+
+    radius: float
+    behind: float
+    runs_on: float
+    sense: float = 0.0

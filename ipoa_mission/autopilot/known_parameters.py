@@ -1,0 +1,85 @@
+"""Check parameter names."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.errors import BadInput
+
+
+def known_parameters() -> frozenset[str]:
+    return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
+
+
+def known_names() -> frozenset[str]:
+    return frozenset(name for one in registered() for name in one.parameter_names)
+
+
+def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
+    """Unknown names pass.
+
+    Raises:
+        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`.
+    """
+    for name in names:
+        other = None if name in autopilot.parameter_names else firmware_of([name])
+        if other is not None:
+            counterpart = _counterpart(name, other, autopilot)
+            words = f"expected a parameter of {autopilot}, not of {other}"
+            raise BadInput(words, hint=f"{autopilot} has {counterpart} for that" if counterpart else None, place=name)
+
+
+def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
+    """Refuse names that a person wrote and the autopilot, or any if None, does not know.
+
+    Raises:
+        BadInput: the hint is the closest known name.
+    """
+    if autopilot is not None:
+        expect_own(names, autopilot)
+    existing = known_names() if autopilot is None else autopilot.parameter_names
+    for name in names:
+        if name not in existing:
+            near = get_close_matches(name, sorted(existing), 1)
+            words = "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else "")
+            hint = f"did you mean {near[0]}?" if near else None
+            raise BadInput(words, place=name, hint=hint, code="unknown-parameter")
+
+
+def translated(
+    parameters: Parameters, other: Autopilot, autopilot: Autopilot
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Only equal quantities above 0 have a counterpart; return also remarks.
+
+    >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
+    {'RTL_RETURN_ALT': 65.0}
+    """
+    given, left_out, words = dict[str, float](), list[str](), list[str]()
+    for name, value in parameters.items():
+        ((old, there),) = other.book.by_old_names({name: value}).items()
+        counterpart = _counterpart(name, other, autopilot)
+        if name in autopilot.parameter_names:
+            given[name] = value
+        elif counterpart in autopilot.book.units and old in other.book.units and value > 0.0:
+            given[counterpart] = round(there * other.book.units[old] / autopilot.book.units[counterpart], 6)
+            words.append(f"{counterpart} = {given[counterpart]:g} for {name} = {value:g}")
+        else:
+            left_out.append(name)
+    said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
+    return given, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
+
+
+def firmware_of(names: Iterable[str]) -> Autopilot | None:
+    """Return that of the first known parameter.
+
+    >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
+    <Autopilot ardupilot>
+    """
+    return next((one for name in names for one in registered() if name in one.parameter_names), None)
+
+
+def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
+    old = next(iter(other.book.by_old_names({name: 0.0})))
+    meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
+    return autopilot.book.meanings.get(meaning, "")

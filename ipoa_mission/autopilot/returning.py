@@ -1,0 +1,81 @@
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+
+class Contingency(StrEnum):
+    """An action that replaces the rest of the mission."""
+
+    RTL = "rtl"
+    """Home or a rally point, by `Autopilot.return_route` and `return_height`."""
+    LAND = "land"
+    """In place."""
+    SMART_RTL = "smart_rtl"
+    """Back along the flown path."""
+    HOLD = "hold"
+    """Until a new order or an empty battery."""
+    CONTINUE = "continue"
+    LAND_START = "land_start"
+    """To the mission's landing."""
+    TERMINATE = "terminate"
+    """The motors stop; the vehicle falls."""
+    UNKNOWN = "unknown"
+    """Not modeled; see the action's `words`."""
+
+
+class FlightStage(StrEnum):
+    TAKEOFF = "take-off"
+    ROUTE = "route"
+    RETURN = "return"
+    LANDING = "landing"
+
+
+Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
+
+HOME: Place = (0.0, 0.0, 0.0)
+
+
+def level_distance(one: Place, other: Place) -> float:
+    return math.hypot(one[0] - other[0], one[1] - other[1])
+
+
+class ReturnBy(StrEnum):
+    DIRECT = "direct"
+    """Climb to the return height, fly straight to home or a rally point."""
+    LANDING = "to the mission's landing"
+    """Climb to the return height, fly straight to the mission's landing."""
+    AHEAD = "ahead along the mission"
+    """Waypoints ahead to the landing, without climbing and other commands."""
+    BACK = "back along the mission"
+    """Waypoints back without climbing, landing at home."""
+    HERE = "here"
+    """Land in place."""
+
+
+@dataclass(frozen=True)
+class ReturnRoute:
+    """A route and its rally point; None: home, or as `by` says."""
+
+    by: ReturnBy
+    rally: int | None = None
+
+
+@dataclass(frozen=True)
+class MissionLanding:
+    """Place of the LAND item, and items ahead and behind.
+
+    `ahead`: from the current item to DO_LAND_START or LAND. `behind`: from the first item.
+    """
+
+    place: Place
+    ahead: int
+    behind: int
+
+
+@dataclass(frozen=True)
+class OverTerrain:
+    """Height error `margin` [m]; `surely`: it never falls back to heights above home."""
+
+    margin: float
+    surely: bool

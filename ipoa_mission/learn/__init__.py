@@ -1,0 +1,1 @@
+"""Learn one vehicle's differences from the simulated one."""

@@ -1,0 +1,90 @@
+"""Fit a vehicle by least squares.
+
+The prior is the simulated vehicle (`PRIOR_DEVIATIONS`). A parameter stays if the flights do not halve its deviation, or
+its interval contains the simulated value.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
+from ipoa_mission.errors import LogUseless
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.learn.powers import learned_powers
+from ipoa_mission.learn.witness import hover_power
+
+NINE_IN_TEN = 1.645  # standard deviations
+KNOWN_SHARE = 0.5  # of the prior deviation
+#: Of logarithms, and of delays [s]; also the slopes' steps.
+PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
+STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
+LOGARITHMIC = frozenset({"drag", "lag"})
+
+
+def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
+    """Unknown parameters are None.
+
+    Raises:
+        MissionError: none is determined.
+    """
+    autopilot = flights[0].mission.autopilot
+    blank = LearnedVehicle(autopilot, flights=len(flights))
+    names = tuple(PRIOR_DEVIATIONS)
+    known = tuple(
+        name
+        for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
+        if deviation < KNOWN_SHARE * PRIOR_DEVIATIONS[name] and abs(value) > NINE_IN_TEN * deviation
+    )
+    power = hover_power([flight.witness for flight in flights])
+    powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
+    if not known and power is None and not powers:
+        raise LogUseless(
+            "the flights show no difference of this vehicle to the simulated one",
+            hint="without attitudes in the log drag shows only near the top speed: fly faster, or add logs",
+        )
+    blank = replace(blank, hover_power=power).with_numbers(powers)
+    values, sure = _solve(flights, blank, known) if known else ((), ())
+    intervals = {
+        name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))
+        for name, value, deviation in zip(known, values, sure, strict=True)
+    }
+    return blank.with_numbers(intervals)
+
+
+def _number(autopilot: Autopilot, name: str, change: float) -> float:
+    simulated = autopilot.part(FlightModel).simulated[name]
+    return simulated * math.exp(change) if name in LOGARITHMIC else simulated + change
+
+
+def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
+    """Return the best changes (k,) and their standard deviations (k,)."""
+    deviations, prior = scatter(flights), np.array([PRIOR_DEVIATIONS[name] for name in names])
+    leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
+    drags = np.array(leaned).reshape(-1, 2)
+
+    def misfit(changes: Vector) -> Vector:
+        values = {name: _number(blank.autopilot, name, change) for name, change in zip(names, changes, strict=True)}
+        vehicle = blank.with_numbers({name: Learned(value, value, value) for name, value in values.items()})
+        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if leaned else np.empty(0)
+        return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
+
+    def slopes(changes: Vector) -> Points:
+        columns = []
+        for n, name in enumerate(names):
+            step = np.zeros(len(names))
+            step[n] = STEPS[name]
+            columns.append((misfit(changes + step) - misfit(changes - step)) / (2 * STEPS[name]))
+        return np.column_stack(columns)
+
+    found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)
+    freedom = max(len(deviations) + len(leaned) - len(names), 1)
+    spread = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * spread
+    return found.x, np.sqrt(np.diag(covariance))

@@ -1,1 +1,0 @@
-"""Learn the differences of one vehicle to the simulated one from logs of its flights."""

@@ -1,0 +1,39 @@
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.options import JsonOption
+from ipoa_mission.cli.output import print_json, print_lines, progress_bar
+from ipoa_mission.files import make_folder
+
+
+def reproduce(
+    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
+    runs: Annotated[
+        int | None, typer.Option("--runs", metavar="N", min=1, help="Runs of each; default: as in the paper.")
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of runs, tables and figures.")] = Path(
+        "reproduction"
+    ),
+    jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2,
+    executor: Annotated[
+        str | None, typer.Option("--executor", metavar="URL", help="A Dask scheduler, as tcp://HOST:PORT.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure a table or figure of the paper again and write it; existing runs are reused.
+
+    Example: `ipoa-mission reproduce table-3 --runs 3`
+    """
+    from ipoa_mission.paper.reproduce import reproduce as measure
+
+    make_folder(out)
+    kept = f"finished runs are in {out}; the same command continues from there"
+    with reporting_interrupt(kept), progress_bar("measuring") as show:
+        files = measure(what, runs, out, jobs, executor, show)
+    if as_json:
+        print_json({"written": [str(file) for file in files]})
+    else:
+        print_lines(*(f"written: {file}" for file in files))

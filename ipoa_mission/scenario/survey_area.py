@@ -1,0 +1,126 @@
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput, InvalidRing, Remedy
+from ipoa_mission.geometry import Points
+
+LEAST_M2 = 1e-3
+INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
+ARC = 64  # segments of a quarter circle
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """Disjoint polygons with holes [m from home]; `shape` is a valid `shapely.MultiPolygon`.
+
+    Example:
+        >>> field = [[0.0, 0.0], [90.0, 0.0], [90.0, 60.0], [0.0, 60.0]]
+        >>> pond = [[20.0, 20.0], [30.0, 20.0], [30.0, 30.0]]
+        >>> Area.of([[field, pond]]).shape.area
+        5350.0
+    """
+
+    shape: shapely.MultiPolygon
+
+    @classmethod
+    def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
+        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON. Raises BadInput."""
+        if not len(parts):
+            raise InvalidRing("expected one polygon or more", place=where)
+        polygons = [_polygon(rings, f"{where}[{n}]", n) for n, rings in enumerate(parts)]
+        for n, polygon in enumerate(polygons):
+            for m, other in enumerate(polygons[:n]):
+                _expect_apart(where, (n, polygon), (m, other))
+        return cls(shapely.MultiPolygon(polygons))
+
+    def without(self, keep_out: Any | None) -> Any:
+        return self.shape if keep_out is None else self.shape.difference(keep_out)
+
+    def visible(self, keep_out: Any | None, width: float) -> Any:
+        """Return the part within half a width of permitted lines."""
+        if keep_out is None:
+            return self.shape
+        inner = self.without(keep_out).buffer(-INSET, join_style="mitre")
+        return self.shape.intersection(inner.buffer(width / 2, quad_segs=ARC))
+
+
+def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str, part: int) -> shapely.Polygon:
+    if not len(rings):
+        raise InvalidRing("expected a ring of corners", place=where)
+    names = [f"{where}[{n}]" for n in range(len(rings))]
+    outer, *holes = [_ring(ring, name) for ring, name in zip(rings, names, strict=True)]
+    bare = shapely.Polygon(outer)
+    solid = [shapely.Polygon(hole) for hole in holes]
+    for n, hole in enumerate(solid):
+        name = names[n + 1]
+        if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
+            words = f"expected a hole inside of its outer ring {names[0]}, but it lies outside"
+            raise BadInput(words, code="ring-misplaced", place=name, remedies=(Remedy(("polygon", part, n + 1)),))
+        for m, other in enumerate(solid[:n]):
+            if hole.within(other) or other.within(hole):
+                inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
+                raise BadInput(
+                    f"expected no ring inside of the hole {names[around]}: islands are not surveyed",
+                    code="ring-misplaced",
+                    place=names[inner],
+                    remedies=(Remedy(("polygon", part, inner)),),
+                )
+    left = bare
+    for hole in solid:
+        left = left.difference(hole)
+    if left.area < LEAST_M2:
+        raise InvalidRing("expected some area, but its holes cover all of it", place=where)
+    if left.geom_type != "Polygon":
+        raise InvalidRing("expected an area in one piece, but its holes cut it; give each piece as a part", place=where)
+    return left
+
+
+def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
+    try:
+        corners = np.asarray(ring, float)
+    except (TypeError, ValueError):
+        corners = np.empty(0)
+    if corners.ndim != 2 or corners.shape[1:] != (2,):
+        raise InvalidRing("expected corners as pairs of numbers, east and north [m]", place=where)
+    for n in np.flatnonzero(~np.isfinite(corners).all(axis=1)):
+        raise InvalidRing("expected finite numbers", place=f"{where}[{n}]")
+    if len(corners) > 1 and (corners[0] == corners[-1]).all():
+        corners = corners[:-1]
+    for n in np.flatnonzero((corners == np.roll(corners, 1, axis=0)).all(axis=1)):
+        raise InvalidRing("expected another corner than the one before", place=f"{where}[{n}]")
+    if len(corners) < 3:
+        raise InvalidRing(f"expected three corners or more, not {len(corners)}", place=where)
+    polygon = shapely.Polygon(corners)
+    if not polygon.is_valid:
+        if polygon.buffer(0.0).area < LEAST_M2 and np.linalg.matrix_rank(corners - corners[0], 1e-9) < 2:
+            raise InvalidRing("expected a ring with an area, but its corners lie on one line", place=where)
+        why = shapely.is_valid_reason(polygon)
+        place = why[why.find("[") :] if "[" in why else ""
+        words = f"expected a ring that does not cross or touch itself, but it does at {place} [m]"
+        raise InvalidRing(words, place=where)
+    if polygon.area < LEAST_M2:
+        raise InvalidRing("expected a ring with an area", place=where)
+    return corners
+
+
+def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
+    (here, polygon), (there, other) = parts
+    if polygon.intersection(other).area > LEAST_M2:
+        words = f"expected parts that do not overlap, but it overlaps {where}[{there}]"
+        raise BadInput(words, code="ring-misplaced", place=f"{where}[{here}]", remedies=(Remedy(("polygon", here)),))
+    for (part, inner), (around, outer) in (parts, parts[::-1]):
+        if any(inner.within(hole) for hole in _holes(outer)):
+            raise BadInput(
+                f"expected no part inside of a hole of {where}[{around}]: islands are not surveyed",
+                code="ring-misplaced",
+                place=f"{where}[{part}]",
+                remedies=(Remedy(("polygon", part)),),
+            )
+
+
+def _holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:
+    return (shapely.Polygon(ring) for ring in polygon.interiors)

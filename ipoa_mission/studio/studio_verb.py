@@ -1,0 +1,98 @@
+import webbrowser
+from contextlib import suppress
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_packed
+from ipoa_mission.cli.output import print_json, print_lines
+from ipoa_mission.errors import BadInput, MissionError
+
+LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
+
+
+def studio(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            callback=lambda path: None if path is None else or_packed(path),
+            help="Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); default: the start page.",
+        ),
+    ] = None,
+    home: Annotated[
+        tuple[float, float, float] | None,
+        typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario with this home: degrees, metres AMSL."),
+    ] = None,
+    port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any free port.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
+    tiles: Annotated[
+        str | None,
+        typer.Option(
+            "--tiles",
+            metavar="URL|FILE",
+            help="Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; `none` "
+            "forgets it.",
+        ),
+    ] = None,
+    attribution: Annotated[
+        str | None, typer.Option("--attribution", metavar="WORDS", help="Attribution of the map, shown on it.")
+    ] = None,
+    world: ScenarioOption = None,
+    seed: SeedOption = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Plan on a map in the browser: draw, drag, prove, fly. The page is for this user on this machine only.
+
+    Ctrl-C ends it. With `--json` one line gives its address.
+
+    Example: `ipoa-mission studio missions/campus.toml`
+    """
+    missing = [name for name in LIBRARIES if find_spec(name) is None]
+    if missing:
+        words = f"the studio needs {', '.join(missing)}"
+        raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
+    from ipoa_mission.studio.bundle import built_page
+    from ipoa_mission.studio.tiles import chosen_tiles
+    from ipoa_mission.studio.web_server import serve
+
+    page = built_page((lambda words: None) if as_json else print_lines)
+    file = Path("mission.toml") if file is None and home is not None else file
+    if file is not None and (home is not None or not file.exists()):
+        _begin(file, home)
+
+    source = chosen_tiles(tiles, attribution)
+
+    def tell_address(address: str) -> None:
+        if as_json:
+            print_json({"file": None if file is None else str(file), "address": address}, indent=None)
+        else:
+            name = "the start page" if file is None else file.name
+            print_lines(f"{name} is open at {address}", "Ctrl-C ends it; anyone with this address can plan and fly")
+            if source is not None:
+                print_lines(
+                    f"map tiles: {source.origin or source.shown.attribution} (remembered; --tiles none forgets them)"
+                )
+        if browser:
+            webbrowser.open(address)
+
+    with suppress(KeyboardInterrupt):  # the regular end
+        serve(file, page, port, seed, tell_address, source, world)
+
+
+def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
+    """Write a new scenario with a goal north of home. Raises BadInput."""
+    from ipoa_mission.studio.lobby import begin_scenario
+
+    if home is None:
+        raise BadInput(
+            "expected a scenario: no such file",
+            hint="a new one begins at home: --new LAT LON ALT; or from a map: ipoa-mission new",
+            place=target,
+        )
+    if target.exists():
+        words = f"{target} exists"
+        raise BadInput(words, hint="omit --new, or name another file", code="already-there", place="--new")
+    begin_scenario(target, home)

@@ -1,0 +1,380 @@
+import logging
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from pydantic import ValidationError
+from threadpoolctl import threadpool_limits
+
+from ipoa_mission.checks.unread_check import expect_plannable
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, passed_over_as_json, rounded
+from ipoa_mission.flight.written import as_text, write_files
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
+from ipoa_mission.mission.landing_ground import landing_height
+from ipoa_mission.mission.waypoints_file import left_out
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.routing.planned_returns import planned_returns
+from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.other_home import nearest_start
+from ipoa_mission.scenario.survey_section import SurveySection, with_survey
+from ipoa_mission.survey.resume import is_along
+from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
+from ipoa_mission.unread import unread_as_json
+from ipoa_mission.wind import Wind
+from ipoa_mission.world.frame import Geodetic
+
+if TYPE_CHECKING:
+    from ipoa_mission.logs.flight_log import FlightLog
+
+#: The system id chooses one vehicle of a log.
+Flown: TypeAlias = str | Path | tuple[str | Path, int]
+UNSURE_CODE = "battery-unsure"
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, repr=False)
+class Survey:
+    """A planned survey; `plan_survey` makes it.
+
+    Attributes:
+        plan: lines, coverage, and flights.
+        seed: of the random numbers.
+        remarks: notes for the user.
+    """
+
+    plan: SurveyPlan
+    seed: int
+    remarks: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Survey {self.name}: {len(self.plan.tour.swaths)} lines, {len(self.flights)} flights>"
+
+    @property
+    def name(self) -> str:
+        return self.plan.scenario.name
+
+    @property
+    def flights(self) -> tuple[Forecast, ...]:
+        return tuple(flight.forecast for flight in self.plan.flights)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return NAME, or NAME-1, NAME-2, ..."""
+        count = len(self.flights)
+        return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Return the remarks that are no findings."""
+        warned = {*_messages_of_flights(self.plan, _warned), *_more_flights(self.plan)}
+        return tuple(words for words in self.remarks if words not in warned)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Return the warnings of its checks, then their hints."""
+        messages = _messages_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
+        hints = (*_messages_of_flights(self.plan, _hints), *_more_flights(self.plan))
+        return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
+
+    def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
+        of_flights, own = {*_messages_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
+        return (*own, *(words for words in self.notes if words not in of_flights))
+
+    @property
+    def total_s(self) -> float:
+        return sum(forecast.estimate.total_s for forecast in self.flights)
+
+    def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write .plan, .waypoints and .json of each flight, and NAME.json; the same survey gives the same bytes.
+
+        Raises:
+            BadInput: the folder cannot be written.
+        """
+        make_folder(folder := Path(folder))
+        written, digests = list[Path](), dict[str, str]()
+        for name, forecast in zip(self.names, self.flights, strict=True):
+            of_part = {"name": name, "version": version("ipoa-mission"), **_about(forecast)}
+            files, own = write_files(forecast.mission, folder, name, of_part if name != self.name else self.summary())
+            written += files
+            digests |= own
+        if len(self.flights) > 1:
+            about = folder / f"{self.name}.json"
+            write_atomically(about, as_text(self.summary() | {"sha256": digests}))
+            written.append(about)
+        return tuple(written)
+
+    def summary(self) -> dict[str, object]:
+        """Return NAME.json in meters, seconds and watt hours."""
+        plan, first = self.plan, self.flights[0]
+        firmware = first.mission.autopilot.facts(first.mission.firmware_version)
+        return {
+            "name": self.name,
+            "version": version("ipoa-mission"),
+            "seed": self.seed,
+            **({"wind": first.wind.as_json()} if first.wind.strongest > 0 else {}),
+            **(_about(first) if len(self.flights) == 1 else {"firmware": firmware}),
+            "survey": survey_as_json(plan, self.names),
+            "remarks": list(self.remarks),
+            "passed_over": passed_over_as_json(plan.scenario),
+            "unread": unread_as_json(plan.scenario.unread),
+        }
+
+    def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write a page for each flight, and one for several.
+
+        Raises:
+            BadInput: a file cannot be written.
+        """
+        from ipoa_mission.report.page import report_html
+        from ipoa_mission.survey.survey_panel import survey_html, survey_panel
+
+        panel, pages = survey_panel(self.plan, self.names), list[Path]()
+        if len(self.flights) > 1:
+            pages.append(Path(folder) / f"{self.name}.html")
+            write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
+        for name, flight in zip(self.names, self.plan.flights, strict=True):
+            page = report_html(flight.forecast, None, None, self._notes_of(flight), flight.findings, panel)
+            pages.append(Path(folder) / f"{name}.html")
+            write_atomically(pages[-1], page)
+        return tuple(pages)
+
+
+def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
+    seen, sight, flown = plan.coverage, plan.sight, plan.flown
+    return {
+        "lines": len(plan.tour.swaths),
+        "covered_share": rounded(seen.share),
+        "seen_m2": rounded(seen.seen_m2),
+        "outside_m": rounded(seen.outside_m),
+        "as_flown": flown and {"covered_share": rounded(flown.share), "outside_m": rounded(flown.outside_m)},
+        "photos": plan.photos,
+        "line_spacing_m": rounded(sight.spacing),
+        "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
+        "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
+        "overlap": _overlap_as_json(plan),
+        "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
+        "flights": [
+            {
+                "file": f"{name}.plan",
+                "start": _start_as_json(plan, flight),
+                "lines": len(flight.tour.swaths),
+                "photos": sight.photos_of(flight.tour),
+                "time_s": rounded(flight.forecast.estimate.total_s),
+                "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
+                "clearance": clearance_as_json(flight.forecast.promise),
+                **({"findings": findings_as_json(flight.findings)} if flight.findings else {}),
+            }
+            for name, flight in zip(names, plan.flights, strict=True)
+        ],
+    }
+
+
+def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
+    (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
+    return {
+        "east": rounded(east),
+        "north": rounded(north),
+        "latitude_deg": home.latitude_deg,
+        "longitude_deg": home.longitude_deg,
+    }
+
+
+def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
+    if (found := plan.overlaps) is None:
+        return None
+    asked = plan.sight.overlaps
+    return {
+        way: None
+        if least is None
+        else {"least": rounded(least.share), "asked": rounded(asked[n]), "at": [rounded(x) for x in least.at]}
+        for n, (way, least) in enumerate((("front", found.front), ("side", found.side)))
+    }
+
+
+def _about(forecast: Forecast) -> dict[str, Any]:
+    mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
+    return {
+        "firmware": mission.autopilot.facts(mission.firmware_version),
+        "clearance": clearance_as_json(forecast.promise),
+        "items": len(mission.items),
+        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
+        "estimate": {
+            "total_s": rounded(forecast.estimate.total_s),
+            "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
+        },
+        "energy_wh": None if energy is None else rounded(energy.energy_wh),
+        **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
+    }
+
+
+def plan_survey(
+    area: "Points | list[Any] | str | Path | None" = None,
+    camera: str | Mapping[str, Any] | None = None,
+    *,
+    scenario: Scenario,
+    wind: Wind | None = None,
+    seed: int = 0,
+    flown: Sequence[Flown] = (),
+    progress: Progress = silent,
+    **asked: Any,
+) -> Survey:
+    """Plan lines that see an area, and checked, timed flights that fly them, split by battery.
+
+    Args:
+        area: corners as `polygon` of [survey], or a map with polygons; None: the scenario's [survey], changed by
+            `asked`.
+        camera: as in [survey]; None: no photos.
+        scenario: home, world, vehicle and limits.
+        wind: replaces the scenario's.
+        seed: of the random numbers; the same arguments give the same survey.
+        flown: logs (`.tlog`, `.bin`, `.ulg`) of earlier flights of this survey; the rest is planned, with some overlap,
+            as NAME-rest. A pair (log, system id) chooses a vehicle, else the first multicopter counts.
+        progress: called with the share done and a message.
+        asked: other keys of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
+
+    Returns:
+        The survey, whose `write` makes the files.
+
+    Raises:
+        BadInput: a wrong key or map; nothing is left, or nothing was flown.
+        NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
+        NotEnoughBattery: a line cannot be flown with the reserve.
+        Unsafe: a mission fails a check.
+
+    Example:
+        >>> from ipoa_mission import plan_survey, read_scenario
+        >>> field = [[0.0, 40.0], [80.0, 40.0], [80.0, 90.0], [0.0, 90.0]]
+        >>> over = {"line_spacing": 15.0, "height_above_ground": 70.0, "direction_deg": 90.0}
+        >>> survey = plan_survey(field, scenario=read_scenario("missions/sitl.toml"), **over)
+        >>> len(survey.plan.tour.swaths), survey.plan.coverage.share > 0.999
+        (4, True)
+    """
+    if area is not None or camera is not None or asked:
+        scenario = _asking(scenario, area, camera, asked)
+    scenario = scenario if wind is None else scenario.in_wind(wind)
+    expect_plannable(scenario)
+    with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
+        plan = plan_flights(scenario, seed, progress)
+        if flown:
+            whole = plan
+            logs = [_flown_log(log) for log in flown]
+            paths = {name: [*_paths(log, scenario)] for name, log in logs}
+            plan = rest_of(whole, [path for log in paths.values() for path in log], seed)
+            plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
+    log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
+    before = () if not flown else (_flown_words(whole, plan, [*paths]), *_elsewhere(whole, paths), *_of_logs(logs))
+    return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
+
+
+def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
+    from ipoa_mission.logs.flight_log import read_flights  # imports all of the link
+
+    log, system = given if isinstance(given, tuple) else (given, None)
+    return str(log), read_flights(log, system)
+
+
+def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
+    yield from (f"{name}: {remark}" for name, log in logs for remark in log.remarks)
+
+
+def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
+    """Yield paths (n, 3) in mission mode, heights above home."""
+    for flight in log.flights:
+        places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
+        if places:
+            latitude, longitude, height = np.array(places).T
+            home = nearest_start(scenario, Geodetic(*places[0][:2])).frame.home
+            yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
+
+
+def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> str:
+    """Raise BadInput if nothing was flown."""
+    every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
+    if left >= every:
+        raise BadInput("no flight in it follows the lines of this survey", place=", ".join(logs))
+    source = "the log" if len(logs) == 1 else "the logs"
+    return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
+
+
+def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator[str]:
+    for log, flown in paths.items():
+        if not any(is_along(whole.tour, path, whole.sight, whole.scenario.airspace.ground) for path in flown):
+            yield f"{log}: no flight in it follows the lines of this survey"
+
+
+def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
+    given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
+    if area is None:
+        table = ({} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)) | given
+    elif isinstance(area, str | Path):
+        table = given | {"area": area}
+    else:
+        table = given | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
+    try:
+        section = SurveySection.model_validate(table)
+        ends = with_survey({"survey": section}, None)
+        places = Scenario.model_validate({"home": scenario.home, **ends})
+    except ValidationError as error:
+        raise explained(error, table, SurveySection, "survey.") from error
+    changed = {"survey": section, "start": places.start, "goal": places.goal, "via": ()}
+    asking = scenario.model_copy(update=changed)
+    asking.read_maps()
+    return asking
+
+
+def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
+    """Drop repeats; prefix messages of some flights with their numbers."""
+    flights_by_words = dict[str, list[int]]()
+    for n, flight in enumerate(plan.flights, 1):
+        for words in dict.fromkeys(messages_of(flight)):
+            flights_by_words.setdefault(words, []).append(n)
+    for words, numbers in flights_by_words.items():
+        some = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
+        yield words if len(numbers) == len(plan.flights) else some + words
+
+
+def _warned(flight: SurveyFlight) -> Iterator[str]:
+    return (words for finding in flight.findings for words in (finding.message, finding.hint) if words)
+
+
+def _hints(flight: SurveyFlight) -> Iterator[str]:
+    return (finding.hint for finding in flight.findings if finding.hint)
+
+
+def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
+    """Suggest one more flight if one may land on its reserve."""
+    unsure = any(finding.code == UNSURE_CODE for flight in plan.flights for finding in flight.findings)
+    offer = unsure and plan.section.starts is None
+    return () if not offer else (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
+
+
+def _repairs(flight: SurveyFlight) -> Iterator[str]:
+    forecast = flight.forecast
+    yield from climb_for_way_home(forecast.mission)
+    yield from slowed_for_ground(forecast)
+    yield from planned_returns(forecast)
+    yield from left_out(forecast.mission)
+
+
+def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
+    yield from _messages_of_flights(plan, _warned)
+    yield from _more_flights(plan)
+    if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
+        yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
+    if plan.overlaps is not None:
+        yield from plan.overlaps.falls_short(*plan.sight.overlaps)
+    yield from _messages_of_flights(plan, _repairs)
+    starts, used = () if plan.section.starts is None else plan.section.starts, {one.start for one in plan.flights}
+    for n in range(len(starts)):
+        if n not in used:
+            yield f"survey.starts[{n}]: no flight begins there: the other start places are nearer, or quicker"
+    yield from plan.scenario.remarks

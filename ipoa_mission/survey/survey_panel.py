@@ -1,0 +1,115 @@
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+from urllib.parse import quote
+
+import shapely
+
+from ipoa_mission.centimeters import down
+from ipoa_mission.report.number_format import meters, number, seconds
+from ipoa_mission.report.page import page_of
+from ipoa_mission.report.panels.headline import verdict, warnings
+from ipoa_mission.report.seen import dangers, follow
+from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
+
+MARGIN = 0.03  # of the map
+HUES = (210, 35, 285, 150, 325, 75)  # far apart and far from the red of gaps [deg]
+HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
+
+
+def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
+    """`names`: of the flights' files."""
+    seen, area = plan.coverage, plan.area.shape
+    overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
+    flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
+    note = (
+        f"{number(down(100 * seen.share), 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by "
+        f"lines {meters(plan.sight.spacing, 1)} apart; shaded is what is seen; a color for each flight, by the table "
+        f"below; gaps in red."
+        f"{flown}{overlap}"
+    )
+    return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
+
+
+def _map(plan: SurveyPlan) -> str:
+    west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
+    margin = MARGIN * (east - west)
+    west, south, width, height = west - margin, south - margin, east - west + 2 * margin, north - south + 2 * margin
+    frame = shapely.box(west, south, west + width, south + height)
+    outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
+    stroke = max(width, height) / 400
+    layers = [
+        f'<path d="{_rings(plan.area.shape)}" fill="currentColor" fill-opacity=".08" stroke="currentColor" '
+        f'stroke-width="{stroke:.2f}" fill-rule="evenodd"/>',
+        f'<path class="zone" d="{_rings(outside)}" style="fill:none;stroke-width:{stroke:.2f}"/>',
+    ]
+    seen = plan.coverage.seen.simplify(stroke / 10)
+    layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
+    for n, flight in enumerate(plan.flights):
+        lines = "".join(
+            f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ((s.begin, s.end) for s in flight.tour.swaths)
+        )
+        ways = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in way) for way in flight.tour.ways)
+        color = f"stroke:{_hue(n)};fill:none"
+        layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
+        dashes = f"stroke-dasharray:{3 * stroke:.1f}"
+        layers.append(f'<path d="{ways}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
+    layers.append(f'<path d="{_rings(plan.coverage.gaps)}" style="fill:var(--bad)"/>')
+    return (
+        f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="what is seen, north up" '
+        f'style="width:100%;max-height:70vh"><g transform="translate({-west:.3f} {south + height:.3f}) scale(1 -1)">'
+        f"{''.join(layers)}</g></svg>"
+    )
+
+
+def _hue(flight: int) -> str:
+    return f"hsl({HUES[flight % len(HUES)]} 65% {48 if flight // len(HUES) % 2 == 0 else 30}%)"
+
+
+def _rings(shape: Any) -> str:
+    polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
+    rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
+    return "".join(
+        "M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in ring) + "Z" for ring in rings if len(ring)
+    )
+
+
+def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
+    head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
+    rows = ""
+    for n, (name, flight) in enumerate(zip(names, plan.flights, strict=True)):
+        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        photos = plan.sight.photos_of(flight.tour)
+        cells = (
+            str(len(flight.tour.swaths)),
+            str(photos),
+            seconds(flight.forecast.estimate.total_s),
+            "" if energy is None else number(energy.energy_wh, 1),
+            "" if kept is None else f"{meters(kept.kept)} to {escape(kept.to)}",
+        )
+        head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(name)}</th>'
+        rows += f"<tr>{head_of}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+    return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+
+
+def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
+    """`names`: of the flights' files in the same folder."""
+    whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
+    flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
+    parts = {
+        "title": escape(plan.scenario.name),
+        "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
+        "warnings": warnings([], [], remarks, plan.scenario.remarks),
+        "survey": survey_panel(plan, names),
+        "flights": flights,
+    }
+    return page_of("survey.html", parts)
+
+
+def _flight(flight: SurveyFlight, name: str) -> str:
+    forecast = flight.forecast
+    course = follow(forecast.estimate.track, forecast.world.airspace)
+    proof = forecast.proof_if_known
+    judged = verdict(proof, forecast.promise_if_known, dangers(course, forecast.world), flight.findings)
+    link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
+    return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

@@ -1,1 +1,0 @@
-"""Energy consumption of a flight, and the battery check."""
