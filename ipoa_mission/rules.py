@@ -246,6 +246,11 @@ RULES: Mapping[str, Rule] = {
         "Follow the hint. If it limits nothing, ignore this code with `--ignore` or `safety.ignore`.",
         False,
     ),
+    "readers-differ": Rule(
+        "GDAL finds other shapes in a map.",
+        "Look at them.",
+        False,
+    ),
     "fast-touchdown": Rule(
         "The vehicle touches down above its landing speed, on ground that is higher than home.",
         "Set the parameters in the hint.",

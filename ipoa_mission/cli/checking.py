@@ -213,7 +213,6 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
 
 
 def _risk(share: float, cost_s: float) -> str:
-    """Return "17 %, 11 s"."""
     return f"{100 * share:.0f} %, {cost_s:.0f} s" if share else ""
 
 

@@ -1,4 +1,5 @@
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -101,7 +102,7 @@ def compare(
     if picture is not None and rows[0].held is not None:
         _draw(rows[0].held, picture, (file or log).stem)
     landed = (words for row in rows if row.held for words in landed_elsewhere(row.held.forecast, row.record))
-    remarks = [*beside, *flown.remarks, *_remarks(rows, log, world), *landed]
+    remarks = [*beside, *flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
@@ -113,13 +114,8 @@ def compare(
         print_lines(*(f"written: {path}" for path in drawn))
     elif not useless:
         flights = [_as_json(row) for row in rows]
-        about = {
-            "autopilot": flown.autopilot.name,
-            "version": flown.version,
-            "model": beyond,
-            "remarks": remarks,
-            "written": drawn,
-        }
+        about = {"autopilot": flown.autopilot.name, "version": flown.version, "model": beyond, "written": drawn}
+        about["remarks"] = [*remarks, *_flights_remarks(rows)]
         print_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
     if useless:
         raise error
@@ -159,15 +155,18 @@ def _useless(rows: list[_Row], log: Path) -> str:
 
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     several = len(rows) > 1
-    remarks = [
-        f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate"
-        for row in rows
-        if row.held is None and row.flight.in_mission
-    ]
+    alone = [row for row in rows if row.held is None and row.flight.in_mission]
+    remarks = [f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate" for row in alone]
     if world is not None:
         remarks += list(world.remarks)
         remarks += [f"flight {row.number}: no path near {world.name}'s home" for row in rows if row.clearance is None]
     return remarks
+
+
+def _flights_remarks(rows: list[_Row]) -> Iterator[str]:
+    for row in rows:
+        which = f"flight {row.number}: " if len(rows) > 1 else ""
+        yield from (f"{which}{words}" for words in (row.held.remarks if row.held else ()))
 
 
 def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
@@ -186,15 +185,8 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
-    about: dict[str, Any] = {
-        "flight": row.number,
-        "armed_s": round(row.flight.armed_s, 3),
-        "in_mission": row.flight.in_mission,
-    }
-    if row.held is not None:
-        about |= _held_as_json(row.held)
-    else:
-        about |= {"flown_s": _known(row.record.total_s)}
+    about = {"flight": row.number, "armed_s": round(row.flight.armed_s, 3), "in_mission": row.flight.in_mission}
+    about |= {"flown_s": _known(row.record.total_s)} if row.held is None else _held_as_json(row.held)
     if row.clearance is not None:
         about["clearance"] = _clearance_as_json(row.clearance)
     return about

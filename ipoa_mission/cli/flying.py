@@ -71,7 +71,7 @@ def fly(
 
     is_planned = source.suffix.lower() == ".toml"
     if not is_planned:
-        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer, "--ignore": ignore})
+        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer})
     faults = worse.faults()
     link = on_vehicle.link
     _expect_together(on_vehicle, faults)
@@ -101,7 +101,7 @@ def fly(
         expect_plans(out, [scenario.name], report, force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))
     else:
-        job = read_job(source, flown_by)
+        job = read_job(source, flown_by, ignore=ignore or ())
     with in_folder(out):
         planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
         usual = out / f"{job.name}.tlog"
@@ -142,7 +142,6 @@ def _fly_there(
     on_link: LinkOptions,
     as_json: bool,
 ) -> "Piloted":
-    """Return the job with this vehicle's firmware."""
     from ipoa_mission.cli.mission_source import read_job
     from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, print_deviation
 
@@ -150,7 +149,7 @@ def _fly_there(
     begun_with(job, begin)  # raises for an unknown item before connecting
     with no_flight_yet(), connect_to(on_vehicle.link or "", on_link, log) as there:
         if not states_firmware(source, flown_by.autopilot):
-            job = read_job(source, flown_by, there.autopilot)
+            job = read_job(source, flown_by, there.autopilot, job.ignore)
         there.conformance.on_deviation = on_vehicle.on_deviation
         if as_json:
             there.conformance.tell = print_deviation

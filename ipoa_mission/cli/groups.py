@@ -92,8 +92,16 @@ class FlownByOptions:
     ] = None
 
     @cached_property
-    def parameters(self) -> dict[str, float]:
+    def _read(self) -> tuple[dict[str, float], tuple[str, ...]]:
         return read_parameter_options(self.param, self.param_file)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        return self._read[0]
+
+    @property
+    def parameter_remarks(self) -> tuple[str, ...]:
+        return self._read[1]
 
     @cached_property
     def version(self) -> "Version | None":

@@ -10,6 +10,7 @@ from ipoa_mission.cli.options import (
     AutopilotOption,
     FileArgument,
     ForceOption,
+    IgnoreOption,
     JsonOption,
     LinkOption,
     UnmeasuredVersionOption,
@@ -30,6 +31,7 @@ def upload(
     on_link: LinkOptions,
     autopilot: AutopilotOption = None,
     unmeasured_version: UnmeasuredVersionOption = False,
+    ignore: IgnoreOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Put a mission, its fence and rally points on a vehicle, read them back and compare every item.
@@ -43,17 +45,19 @@ def upload(
     from ipoa_mission.cli.reading import read_given
     from ipoa_mission.flight.procedure import upload_mission
     from ipoa_mission.mission.mission_io import read_mission_file
+    from ipoa_mission.rules import expect_ignorable
 
     flown_by = FlownByOptions(autopilot=autopilot, unmeasured_version=unmeasured_version)
-    states = states_firmware(file, autopilot)
+    states, ignored = states_firmware(file, autopilot), expect_ignorable(ignore or ())
     read_mission_file(file, autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
         given = read_given(file, flown_by, None if states else vehicle.autopilot)
         if not on_link.anyway:
-            refuse_errors(given.findings)
+            refuse_errors([finding for finding in given.findings if finding.code not in ignored])
         mission = given.mission
-        remarks = (*given.remarks, *upload_mission(vehicle, mission, anyway=on_link.anyway, stages=stages_shown))
+        sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=stages_shown)
+        remarks = (*given.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}

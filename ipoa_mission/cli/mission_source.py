@@ -1,4 +1,5 @@
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ class Job:
     remarks: tuple[str, ...]
     flight: Flight | None = None
     begun: Forecast | None = None
+    ignore: Sequence[str] = ()
     reserves: list[ReserveNow] = field(default_factory=list)
 
     @property
@@ -44,16 +46,18 @@ class Job:
         return (self.begun or self.forecast).estimate
 
 
-def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Job:
+def read_job(
+    source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
+) -> Job:
     """Read a mission file; `autopilot` is the default. Raises BadInput, Unsafe."""
     given = read_given(source, flown_by, autopilot)
     forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
-    warnings = refuse_errors(check(forecast, read=given.findings))
+    warnings = refuse_errors(check(forecast, ignore, given.findings))
     refuse_unsound(mission)
     timed = forecast.estimate
     of = source, len(mission.items), mission.autopilot
     log.info("%s: %d items for %s, estimated %.1f s%s", *of, timed.total_s, timed.besides)
-    return Job(source.stem, forecast, (*given.remarks, *(finding.message for finding in warnings)))
+    return Job(source.stem, forecast, (*given.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 
 
 def planned(flight: Flight) -> Job:
@@ -86,7 +90,7 @@ def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByO
         expect_own(flown_by.parameters, flies)
         changed["parameters"] = flies.book.overridden(scenario.vehicle.parameters, flown_by.parameters)
     if changed:
-        changes["vehicle"] = scenario.vehicle.model_copy(update=changed)
+        changes["vehicle"] = scenario.vehicle.model_copy(update=changed).remarked(flown_by.parameter_remarks)
     if vehicle is not None:
         changes["vehicle"] = changes.get("vehicle", scenario.vehicle).learned_as(read_vehicle(vehicle, flies))
     return scenario.model_copy(update=changes)

@@ -20,7 +20,7 @@ from ipoa_mission.cli.options import (
     link_option,
     read_parameter_options,
 )
-from ipoa_mission.cli.output import print_json, print_lines
+from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.errors import BadInput, OptionConflict
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def mock(
     from ipoa_mission.simulator.mock_server import serve
 
     address = parse_address(link)
-    given = read_parameter_options(one.param, one.param_file)
+    given, remarks = read_parameter_options(one.param, one.param_file)
     there = mock_setup(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
     if one.firmware_version is not None:
@@ -96,6 +96,7 @@ def mock(
             "altitude_amsl": place.altitude,
         },
         "speedup": speedup,
+        "remarks": list(remarks),
     }
     is_told = False
 
@@ -104,7 +105,10 @@ def mock(
         if not is_told and as_json:
             print_json(about, indent=None)
         elif not is_told:
-            print_lines(f"{there.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+            print_lines(
+                f"{there.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it",
+                *notes(remarks),
+            )
         is_told = True
         return False
 

@@ -46,7 +46,6 @@ def expect_scenario(path: Path) -> Path:
 
 
 def expect_mission(path: Path) -> Path:
-    """Refuse a scenario. Raises BadInput."""
     if path.suffix.lower() == ".toml":
         words = "expected a mission (.plan, .waypoints), not a scenario"
         raise WrongSuffix(words, hint=f"first: ipoa-mission plan {quote(str(path))}", place=path)
@@ -180,17 +179,15 @@ def read_wind_option(given: str | None) -> "Wind | None":
     return Wind(speed, from_deg)
 
 
-def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:
-    """Return the file's parameters, overridden by the command line's. Raises BadInput."""
-    parameters: dict[str, float] = {}
+def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Return the file's parameters, overridden by the command line's, and remarks. Raises BadInput."""
+    parameters, remarks = dict[str, float](), tuple[str, ...]()
     if file is not None:
-        from ipoa_mission.cli.output import notes, shown
         from ipoa_mission.mission.parameter_file import read_parameter_file
 
         read = read_parameter_file(file)
         parameters.update(read.parameters)
-        for note in notes(thing.words for thing in read.unread):
-            typer.echo(shown(note), err=True)
+        remarks = tuple(thing.words for thing in read.unread)
     for text in given or ():
         name, equals, value = text.partition("=")
         try:
@@ -199,7 +196,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
         except ValueError:
             raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}") from None
         parameters[_known(name.strip().upper())] = number
-    return parameters
+    return parameters, remarks
 
 
 def _known(name: str) -> str:

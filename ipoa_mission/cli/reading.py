@@ -1,4 +1,4 @@
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,7 +40,8 @@ def read_given(
     if len(has_version) == 1:
         (otherwise,) = has_version
     read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
-    mission, remarks = read.mission, tuple(finding.message for finding in read.findings)
+    findings = read.findings if world is None else (*read.findings, *_two_readers(world))
+    mission, remarks = read.mission, tuple(finding.message for finding in findings)
     remarks += taken_for(read)
     if flown_by.version is not None:
         others = [one for one in has_version if one is not mission.autopilot]
@@ -55,11 +56,18 @@ def read_given(
         remarks += (f"parameters from {parameter_path(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
-    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
+    remarks += flown_by.parameter_remarks
+    return Given(mission.with_parameters(flown_by.parameters), findings, remarks, read.planned)
+
+
+def _two_readers(world: "Scenario") -> Iterator[Finding]:
+    from ipoa_mission.maps.second_reader import differences
+
+    for file in dict.fromkeys(one.file for one in world.maps):
+        yield from differences(file)
 
 
 def taken_for(read: "MissionFile") -> tuple[str, ...]:
-    """Return for which autopilot a file without one was read, and why."""
     if read.taken_for is None:
         return ()
     why = read.taken_for or "the file does not name its autopilot"

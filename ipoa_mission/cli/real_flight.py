@@ -39,7 +39,6 @@ def no_flight_yet() -> Iterator[None]:
 
 
 def print_deviation(deviation: Deviation) -> None:
-    """Print at once, as one line of JSON."""
     print_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
@@ -63,6 +62,7 @@ def fly_there(
             job.forecast,
             first=first,
             anyway=anyway,
+            ignore=job.ignore,
             set_params=set_params,
             stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
             remark=remarks.append,

@@ -2,6 +2,7 @@
 
 import logging
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
@@ -134,13 +135,14 @@ def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
         raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 
 
-def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tuple[str, ...]:
+def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore: Iterable[str] = ()) -> tuple[str, ...]:
     """Check a mission against this vehicle; send nothing.
 
     Args:
         vehicle: from `connect`.
         mission: to fly.
         anyway: return failed checks as remarks, except an unmeasured firmware version.
+        ignore: codes of findings to leave out.
 
     Returns:
         Remarks for the user.
@@ -163,7 +165,7 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
             code="other-autopilot",
         )
     aboard, remarks_aboard = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
-    findings = (*remarks_aboard, *check_mission(aboard))
+    findings = (*remarks_aboard, *check_mission(aboard, ignore=ignore))
     refuse_errors([finding for finding in findings if not anyway or finding.code == NOT_MEASURED])
     there = _home_of(vehicle)
     return (

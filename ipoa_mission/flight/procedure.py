@@ -1,10 +1,10 @@
 """The one safe procedure to upload and fly a mission."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
@@ -50,7 +50,7 @@ def unseen(stage: Stage) -> AbstractContextManager[Progress]:
 
 
 def upload_mission(
-    vehicle: Vehicle, mission: Mission, *, anyway: bool = False, stages: Stages = unseen
+    vehicle: Vehicle, mission: Mission, *, anyway: bool = False, ignore: Iterable[str] = (), stages: Stages = unseen
 ) -> tuple[str, ...]:
     """Check a mission against this vehicle, upload it, and verify each list.
 
@@ -58,6 +58,7 @@ def upload_mission(
         vehicle: from `connect`.
         mission: for this vehicle's autopilot, unless `anyway`.
         anyway: return failed checks as remarks.
+        ignore: codes of findings to leave out.
         stages: shows each stage's progress.
 
     Returns:
@@ -73,27 +74,23 @@ def upload_mission(
         ...     upload_mission(vehicle, read_mission("missions/sitl.plan"))
         ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
     """
-    remarks, others, lacking = _put(vehicle, mission, anyway, stages)
-    return (*remarks, *map(str, others), *lacking)
+    with stages(Stage.CHECK):
+        remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
+    idle, others, lacking = _put(vehicle, mission, anyway, stages)
+    return (*remarks, *left.values(), *idle, *map(str, others), *lacking)
 
 
 def _put(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, is_flown: bool = False
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
-    """Also return differing and missing parameters."""
-    with stages(Stage.CHECK):
-        remarks = expect_fit(vehicle, mission, anyway)
-        left = left_lists(vehicle, mission)
-        if is_flown and not anyway and MissionType.RALLY in left:
-            hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
-            raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
+    """Return whether its fence is idle, and differing and missing parameters."""
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
     lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *left.values(), *([idle] if idle else [])), others, lacking
+    return (idle,) if idle else (), others, lacking
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
@@ -162,12 +159,14 @@ def fly_forecast(
     *,
     first: int = 0,
     anyway: bool = False,
+    ignore: Iterable[str] = (),
     set_params: bool = False,
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    own = load_mission(vehicle, forecast, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
-    return begin_mission(vehicle, own, first=first, anyway=anyway, stages=stages, remark=remark)
+    how: dict[str, Any] = {"anyway": anyway, "stages": stages, "remark": remark}
+    own = load_mission(vehicle, forecast, ignore=ignore, set_params=set_params, **how)
+    return begin_mission(vehicle, own, first=first, **how)
 
 
 def load_mission(
@@ -175,6 +174,7 @@ def load_mission(
     forecast: Forecast,
     *,
     anyway: bool = False,
+    ignore: Iterable[str] = (),
     set_params: bool = False,
     stages: Stages = unseen,
     remark: Remark = unheard,
@@ -188,10 +188,15 @@ def load_mission(
         _set_parameters(vehicle, mission, remark)
     if not anyway:  # a parameter may be missing or lost
         expect_slow_landing(vehicle, forecast)
-    remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
+    with stages(Stage.CHECK):
+        remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
+        if not anyway and MissionType.RALLY in left:
+            hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
+            raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
+    idle, others, lacking = _put(vehicle, mission, anyway, stages)
     with suppress(NoAnswer):
         vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
-    for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
+    for words in (*remarks, *left.values(), *idle, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
     if not others or mission.autopilot is not vehicle.autopilot:
         return forecast

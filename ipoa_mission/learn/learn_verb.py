@@ -81,7 +81,6 @@ def learn(
 
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
-    """Return usable flights, remarks, and the firmware's version."""
     from ipoa_mission import read_mission
     from ipoa_mission.learn.evidence import flights_in
 

@@ -16,7 +16,6 @@ MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
     0.3,
     3.0,
 )  # of a hover [m/s, m/s, s]
-SECONDS_AN_HOUR = 3600.0
 MAX_WIND_DEVIATION = 1.0  # [m/s]
 MEASURED_SHARE = 0.95  # of a flight
 NINE_IN_TEN = 0.95  # upper quantile
@@ -55,7 +54,7 @@ def witness_of(flight: LoggedFlight) -> Witness:
     try:
         times, watts = flight.measured.power().T
         if np.ptp(times) > MEASURED_SHARE * np.ptp(track.times):
-            energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
+            energy_wh = float(np.trapezoid(watts, times)) / 3600.0
         powers = PowerSeconds.of(times, watts, track, wind)
         hover_w = _in_hover(times, watts, track)
     except MissionError as error:

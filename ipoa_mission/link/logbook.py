@@ -53,6 +53,7 @@ class FlightRecord:
         armed: as last reported.
         in_air: as last reported.
         deviations: from the forecast, also of a completed flight.
+        remarks: on the log that it was read from.
     """
 
     item_reached_s: dict[int, float]
@@ -64,6 +65,7 @@ class FlightRecord:
     armed: bool = False
     in_air: bool = False
     deviations: "tuple[Deviation, ...]" = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def failure(self) -> str:

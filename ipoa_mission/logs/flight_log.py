@@ -5,7 +5,7 @@ All feed a `Logbook`, as a live link does; faster data keeps its own time.
 
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +27,8 @@ from ipoa_mission.world.frame import Geodetic
 AIRBORNE_HEIGHT = 1.0
 #: From arming to the message of home [s].
 HOME_SET_S = 2.0
-#: Between positions [s].
-GAP_S = 3.0
+#: Between positions: in a `.tlog` [s]; on board, in median steps (recorded: 1.7 at most).
+GAP_S, GAP_STEPS = 3.0, 3.0
 #: Between positions [m], plus for each second [m/s].
 MAX_JUMP, MAX_SPEED = 20.0, 100.0
 EARTH_RADIUS = 6.371e6
@@ -95,7 +95,7 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
         system: the vehicle's system id in a `.tlog` with several; by default the first multicopter.
 
     Returns:
-        The record of the flight.
+        The record of the flight, with remarks on the log.
 
     Raises:
         BadInput: another suffix, or not a log of that kind.
@@ -115,7 +115,8 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
-    return flown[0].record(mission)
+    several = (f"the first of {len(flown)} flights in the mission mode",) if len(flown) > 1 else ()
+    return replace(flown[0].record(mission), remarks=(*log.remarks, *several))
 
 
 def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
@@ -147,7 +148,7 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
         remarks.append("the log begins in flight: the time of arming is unknown, and this flight is left out")
     if flights and flights[-1].is_open:
         remarks.append("the log ends in flight: the rest of the flight is unknown")
-    remarks += _gaps(log, flights)
+    remarks += _gaps(log, written is not None)
     if len(flights) < len(stretches):
         others = len(stretches) - len(flights)
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
@@ -159,19 +160,25 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     return flight_log
 
 
-def _gaps(log: Log, flights: list["_Stretch"]) -> Iterator[str]:
-    times = log.fixes.times
-    inside = np.any([(times >= one.armed_s) & (times <= one.ends_s) for one in flights], axis=0)
-    gaps = np.diff(times[inside]) if flights else np.empty(0)
-    gaps = gaps[gaps > GAP_S]
+def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
+    """Report positions that are missing while armed, and wrong ones."""
+    fixes, times = log.fixes, log.fixes.times
+    beats = sorted((time, event.armed) for time, event in log.events if isinstance(event, Heartbeat))
+    if times.size and beats:
+        times = np.concatenate([[min(beats[0][0], times[0])], times])  # an arming may open the log
+        since = np.array([*(time for time, _ in beats), max(beats[-1][0], times[-1])])
+        armed_s = np.concatenate([[0.0], np.cumsum(np.diff(since) * [armed for _, armed in beats])])
+        steps = np.diff(np.interp(times, since, armed_s))
+        gaps = steps[steps > (GAP_STEPS * np.median(np.diff(times)) if is_on_board else GAP_S)]
+    else:
+        gaps = np.empty(0)
     if gaps.size:
         yield f"positions are missing {gaps.size} times in flight, for {gaps.max():.1f} s at most"
-    fixes = log.fixes
     degree = np.radians(1.0) * EARTH_RADIUS
     with np.errstate(invalid="ignore", over="ignore"):
         places = np.column_stack([fixes.latitude_deg * degree, fixes.longitude_deg * degree, fixes.height])
         places[:, 1] *= np.cos(np.radians(fixes.latitude_deg))
-        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= MAX_JUMP + MAX_SPEED * np.diff(times))
+        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= MAX_JUMP + MAX_SPEED * np.diff(fixes.times))
     if jumps.any():
         yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"
 

@@ -72,7 +72,6 @@ class Log:
 
 
 def messages_of(log: Log) -> Iterator[Message]:
-    """Return all messages in order; each event follows the position at its time."""
     events = sorted(log.events, key=lambda event: event[0])
     fixes = log.fixes
     at = np.concatenate([fixes.times, np.array([time for time, _ in events])])

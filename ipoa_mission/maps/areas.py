@@ -115,6 +115,8 @@ def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: 
         yield Unread(path.name, what, place, value)
     if "restriction" in feature.tags and not is_named:
         yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, feature.tags["restriction"])
+    if (kind := feature.tags.get("type", feature.tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):
+        yield Unread(path.name, "area to stay inside, taken as one that keeps a flight out", place, kind)
     if RADIUS in feature.tags:
         yield Unread(path.name, "unit of a radius, taken as m", place, feature.tags[RADIUS])
 

@@ -22,7 +22,6 @@ from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 # First bytes.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 HEADER, ROW = 100, 8  # of a .shx [bytes]
-MOST_ROWS = 5_000_000
 WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
 
 
@@ -53,7 +52,7 @@ class _Layer:
         self._path, self._info = path, pyogrio.read_info(path, layer=name)
         self._place = f"{path}: {name}" if named else f"{path}: row"
         self._name = name.replace('"', '""')
-        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=MOST_ROWS)
+        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=5_000_000)
         self._ask = partial(pyogrio.raw.read, path)
         if not self._info["crs"]:
             words = "expected a file that names its coordinate system"

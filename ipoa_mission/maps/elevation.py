@@ -71,7 +71,6 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
-    """Return east of columns, north of rows [m]."""
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
     if columns * rows > MOST_NODES:
         least = spacing * np.sqrt(columns * rows / MOST_NODES)
@@ -85,7 +84,6 @@ def _knots(low: float, high: float) -> Vector:
 
 
 def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Return column, row and altitude [m AMSL], (3, len(east), len(north))."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))

@@ -10,7 +10,7 @@ from ipoa_mission.errors import BadInput
 
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
-NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
+NAMES = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
 MOST_ERRORS = 10
 DEEPEST = 16  # nested collections; shapely fails at thousands
 

@@ -1,16 +1,16 @@
 import re
 from collections import defaultdict
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
 from ipoa_mission.maps.units import unit_factor
-from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
+from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples, grid_north, to_east_north
 from ipoa_mission.world.frame import Geodetic
 
 EAST, NORTH, SPEED, FROM = "east", "north", "speed", "from"
@@ -22,7 +22,12 @@ DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
 # Axes to east and north.
 NORTH_UP = ("regular_ll", "regular_gg", "reduced_ll", "reduced_gg", "mercator", "unstructured_grid")
 PLAIN = {0, 1}  # templates: one forecast, one member
+ALONG_AXES = 8  # of resolutionAndComponentFlags
 MEAN = {0, 1}  # means of members
+
+
+Nearest: TypeAlias = tuple[int, float, float]  # number of a grid point, its latitude and longitude [deg]
+KnownPoints: TypeAlias = dict[str, Nearest]  # by grid
 
 
 @dataclass(frozen=True)
@@ -33,23 +38,29 @@ class _Message:
     time: np.datetime64
     member: int
     value: float
+    axis_deg: float | None  # of the grid's y axis, for a component along it
 
 
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
-    found, nearest = ForecastWinds(path.name), dict[str, int]()
+    found, nearest = ForecastWinds(path.name), KnownPoints()
+    axes = dict[tuple[float, Datum, np.datetime64, int], float]()
     parts = defaultdict[tuple[float, Datum, np.datetime64, int], dict[str, list[float]]](lambda: defaultdict(list))
     for number, handle in enumerate(_messages(eccodes, path), 1):
         message = _read(eccodes, handle, path, f"message {number}", place, nearest, found)
         if message is not None:
             key = (message.height, message.datum, message.time, message.member)
             parts[key][message.part].append(message.value)
+            if message.axis_deg is not None:
+                axes[key] = message.axis_deg
     levels = defaultdict[tuple[float, Datum], list[tuple[np.datetime64, float, float]]](list)
     members = defaultdict[tuple[float, Datum, np.datetime64], set[int]](set)
     for (height, datum, time, member), both in parts.items():
         pairs = list(zip(both[EAST], both[NORTH], strict=False))
         if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
             found.note("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
+        if pairs and (height, datum, time, member) in axes:
+            pairs = to_east_north(np.array(pairs), axes[height, datum, time, member]).tolist()
         if not pairs:  # components take precedence
             polar = [*zip(both[SPEED], np.radians(both[FROM]), strict=False)]
             pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
@@ -99,7 +110,7 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
 
 
 def _read(
-    eccodes: Any, handle: Any, path: Path, where: str, place: Geodetic, nearest: dict[str, int], found: ForecastWinds
+    eccodes: Any, handle: Any, path: Path, where: str, place: Geodetic, nearest: KnownPoints, found: ForecastWinds
 ) -> _Message | None:
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
@@ -125,10 +136,11 @@ def _read(
     if why := _no_single_forecast(get):
         found.note(f"{get('name')}, {why}", where, get("level"))
         return None
-    index = _nearest(eccodes, handle, path, place, nearest)
-    if part in (EAST, NORTH) and get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
-        words = f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid"
-        raise BadInput(words, hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does", place=path)
+    index, *at = _nearest(eccodes, handle, path, place, nearest)
+    # eccodes has no uvRelativeToGrid of polar stereographic and Lambert azimuthal grids
+    is_along = get("uvRelativeToGrid", int) or (get("resolutionAndComponentFlags", int) or 0) & ALONG_AXES
+    is_turned = part in (EAST, NORTH) and is_along and get("gridType") not in NORTH_UP
+    axis_deg = grid_north(_grid(eccodes, get, path), *at) if is_turned else None
     unit = get("units")
     target = "deg" if part == FROM else "m/s"
     unit = {"Degree true": "deg"}.get(unit, unit)
@@ -136,7 +148,20 @@ def _read(
     value = eccodes.codes_get_double_element(handle, "values", index)
     missing = bool(get("bitmapPresent", int)) and value == get("missingValue", float)
     height = float(named[1]) if above_ground and named is not None else get("level", float)
-    return _Message(part, height, datum, _valid(get), get("number", int) or 0, np.nan if missing else value * factor)
+    return _Message(
+        part, height, datum, _valid(get), get("number", int) or 0, np.nan if missing else value * factor, axis_deg
+    )
+
+
+def _grid(eccodes: Any, get: Any, path: Path) -> str | tuple[float, float]:
+    """Return a grid's projection, or the north pole of its axes."""
+    if get("gridType") == "rotated_ll" and not get("angleOfRotationInDegrees", float):
+        return -get("latitudeOfSouthernPoleInDegrees", float), get("longitudeOfSouthernPoleInDegrees", float) + 180.0
+    with suppress(eccodes.CodesInternalError):
+        if projection := get("projTargetString"):
+            return str(projection)
+    words = f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid"
+    raise BadInput(words, hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does", place=path)
 
 
 def _no_single_forecast(get: Any) -> str:
@@ -155,7 +180,7 @@ def _valid(get: Any) -> np.datetime64:
     return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
 
 
-def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict[str, int]) -> int:
+def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: KnownPoints) -> Nearest:
     grid = eccodes.codes_get(handle, "md5GridSection")
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
@@ -168,5 +193,5 @@ def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict
                 f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}",
                 place=path,
             )
-        known[grid] = index
+        known[grid] = index, float(latitudes[index]), float(longitudes[index])
     return known[grid]

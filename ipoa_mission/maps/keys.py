@@ -89,7 +89,6 @@ _NARROW = _set(
     "passage tread bore opening circumference",
 )
 _AMBIGUOUS_WORDS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
-_MEASURED = ("height", "diameter", "levels", "storeys", "floors", "radius")
 _UNITS = _set("unit units uom einheit")
 
 
@@ -161,7 +160,7 @@ class Names:
 
 def completed(key: str) -> str:
     """Complete a cut last word that measures something."""
-    for word in _MEASURED:
+    for word in ("height", "diameter", "levels", "storeys", "floors", "radius"):
         for length in range(len(word) - 1, 2, -1):
             if key.lower().endswith(word[:length]):
                 return key + word[length:]

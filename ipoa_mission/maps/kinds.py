@@ -196,7 +196,6 @@ def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
 
 @lru_cache(maxsize=4096)
 def values_of(text: str) -> tuple[str, ...]:
-    """Split a list: `Mast; tower`."""
     return tuple(part.strip().lower() for part in text.split(";"))
 
 

@@ -80,7 +80,6 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
 def _small_part(
     path: Path, as_it_was: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
-    """Return features in a window, and the count of the others."""
     around, features = Around(window, near), list[Feature]()
     for some in _BATCH_READERS[path.suffix.lower()](path, around):
         _extend(features, some, path)

@@ -3,18 +3,20 @@
 import re
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from difflib import SequenceMatcher
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pyproj import CRS
+from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.vertical import height_in_name, vertical_of
-from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
+from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples, grid_north, to_east_north
 from ipoa_mission.world.frame import Geodetic
 
 EAST, NORTH, SPEED, FROM, TO = range(5)
@@ -27,7 +29,8 @@ ALONE = (
     "speed of a wind without its direction",
     *("direction of a wind without its speed",) * 2,
 )
-TRUE = ("eastward_wind", "northward_wind")  # on any grid
+TRUE, ALONG = ("eastward_wind", "northward_wind"), ("x_wind", "y_wind")
+GRID = "the grid of its axes"  # internal attribute
 _HEIGHT = r"[-_]?\d*_?(m|mabove\w*)?"
 EASTWARD = re.compile(rf"(u|ua|uas|ugrd|uwnd|u[-_]?wind|u[-_]component[-_]of[-_]wind){_HEIGHT}|\d+u")
 NORTHWARD = re.compile(rf"(v|va|vas|vgrd|vwnd|v[-_]?wind|v[-_]component[-_]of[-_]wind){_HEIGHT}|\d+v")
@@ -46,7 +49,7 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
         for name, variable in data.data_vars.items():
             which = _component(str(name), variable)
             if which is not None:
-                winds[which].append(variable)
+                winds[which].append(variable.assign_attrs({GRID: _grid(data, variable)}))
             elif _is_wind(str(name), variable):
                 found.note("variable that may be a wind", str(name), _said(variable))
         for one, other in PAIRS:
@@ -89,7 +92,6 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(name: str, variable: Any) -> int | None:
-    """Return the component of a wind, first by standard name."""
     standard = variable.attrs.get("standard_name")
     if standard not in (None, "", "unknown"):
         return STANDARD.get(standard)
@@ -150,16 +152,31 @@ def _samples(
         if unit is None:
             found.note(f"unit of a wind, taken as {target}", str(part.name))
         factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{path}: {part.name}.units")
-        there = _there(path, part, place)
+        there, axis_deg = _there(path, part, place)
         times, there = _valid_times(path, there)
         values.append(np.asarray(there, float).ravel() * factor)
     if second != NORTH:
         speed, angle = values[0] if second == TO else -values[0], np.radians(values[1])
         values = [speed * np.sin(angle), speed * np.cos(angle)]
-    return WindSamples(height, datum, np.stack(values, axis=-1), times)
+    winds = np.stack(values, axis=-1)
+    return WindSamples(height, datum, winds if axis_deg is None else to_east_north(winds, axis_deg), times)
 
 
-def _there(path: Path, part: Any, place: Geodetic) -> Any:
+def _grid(data: Any, part: Any) -> CRS | tuple[float, float] | None:
+    """Return the projection of a component along a grid's axes, or its rotated pole (CF); None if unknown."""
+    about = data.variables.get(str(part.attrs.get("grid_mapping", "")).partition(":")[0])
+    kind = None if about is None else about.attrs.get("grid_mapping_name")
+    if part.attrs.get("standard_name") not in ALONG or kind in (None, "latitude_longitude"):
+        return None
+    with suppress(CRSError, KeyError, TypeError, ValueError):
+        if kind == "rotated_latitude_longitude":
+            return float(about.attrs["grid_north_pole_latitude"]), float(about.attrs["grid_north_pole_longitude"])
+        return CRS.from_cf(about.attrs)
+    return None
+
+
+def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
+    """Return a component at the nearest grid point, and the direction of the grid's y axis if it is along the axes."""
     axes = ", ".join(map(str, part.dims))
     degrees = []
     for kind in ("lat", "lon"):
@@ -170,11 +187,13 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
         degrees.append(part[name])
     latitude, longitude = degrees
     is_along = _component(str(part.name), part) in (EAST, NORTH) and part.attrs.get("standard_name") not in TRUE
-    if latitude.ndim == 2 and is_along:
+    is_along = is_along and latitude.ndim == 2 and part.attrs.get("GRIB_uvRelativeToGrid") != 0
+    grid = part.attrs.get(GRID)
+    if is_along and grid is None:
         raise BadInput(
             "expected a wind towards the east or the north, not along the axes "
             f"{', '.join(map(str, latitude.dims))} of a turned grid",
-            hint=f"turn it first, and name it by its standard_name: {' or '.join(TRUE)}",
+            hint=f"set standard_name to {' or '.join(TRUE)}; or to {' or '.join(ALONG)}, with a grid_mapping",
             place=f"{path}: {part.name}",
         )
     north = np.asarray(latitude, float) - place.latitude_deg
@@ -194,7 +213,8 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
             f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
             place=path,
         )
-    return part.isel(at)
+    here = (float(each.isel({name: at[name] for name in each.dims})) for each in degrees)
+    return part.isel(at), None if grid is None or not is_along else grid_north(grid, *here)
 
 
 def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:

@@ -19,7 +19,6 @@ from ipoa_mission.world.union import union_of
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
 AREAS = {"multipolygon", "building", "boundary"}
 META_TAGS = {"created_by", "source"}
-LEAST_RING = 4
 MOST_SHOWN = 80  # characters
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
 LARGER_EXTRACT = "export a larger part of the map, with everything that crosses its edge"
@@ -125,7 +124,6 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
 
 
 def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    """Return nodes, with positions by `out geom`."""
     here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
     return extract.corners(
         (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
@@ -203,7 +201,7 @@ def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapp
         return EMPTY_SHAPE
     named = {*tags, *(f"{key}={value}" for key, value in tags.items())}
     is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not named & LINES)
-    is_ring = closes and len(corners) >= LEAST_RING
+    is_ring = closes and len(corners) >= 4
     return shapely.Polygon(corners) if is_ring and is_area else shapely.LineString(corners)
 
 

@@ -54,7 +54,6 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
 
 
 def _nodes(way: Mapping[str, Any]) -> Iterator[tuple[str, float | None, float | None]]:
-    """Yield nodes; positions outside the queried box are null."""
     numbers, places = way.get("nodes"), way.get("geometry")
     numbers = [""] * len(places or ()) if numbers is None else numbers
     for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):

@@ -99,7 +99,6 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
-    """Yield nested columns only for names, tags and measures."""
     for field in schema:
         if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
             yield f"{field.name}.primary"

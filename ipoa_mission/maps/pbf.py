@@ -161,7 +161,6 @@ class _Extract:
         return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
-        """Yield things by number, each valid until the next."""
         if numbers:
             of_these = self._osmium.filter.IdFilter(numbers)  # not kept alive by the iterator
             with self._osmium.io.Reader(self._file, sort) as reader:

@@ -64,8 +64,21 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> 
 
     sides = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1)
     long = sides > LONGEST_EDGE
-    degrees[long] = shapely.segmentize(degrees[long], LONGEST_EDGE)
+    sound = long & shapely.is_valid(degrees)
+    degrees[sound] = shapely.segmentize(degrees[sound], LONGEST_EDGE)
+    for i in np.flatnonzero(long & ~sound).tolist():
+        degrees[i] = _divided(degrees[i])
     return np.asarray(shapely.transform(degrees, convert)), near
+
+
+def _divided(shape: Any) -> Any:
+    """Divide long edges ring by ring: of a whole crossed polygon GEOS would leave out a half."""
+    if hasattr(shape, "geoms"):
+        return type(shape)([_divided(part) for part in shape.geoms])
+    if shape.geom_type != "Polygon":
+        return shapely.segmentize(shape, LONGEST_EDGE)
+    outer, *inner = (shapely.segmentize(ring, LONGEST_EDGE) for ring in (shape.exterior, *shape.interiors))
+    return shapely.Polygon(outer, inner)
 
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
@@ -77,7 +90,6 @@ def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
 
 
 def _short_way(shape: Any) -> Any:
-    """Redraw with steps below half a turn."""
     if hasattr(shape, "geoms"):
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":

@@ -43,7 +43,6 @@ class RasterFile:
         return not self.system.is_compound and len(self.system.axis_info) == 3
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
-        """Return column and row, each (n,)."""
         x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
         a, b, c, d, e, f = self._affine
         if self.system.is_geographic:  # nearest the raster's middle

@@ -55,14 +55,12 @@ class _Text:
         self._tried = False  # was the buffered part parsed whole
 
     def mark(self) -> str:
-        """Return the next character that is not blank."""
         while True:
             self._at = _blank(self._text, self._at).end()  # type: ignore[union-attr]
             if self._at < len(self._text) or not self._more():
                 return self._text[self._at : self._at + 1]
 
     def next_is(self, mark: str) -> bool:
-        """Skip `mark` if it is next."""
         here = self.mark() == mark
         self._at += here
         return here

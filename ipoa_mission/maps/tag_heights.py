@@ -65,7 +65,6 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
-    """Return whether only storeys give the height, without a roof."""
     if keys_of(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
         return False
     return bool(keys_of(tags, Means.LEVELS, Means.MAX_LEVEL))

@@ -5,6 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 from numpy.typing import NDArray
+from pyproj import CRS, Geod, Proj
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.unread import Unread
@@ -40,6 +41,19 @@ class ForecastWinds:
 
     def note(self, what: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
         self.unread.append(Unread(self.file, what, place, str(example), count, may_limit))
+
+
+def grid_north(grid: str | CRS | tuple[float, float], latitude_deg: float, longitude_deg: float) -> float:
+    """Return the direction of a grid's y axis, clockwise from north [deg]; `grid`: projection or rotated north pole."""
+    if isinstance(grid, tuple):
+        return float(Geod(a=1.0, b=1.0).inv(longitude_deg, latitude_deg, grid[1], grid[0])[0])
+    return float(Proj(grid).get_factors(longitude_deg, latitude_deg).meridian_convergence)
+
+
+def to_east_north(along: Points, axis_deg: float) -> Points:
+    """Return winds (n, 2) along the x and y axes, with y towards `axis_deg`, as east and north."""
+    sin, cos = np.sin(np.radians(axis_deg)), np.cos(np.radians(axis_deg))
+    return np.asarray(along @ np.array([[cos, -sin], [sin, cos]]))
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ from ipoa_mission.unread import gathered
 from ipoa_mission.wind import MAX_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
-GRIB_BEGINS = b"GRIB"
 FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
 USUAL = range(0, 160, 10)  # [m]
 HIGHEST = 500.0  # above home [m]; one level above is read
@@ -40,7 +39,6 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
-    """Return strongest and mean wind [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
 
@@ -48,7 +46,7 @@ def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
 def _is_grib(path: Path) -> bool:
     try:
         with path.open("rb") as file:
-            return file.read(4) == GRIB_BEGINS or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
+            return file.read(4) == b"GRIB" or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
 
@@ -114,7 +112,6 @@ def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: Fore
 def _winds_at_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    """Return all members' winds at the flight's times, (n, 2)."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():

@@ -14,7 +14,6 @@ UNITS = {"M": 1.0, "METRE": 1.0, "METRES": 1.0, "METER": 1.0, "METERS": 1.0}
 UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
 REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
-NO_LIMIT = {"UNL", "UNLTD", "UNLIMITED"}
 # EANS, AIP: "120m AGL", "6000 FT AMSL".
 IN_WORDS = re.compile(r"(?P<height>[-+]?\d+(?:\.\d+)?) ?(?P<unit>[A-Z]+)[ ,]*(?P<reference>[A-Z]+)")
 # ED-318, ED-269, its shapefiles.
@@ -78,7 +77,7 @@ def _may_limit(key: str) -> bool:
 
 def _limit(given: Mapping[str, str], side: str, odd: list[Odd]) -> VerticalLimit | None:
     text, reference = given[side].upper(), given[f"{side}Reference"].upper()
-    if text in NO_LIMIT:
+    if text in {"UNL", "UNLTD", "UNLIMITED"}:
         return None
     if text in GROUND:
         return VerticalLimit(0.0, "AGL")

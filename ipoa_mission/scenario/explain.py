@@ -115,7 +115,6 @@ def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[s
 
 
 def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
-    """Return places of a key: `in [safety]`, `before all tables`."""
     schema = _schema(model)
     tables = {name: _resolved(one, schema, "") for name, one in schema["properties"].items()}
     before = ["before all tables"] if key in tables and "properties" not in tables[key] else []

@@ -52,7 +52,6 @@ def _box_of(zone: MapArea, corners: Box) -> Box:
 def _ends(
     section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
 ) -> tuple[float | None, float | None]:
-    """Return a zone's ends above home's plane [m]."""
     base, top = section.base, section.top
     if zone.lower is None and zone.upper is None:
         return base, top

@@ -263,7 +263,6 @@ def _horizontal_bounds(
 
 
 def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
-    """Return west, south, east, north, (n, 4)."""
     shapes = np.array([thing.shape for _, thing in standing], dtype=object)
     reach = np.array([thing.reach for _, thing in standing], float)
     wide = reach != 0.0

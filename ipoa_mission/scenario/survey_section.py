@@ -21,7 +21,6 @@ from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.union import union_of
 
 BAND = 0.15  # share of height over uneven ground
-DEFAULT_OVERLAP = 0.7
 WORDS = ("best", "crosshatch")
 MITRE_LIMIT = 2.0  # half widths
 SAME_START_DISTANCE = 2.0  # [m]
@@ -206,7 +205,7 @@ def _expect_here(area: Area, place: str) -> Area:
 
 
 def _given(overlap: float | None) -> float:
-    return DEFAULT_OVERLAP if overlap is None else overlap
+    return 0.7 if overlap is None else overlap
 
 
 def _drawn(polygon: Any) -> Area:

@@ -185,6 +185,11 @@ class VehicleSection(Section):
     def remarks(self) -> tuple[str, ...]:
         return self._remarks
 
+    def remarked(self, words: tuple[str, ...]) -> "VehicleSection":
+        copied = self.model_copy()
+        copied._remarks += words
+        return copied
+
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
         """Return the vehicle with this autopilot; parameters are converted or dropped."""
         if autopilot is self.autopilot:

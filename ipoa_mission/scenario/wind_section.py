@@ -85,5 +85,4 @@ class WindSection(Section):
 
     @property
     def strongest(self) -> float:
-        """Return the greatest wind at any height [m/s]."""
         return self.air().strongest

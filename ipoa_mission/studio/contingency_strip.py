@@ -56,7 +56,6 @@ def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
 
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
-    """Yield costs; none for a contingency that does not land, or whose destination is unknown."""
     if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
     for time, ((low, high), used, _) in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):

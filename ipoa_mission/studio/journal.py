@@ -134,7 +134,6 @@ class Journal:
 
 
 def _replayed(path: Path) -> Journal | None:
-    """Return a file's journal, up to a line cut off; None if invalid."""
     lines = _lines(path)
     first = next(lines, None)
     if first is None or "text" not in first:

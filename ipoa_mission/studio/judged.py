@@ -110,7 +110,6 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
 
 
 def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> tuple[Checked, bool]:
-    """Return the findings, and whether the mission has a flight to show."""
     mission, scenario = forecast.given, forecast.scenario
     flaws = tuple(
         Flaw(

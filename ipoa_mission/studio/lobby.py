@@ -23,7 +23,6 @@ from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
 SCENARIO = ".toml"
-EXAMPLES = ("campus.toml",)
 FILE_LIMIT = 40
 #: of a file, given a mission's scenario or log; returns the token
 OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
@@ -91,7 +90,7 @@ class Lobby:
             folder=str(self._folder),
             recent=_files(path for path in recent if path.is_file()),
             here=_files(path for path in here[:FILE_LIMIT] if path not in recent),
-            examples=_files(packed(name) for name in EXAMPLES),
+            examples=_files(packed(name) for name in ("campus.toml",)),
         )
 
     def _offered(self, asked: str) -> Path:
@@ -124,13 +123,13 @@ def _sort(path: Path) -> str:
 
 
 def _mission_of(log: Path) -> Path:
-    """Write the mission flown in a log, with its relevant parameters, next to the log."""
-    for flight in read_flights(log).flights:
+    read = read_flights(log)
+    for flight in read.flights:
         held = compare_logged(flight, None, {}) if flight.in_mission else None
         if held is not None:
             mission = replace(held.forecast.given, parameters=held.parameters)
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
             write_mission(mission, target)
             return target
-    words = "expected the mission that was flown in it"
-    raise MissionError(words, hint="open the mission, then the log", code="log-incomplete", place=log.name)
+    words = ["expected the mission that was flown in it", *read.remarks]
+    raise MissionError("; ".join(words), hint="open the mission, then the log", code="log-incomplete", place=log.name)

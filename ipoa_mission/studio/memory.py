@@ -55,7 +55,6 @@ def remember(opened: Opened, port: int) -> None:
 
 
 def kept_tiles() -> tuple[str, str] | None:
-    """Return source and attribution of the last map tiles."""
     known = _read().get("tiles")
     return (str(known[0]), str(known[1])) if isinstance(known, list) and len(known) == 2 else None
 

@@ -88,7 +88,6 @@ def _in_frame(item: Item, frame: int, mission: Mission) -> Item:
 
 
 def _new_item(mission: Mission, change: InsertItem) -> Item:
-    """Return an item at the height and in the frame of the one before it."""
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
     like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=DEFAULT_HEIGHT)
     firmware = mission.autopilot.firmware(mission.firmware_version)

@@ -134,7 +134,6 @@ def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
 
 
 def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
-    """Return the sample at which a final return begins."""
     items = forecast.estimate.items
     if len(items) < 2:
         return None
@@ -151,7 +150,6 @@ def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
 
 
 def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
-    """Yield items in flight order, repeated ones each time."""
     flown, scenario = as_flown(forecast.mission), forecast.scenario
     over = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, over)

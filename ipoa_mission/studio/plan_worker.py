@@ -44,7 +44,6 @@ PROGRESS_INTERVAL_S = 0.1
 
 
 def look(order: Order, answer: Answer) -> None:
-    """Show a scenario, and a survey's area even if invalid."""
     table, revision = _table(order["text"], order["path"]), order["revision"]
     try:
         scenario = _scenario(order["text"], order["path"])

@@ -353,7 +353,6 @@ class Session:
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    """Return an answer's slot; only the latest of a slot is kept."""
     match answer["kind"]:
         case "trouble":
             return f"trouble of {answer['of']}"

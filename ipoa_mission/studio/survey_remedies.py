@@ -64,7 +64,6 @@ def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
 
 
 def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield a height above one obstacle, or above all in the area."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
     assert area is not None
@@ -81,7 +80,6 @@ def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _height_over(body: Obstacle, scenario: Scenario) -> float:
-    """Return an obstacle's top above the lowest ground around it [m]."""
     (west, south, _), (east, north, top) = body.bounds.tolist()
     ground = scenario.airspace.ground(np.array([[west, south], [west, north], [east, south], [east, north]]))
     clearance = float(scenario.limits.obstacle_distance) + survey_bound(scenario).down

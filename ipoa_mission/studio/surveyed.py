@@ -43,7 +43,6 @@ def coarse_survey(
 
 
 def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence[Path] = ()) -> answers.PlannedSurvey:
-    """Show the flights; `flown` are logs of the parts left out."""
     plan, names = survey.plan, survey.names
     parts = []
     for n, flight in enumerate(plan.flights):

@@ -64,7 +64,6 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
 
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
-    """Return a tile's HTTP headers; None if it is not the image that it should be."""
     if vector:
         compressed = {"Content-Encoding": "gzip"} if tile.startswith(GZIP) else {}
         return {"Content-Type": "application/vnd.mapbox-vector-tile"} | compressed

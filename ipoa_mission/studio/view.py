@@ -79,7 +79,6 @@ def degree_of(frame: LocalFrame) -> tuple[float, float]:
 
 
 def _bodies(scenario: Scenario) -> Iterator[Body]:
-    """Yield every obstacle; the scenario's own come first."""
     frame = scenario.frame
     for n, body in enumerate(scenario.airspace.obstacles):
         base, top = body.bounds[:, 2].tolist()

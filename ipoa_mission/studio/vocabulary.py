@@ -13,16 +13,13 @@ InFlight: TypeAlias = Literal["hold", "go_on", "rtl", "land"]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 
-NUMBERED = ("via", "fence", "rally", "obstacles", "maps")
-
-
 def as_on_map(words: str) -> str:
     """Replace paths by the map's labels.
 
     >>> as_on_map("via[0]: expected a place outside fence[1]")
     'via 1: expected a place outside fence 2'
     """
-    for key in NUMBERED:
+    for key in ("via", "fence", "rally", "obstacles", "maps"):
         words = renamed(words, key, partial(_counted, key))
     return words
 

@@ -29,8 +29,6 @@ FORECAST_DISTANCE = 10.0  # from the planned position [m]
 MESSAGE_LIMIT = 6
 ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
-NO_WORLD = "no scenario gives the obstacles here"
-OFF_PATH = "it is off its planned path: orders from here are not forecast"
 NO_MODEL = "the flight has no forecast"
 
 
@@ -48,7 +46,7 @@ class Watch:
         self._forecast, self._vehicle, self._answer = forecast, vehicle, answer
         self._speedup, self._beside = speedup, beside
         self._endings: ContingenciesNow | None = None
-        self._unknown = NO_WORLD if forecast.scenario is None else NO_MODEL
+        self._unknown = "no scenario gives the obstacles here" if forecast.scenario is None else NO_MODEL
         if forecast.scenario is not None:
             with suppress(MissionError):
                 self._endings = ContingenciesNow(forecast, tuple(ORDERED.values()))
@@ -143,7 +141,7 @@ class Watch:
                 place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
                 now, aside = self._endings.time_at(place, time_s)
                 is_away = aside > FORECAST_DISTANCE or (self._vehicle.interrupted and not self.is_held)
-                unknown = OFF_PATH if is_away else ""
+                unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
             self._then = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._then
 
@@ -198,7 +196,6 @@ class Watch:
         )
 
     def _order(self, what: InFlight) -> None:
-        """Send an order; the vehicle's state reports its result."""
         order, modes = self._vehicle.order, self._vehicle.autopilot.modes
         self._ordered = what if what == "rtl" or what == "land" else None
         match what:

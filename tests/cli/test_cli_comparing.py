@@ -130,6 +130,19 @@ def test_parameters_of_the_command_line_go_before_those_of_the_log(run: Run) -> 
 def test_another_mission_than_the_log_s_is_remarked(run: Run, px4_mission: Path) -> None:
     said = run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'}").out
     assert "another mission was flown: number of items: 5 in the log, not 7" in said
+    told = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'} --json").out)
+    assert sum("number of items: 5 in the log, not 7" in words for words in told["remarks"]) == 1
+
+
+def test_remarks_of_each_flight_are_among_those_of_the_log(run: Run, tmp_path: Path) -> None:
+    mission = read_flights(LOGS / "sitl-ardupilot.tlog").flights[0].mission
+    assert mission is not None
+    write_mission(mission, tmp_path / "other.plan")
+    told = json.loads(run(f"compare other.plan {LOGS / 'twice-ardupilot.bin'} --json").out)
+    for flight in told["flights"]:
+        assert flight["remarks"]
+        for words in flight["remarks"]:
+            assert f"flight {flight['flight']}: {words}" in told["remarks"]
 
 
 def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:

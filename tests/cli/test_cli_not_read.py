@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.conftest import Run
+from ipoa_mission.maps.second_reader import differences
+from tests.cli.conftest import Run, Serve
 
 SCENARIO = """home = { latitude_deg = 47.0, longitude_deg = 8.0, altitude_amsl = 500.0 }
 start = { east = 0, north = 0, up = 20 }
@@ -55,10 +56,57 @@ def test_ignore_names_it_and_it_is_listed_all_the_same(run: Run, folder: Path, w
     assert any("without a geometry" in remark for remark in told["remarks"])
 
 
+@pytest.mark.parametrize("verb", ["check", "show", "estimate"])
+def test_a_ring_that_gdal_loses_is_named_where_the_mission_is_read(run: Run, folder: Path, verb: str) -> None:
+    """Of a LinearRing GDAL's KML driver gives no bytes; the zone is kept."""
+    pyogrio = pytest.importorskip("pyogrio")
+    ring = "<LinearRing><coordinates>8.02,47 8.03,47 8.03,47.01 8.02,47</coordinates></LinearRing>"
+    Path("zones.kml").write_text(f"<kml><Placemark><name>R2</name>{ring}</Placemark></kml>")
+    Path("ring.toml").write_text(SCENARIO.replace("zones.geojson", "zones.kml"))
+    told = json.loads(run(f"{verb} kept.plan --scenario ring.toml --json").out)
+    (said,) = (
+        words for words in [*told["remarks"], *(one["message"] for one in told.get("findings", ()))] if "two" in words
+    )
+    assert said.startswith("zones.kml: two readers differ: 1 ring by ipoa-mission ")
+    assert f"nothing by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); GDAL lacks R2" in said
+    if verb == "check":
+        assert [one["code"] for one in told["findings"]] == ["readers-differ"]
+        assert (
+            json.loads(run("check kept.plan --scenario ring.toml --json --ignore readers-differ").out)["findings"] == []
+        )
+
+
+def test_a_map_of_which_gdal_has_more_and_one_it_refuses(tmp_path: Path) -> None:
+    pytest.importorskip("pyogrio")
+    box = "<north>47.1</north><south>47</south><east>8.1</east><west>8</west>"
+    (tmp_path / "image.kml").write_text(f"<kml><GroundOverlay><LatLonBox>{box}</LatLonBox></GroundOverlay></kml>")
+    (found,) = differences(tmp_path / "image.kml")
+    assert "nothing by ipoa-mission" in found.message
+    assert found.message.endswith("the first that only GDAL has is at 47, 8")
+    (tmp_path / "empty.geojson").write_text('{"features": []}')
+    assert not list(differences(tmp_path / "empty.geojson"))
+
+
 def test_ignore_refuses_a_code_of_a_crash_and_one_that_is_none(run: Run, folder: Path) -> None:
     for code, words in (("home-place", "a crash may follow"), ("not-red", "did you mean not-read?")):
         for verb in VERBS:
             ended = run(f"{verb} --ignore {code}")
             assert ended.code == 2
             assert words in ended.err
-    assert "--ignore: expected a scenario" in run("fly kept.plan --ignore not-read").err
+
+
+def test_a_key_of_a_plan_that_is_ignored_is_uploaded_and_flown(run: Run, autopilot: Serve, tmp_path: Path) -> None:
+    """A fence spelled otherwise may limit the flight; who flies it all the same names the code."""
+    plan = json.loads((Path(__file__).parents[2] / "missions/sitl.plan").read_text(encoding="utf-8"))
+    plan["geofence"] = plan.pop("geoFence")
+    Path("odd.plan").write_text(json.dumps(plan), encoding="utf-8")
+    with autopilot() as link:
+        refused = run(f"upload odd.plan --link {link}")
+        assert (refused.code, "[not-read]" in refused.err) == (1, True)
+        assert run(f"upload odd.plan --link {link} --ignore not-red").code == 2
+        sent = json.loads(run(f"upload odd.plan --link {link} --ignore not-read --json").out)
+        assert any("geofence" in remark for remark in sent["remarks"])
+    assert run("fly odd.plan").code == 1
+    assert any(
+        "geofence" in remark for remark in json.loads(run("fly odd.plan --ignore not-read --json").out)["remarks"]
+    )

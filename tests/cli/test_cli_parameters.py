@@ -1,3 +1,4 @@
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,7 +47,26 @@ def test_a_name_that_neither_has_is_told_with_the_nearest(run: Run, mission: Pat
     assert "hint: did you mean MPC_XY_CRUISE?" in run(f"estimate {mission} --param MPC_XY_CRUIS=5").err
     assert "hint: --param-file takes any parameter" in run(f"estimate {mission} --param QWXZ=5").err
     Path("all.params").write_text("QWXZ 5\n")
-    assert run(f"estimate {mission} --param-file all.params").code == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "estimate {m}",
+        "show {m}",
+        "check {m}",
+        "fly {m}",
+        "plan {s} --out o --force",
+        "compare {m} {logs}/sitl-px4.tlog",
+    ],
+)
+def test_what_a_file_of_parameters_has_besides_is_in_the_json(run: Run, mission: Path, words: str) -> None:
+    Path("all.params").write_text("QWXZ 5\n")
+    given = words.format(m=mission, s=mission.with_suffix(".toml"), logs=LOGS)
+    ended = run(f"{given} --param-file all.params --json")
+    said = [words for words in json.loads(ended.out)["remarks"] if "QWXZ" in words]
+    assert (ended.code, said) == (0, ['all.params: not read: parameters that no model uses: line 1 ("QWXZ")'])
+    assert f"note: {said[0]}" in run(f"{given} --param-file all.params").out
 
 
 def test_a_file_of_the_other_firmware_is_named(run: Run, mission: Path) -> None:

@@ -27,6 +27,15 @@ Spoil = Callable[[bytes], bytes]
         ),
         ("sitl-ardupilot.bin", lambda data: data[:9000] + bytes(300) + data[9300:], "bytes of the log are not whole"),
         ("sitl-ardupilot.bin", lambda data: data[:12000], "the log ends in flight"),
+        # holes at whose end another record begins: no byte is left over
+        (
+            "sitl-ardupilot.bin",
+            lambda data: data[:2953] + data[4953:],
+            "positions are missing 1 times in flight, for 8",
+        ),
+        ("sitl-ardupilot.bin", lambda data: data[:1467] + data[3467:], "the log does not name its firmware"),
+        ("twice-ardupilot.bin", lambda data: data[:3611] + data[5611:], "positions are missing 1 times in flight, for"),
+        ("twice-ardupilot.bin", lambda data: data[:3132] + data[4132:], "1 changes of arming are missing, the first"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"PARM", b"PRAM"), "no records PARM: its parameters are unkn"),
         ("sitl-ardupilot.bin", lambda data: data.replace(b"ModeNum", b"ModeMun"), "records MODE do not have"),
         ("sitl-ardupilot.tlog", lambda data: data[:-9], "bytes of the log are no whole messages: it is damaged or cut"),

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from ipoa_mission.report.notebook import flight_html
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
@@ -83,6 +84,15 @@ def test_without_an_estimate_of_velocity_positions_tell_it(flown: Flown, tmp_pat
     flight = read_flight(str(path), mission_for(Autopilot.ARDUPILOT))
     cruising = [sample.speed for sample in flight.path if 10 < sample.time_s < 27]
     assert np.median(cruising) == pytest.approx(5.0, abs=0.1)
+
+
+def test_remarks_on_a_log_come_with_its_flight(flown: Flown, tmp_path: Path) -> None:
+    path = tmp_path / "damaged.bin"
+    write_dataflash(flown, path)
+    path.write_bytes(path.read_bytes() + b"no record")
+    flight = read_flight(path, mission_for(Autopilot.ARDUPILOT))
+    assert "9 bytes of the log are not whole records: it is damaged or truncated" in flight.remarks
+    assert "not whole records" in flight_html(flight)
 
 
 def test_a_log_of_another_mode_is_no_flight_of_the_mission(flown: Flown, tmp_path: Path) -> None:

@@ -151,6 +151,14 @@ def test_feet_become_metres(write_model: Write, unit: str, factor: float) -> Non
     assert grid.height(np.zeros((1, 2)))[0] == pytest.approx(0, abs=1e-6)
 
 
+def test_a_height_in_feet_over_a_plan_in_metres_becomes_metres(write_model: Write) -> None:
+    """Aurtechmx/openlidarviewer PR #863, OSGeo/gdal #14503: NAVD88 height (ftUS) over UTM."""
+    path = write_model(lambda lat, lon: 500 * 3937 / 1200 + 0 * lat, crs="EPSG:32632", name="plan.tif")
+    with rasterio.open(path, "r+") as file:
+        file.crs = rasterio.CRS.from_string("EPSG:32632+6360")
+    assert read(path)[0].height(np.zeros((1, 2)))[0] == pytest.approx(0, abs=1e-4)
+
+
 def test_scale_and_offset_are_heeded(write_model: Write) -> None:
     path = write_model(lambda lat, lon: 5 + 0 * lat, dtype="int16")
     with rasterio.open(path, "r+") as file:

@@ -109,3 +109,45 @@ def test_an_estonian_zone_with_its_volume_in_the_properties(tmp_path: Path) -> N
     (zone,) = zones(tmp_path, {"type": "FeatureCollection", "features": [feature]}).zones
     assert zone.upper is not None
     assert zone.upper.height == pytest.approx(1828.8)
+
+
+def test_inavs_geozones_name_what_is_not_taken(tmp_path: Path) -> None:
+    """iNavFlight/inav-configurator #2323: a circle of 160 m, and an inclusive polygon with limits."""
+    about = {"Description": "INAV Geozone", "MinAlt": 23.0, "MaxAlt": 120.0, "IsAMSL": "true"}
+    circle = {"type": "Feature", "geometry": {"type": "Point", "coordinates": [-6.23, 53.335]}}
+    circle |= {"properties": about | {"Name": "Circle 1", "Type": "Exclusive", "Radius": 160.0}}
+    area = {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [RING]}}
+    area |= {"properties": about | {"Name": "Area 2", "Type": "Inclusive"}}
+    found = zones(tmp_path, {"type": "FeatureCollection", "features": [circle, area]})
+    assert [zone.name for zone in found.zones] == ["Circle 1", "Area 2"]
+    assert found.zones[0].shape.area == pytest.approx(np.pi * 160.0**2, rel=0.01)
+    assert [(zone.lower, zone.upper) for zone in found.zones] == [(None, None)] * 2  # ground to sky
+    assert {(thing.what.split(",")[0], thing.place) for thing in found.unread} == {
+        ('tag "MinAlt"', "Circle 1"),
+        ('tag "MaxAlt"', "Circle 1"),
+        ("area to stay inside", "Area 2"),
+    }
+
+
+def test_both_halves_of_a_crossed_ring_are_kept(tmp_path: Path) -> None:
+    """gadomski/antimeridian #182."""
+    ring = [[-6.24, 53.33], [-6.22, 53.34], [-6.22, 53.33], [-6.24, 53.34], [-6.24, 53.33]]
+    feature = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
+    found = zones(tmp_path, {"type": "FeatureCollection", "features": [feature]})
+    halves = [zone.shape.area for zone in found.zones]
+    assert halves == pytest.approx([1334.0 * 1113.0 / 4] * 2, rel=0.01)
+    assert "self-intersection" in found.remarks[0]
+
+
+def test_halves_on_both_sides_of_longitude_180_meet(tmp_path: Path) -> None:
+    """asfadmin/Discovery-asf_search PR #470."""
+    west = [[[179.99, -17.0], [180.0, -17.0], [180.0, -16.99], [179.99, -16.99], [179.99, -17.0]]]
+    east = [[[x - 360.0 + 0.01, y] for x, y in west[0]]]
+    (tmp_path / "a.geojson").write_text(json.dumps({"type": "MultiPolygon", "coordinates": [west, east]}))
+    frame = LocalFrame(Geodetic(-16.995, 180.0, 0.0))
+    found = find_zones(read_features(tmp_path / "a.geojson"), frame, tmp_path / "a.geojson")
+    one, other = (zone.shape for zone in found.zones)
+    assert one.distance(other) < 1e-6
+    assert one.area + other.area == pytest.approx(
+        2.0 * 0.01 * 0.01 * 110_640 * 111_320 * np.cos(np.radians(17.0)), rel=0.01
+    )

@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pyproj import Transformer
+from pyproj import CRS, Transformer
 
 from ipoa_mission.maps.winds import read_wind
 from ipoa_mission.world.frame import Geodetic
@@ -93,6 +93,40 @@ def test_on_a_turned_grid_the_nearest_point_counts(xarray: Any, tmp_path: Path) 
         read_wind(path, HOME, None)
 
 
+def test_winds_along_the_axes_of_a_known_grid_are_turned(xarray: Any, tmp_path: Path) -> None:
+    """Rotated as PROJ's own axes are; along the grid's axes they would be 5.0 m/s and more off."""
+    path = turned(xarray, tmp_path / "a.nc", ("u10", "v10"), ("x_wind", "y_wind"))
+    with xarray.open_dataset(path) as data:
+        for name in ("u10", "v10"):
+            data[name].attrs["grid_mapping"] = "lambert"
+        along = [float(data[name].values.flat[0]) for name in ("u10", "v10")]
+        data["u10"].values[:], data["v10"].values[:] = along
+        data.assign(lambert=((), 0, CRS(LAMBERT).to_cf())).to_netcdf(tmp_path / "b.nc", engine="h5netcdf")
+        data.assign_coords(lambert=((), 0, {"grid_mapping_name": "rotated_latitude_longitude"})).to_netcdf(
+            tmp_path / "c.nc", engine="h5netcdf"
+        )
+    wind = read_wind(tmp_path / "b.nc", COLORADO, None).wind
+    assert (wind.east, wind.north) == pytest.approx(by_a_step_north(LAMBERT, *along), abs=0.05)
+    assert abs(wind.east - along[0]) > 5.0
+    with refuses("bad-input", "c.nc: u10", "axes y, x"):
+        read_wind(tmp_path / "c.nc", COLORADO, None)
+
+
+@pytest.mark.parametrize("relative", [0, 1])
+def test_cfgrib_says_whether_winds_are_along_a_grid(xarray: Any, tmp_path: Path, relative: int) -> None:
+    """blaylockbk/Herbie #368: without a standard name only `GRIB_uvRelativeToGrid` tells."""
+    path = turned(xarray, tmp_path / "a.nc", ("u10", "v10"), ("", ""))
+    with xarray.open_dataset(path) as data:
+        for name in ("u10", "v10"):
+            data[name].attrs["GRIB_uvRelativeToGrid"] = relative
+        data.to_netcdf(tmp_path / "b.nc", engine="h5netcdf")
+    if relative:
+        with refuses("bad-input", "b.nc: u10", "axes y, x"):
+            read_wind(tmp_path / "b.nc", COLORADO, None)
+    else:
+        assert read_wind(tmp_path / "b.nc", COLORADO, None).wind.north == pytest.approx(90.0)
+
+
 @pytest.mark.parametrize("standards", [("x_wind", "y_wind"), ("", "")])
 def test_winds_along_the_axes_of_a_turned_grid_are_refused(
     xarray: Any, tmp_path: Path, standards: tuple[str, str]
@@ -139,6 +173,47 @@ def nearest(eccodes: Any, path: Path, place: Geodetic) -> list[float]:
     return found
 
 
+def by_a_step_north(grid: str, along_x: float, along_y: float, home: Geodetic = COLORADO) -> tuple[float, float]:
+    """A wind along a grid's axes as east and north: the axes' directions by the places a step north and east."""
+    to_grid = Transformer.from_pipeline(f"+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step {grid}")
+    at, north, east = (
+        np.array(to_grid.transform(home.longitude_deg + dx, home.latitude_deg + dy))
+        for dx, dy in ((0, 0), (0, 1e-4), (1e-4, 0))
+    )
+    blows = np.array([along_x, along_y])
+    return tuple(float(blows @ (step - at) / np.hypot(*(step - at))) for step in (east, north))  # type: ignore[return-value]
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "keys"),
+    [
+        ("polar_stereographic", Geodetic(60.0, 20.0, 0.0), {
+            "LaDInDegrees": 60, "orientationOfTheGridInDegrees": 0, "DxInMetres": 9000, "DyInMetres": 9000,
+            "latitudeOfFirstGridPointInDegrees": 59.8, "longitudeOfFirstGridPointInDegrees": 19.5}),
+        ("rotated_ll", Geodetic(50.1, 20.0, 0.0), {
+            "latitudeOfSouthernPoleInDegrees": -40, "longitudeOfSouthernPoleInDegrees": 10,
+            "latitudeOfFirstGridPointInDegrees": 0, "longitudeOfFirstGridPointInDegrees": 6,
+            "latitudeOfLastGridPointInDegrees": 1.1, "longitudeOfLastGridPointInDegrees": 7.1,
+            "iDirectionIncrementInDegrees": 0.1, "jDirectionIncrementInDegrees": 0.1}),
+    ],
+)  # fmt: skip
+def test_grib_along_the_axes_of_other_grids(
+    eccodes: Any, tmp_path: Path, kind: str, place: Geodetic, keys: dict[str, Any]
+) -> None:
+    """PROJ draws the same grid otherwise: a step north in it gives the axes."""
+    size = {"Ni": 12, "Nj": 12} if kind == "rotated_ll" else {"Nx": 12, "Ny": 12}
+    about = {"gridType": kind, **size, **keys, "numberOfDataPoints": 144, "shapeOfTheEarth": 6, "jScansPositively": 1}
+    path = grib(eccodes, tmp_path / "a.grib2", {2: 9.0, 3: -4.0}, **about, resolutionAndComponentFlags=56)
+    grid = "+proj=stere +lat_0=90 +lat_ts=60 +lon_0=0 +R=6371229"
+    if kind == "rotated_ll":
+        grid = "+proj=ob_tran +o_proj=eqc +o_lat_p=40 +o_lon_p=0 +lon_0=10 +R=6371229"
+    wind = read_wind(path, place, NOON).wind
+    assert (wind.east, wind.north) == pytest.approx(
+        by_a_step_north(grid, *nearest(eccodes, path, place), place), abs=0.06
+    )
+    assert abs(wind.east - 9.0) > 0.5
+
+
 def test_grib_speed_and_direction_make_a_wind(eccodes: Any, tmp_path: Path) -> None:
     path = grib(eccodes, tmp_path / "polar.grib2", {1: 6.0, 0: 270.0})
     speed, from_deg = nearest(eccodes, path, ABOVE)
@@ -165,8 +240,18 @@ def test_grib_on_a_lambert_grid(eccodes: Any, tmp_path: Path) -> None:
     wind = read_wind(path, COLORADO, NOON).wind
     assert (wind.east, wind.north) == pytest.approx(nearest(eccodes, path, COLORADO), abs=1e-3)
     along = grib(eccodes, tmp_path / "grid.grib2", {2: 3.0, 3: 1.0}, **keys, uvRelativeToGrid=1)
-    with refuses("bad-input", "grid.grib2", "lambert grid") as told:
-        read_wind(along, COLORADO, NOON)
-    assert "wgrib2" in str(told.value.hint)
+    wind = read_wind(along, COLORADO, NOON).wind
+    assert (wind.east, wind.north) == pytest.approx(
+        by_a_step_north(LAMBERT, *nearest(eccodes, along, COLORADO)), abs=0.02
+    )
+    assert abs(wind.east - 3.0) > 0.05
+    west = Geodetic(34.24517, -117.985, 0.0)  # of open-meteo/open-meteo #2043
+    keys |= {"latitudeOfFirstGridPointInDegrees": 34.1, "longitudeOfFirstGridPointInDegrees": 241.9}
+    cone = np.sin(np.radians(38.5)) * np.radians(west.longitude_deg + 97.5)  # of Lambert's cone
+    path = grib(eccodes, tmp_path / "west.grib2", {2: 3.0, 3: 1.0}, **keys, uvRelativeToGrid=1)
+    wind, (u, v) = read_wind(path, west, NOON).wind, nearest(eccodes, path, west)
+    expected = u * np.cos(cone) + v * np.sin(cone), v * np.cos(cone) - u * np.sin(cone)
+    assert (wind.east, wind.north) == pytest.approx(expected, abs=2e-3)
+    assert np.degrees(cone) == pytest.approx(-12.75, abs=0.01)
     polar = grib(eccodes, tmp_path / "polar.grib2", {1: 6.0, 0: 270.0}, **keys, uvRelativeToGrid=1)
-    assert read_wind(polar, COLORADO, NOON).wind.east == pytest.approx(6.0, abs=0.1)
+    assert read_wind(polar, west, NOON).wind.east == pytest.approx(6.0, abs=0.1)

@@ -67,6 +67,12 @@ def test_a_log_that_is_dropped_is_laid_beside_the_mission_in_it(start: Studio) -
     assert (replay["estimated_s"], replay["flown_s"]) == (88.1, 88.8)  # as README has it
 
 
+def test_a_log_without_its_mission_says_what_else_it_lacks(tmp_path: Path) -> None:
+    (tmp_path / "a.ulg").write_bytes((MISSIONS.parent / "tests/logs/sitl-px4.ulg").read_bytes()[:-9])
+    with refuses("log-incomplete", "a.ulg", "damaged or truncated"):
+        Lobby(tmp_path, Sessions().open_file).opened(tmp_path / "a.ulg")
+
+
 @pytest.mark.parametrize(
     "words", ["47.397742, 8.545594", "47.397742° N 8.545594° E", "32TMT6569449438", "8FVC9GXW+3686"]
 )

@@ -5,6 +5,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -91,6 +92,12 @@ def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
     for kinds, lacks in NEEDED.items():
         if not gathered.kinds & set(kinds.split()):
             yield f"the log has no records {kinds.replace(' ', ' or ')}: {lacks}"
+    if not gathered.vehicle:
+        yield "the log does not name its firmware, as ArduPilot's do when they begin: records are missing"
+    changes = sorted(gathered.arming)
+    twice = [a for a, b in pairwise(changes) if a[1] == b[1] and b[0] - a[0] > 1.0]  # ARM and EV of one arming
+    if twice:
+        yield f"{len(twice)} changes of arming are missing, the first after {twice[0][0]:.1f} s"
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
