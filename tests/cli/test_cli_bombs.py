@@ -17,7 +17,7 @@ from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.scenario import read_scenario
-from tools.fuzz.limited import run_limited
+from tests.cli.limited import run_limited
 
 LOGS = (".tlog", ".bin", ".ulg")
 MISSIONS = (".plan", ".waypoints")

@@ -15,9 +15,9 @@ from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.stored_mission import compare, home_item
 from tests.examples import examples
+from tests.link import random_stations
+from tests.link.random_stations import Outcome
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
-from tools.fuzz import strangers
-from tools.fuzz.strangers import Outcome
 
 DELAYS_S = (0.0, 0.01, 0.05, 0.3, 0.9, 0.3, 2.5)
 FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_s in DELAYS_S]
@@ -122,8 +122,7 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
 
 @pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
-    """`python -m tools.fuzz.strangers` runs many more."""
-    ended = [strangers.schedule(seed) for seed in range(first, first + 15)]
+    ended = [random_stations.schedule(seed) for seed in range(first, first + 15)]
     endings = Counter(ending for ending, _ in ended)
     assert endings[Outcome.FALSE] == 0
     assert endings[Outcome.HANG] == 0
@@ -133,5 +132,5 @@ def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
 
 def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:
     """An uploader that believes the Ack, and neither reads back nor listens."""
-    monkeypatch.setattr(strangers, "upload", lambda job: offer(job.items, job.kind))
-    assert any(strangers.schedule(seed)[0] is Outcome.FALSE for seed in range(30, 60))
+    monkeypatch.setattr(random_stations, "upload", lambda job: offer(job.items, job.kind))
+    assert any(random_stations.schedule(seed)[0] is Outcome.FALSE for seed in range(30, 60))

@@ -3,14 +3,13 @@ from pathlib import Path
 
 import pytest
 
-from tools.fuzz.map_scenes import Row
-from tools.fuzz.mutated_maps import lost, tries
+from tests.maps.map_scenes import Row
+from tests.maps.mutated_maps import lost, tries
 
 SQUARE = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]
 
 
 def test_no_change_is_lost_without_a_word() -> None:
-    """`python -m tools.fuzz.mutated_maps` tries 10,000."""
     assert [loss for _, loss in tries(60, seed=39) if loss is not None] == []
 
 

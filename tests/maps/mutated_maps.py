@@ -1,14 +1,9 @@
-"""Test that a changed map keeps its obstacles, or that the reader reports the change.
+"""Change maps: each keeps its obstacles, or the reader reports the change."""
 
-`python -m tools.fuzz.mutated_maps --count 10000` tries 10000 changes; exit code 1 after a silent loss.
-"""
-
-import argparse
 import itertools
 import random
 import tempfile
 import warnings
-from collections import Counter
 from collections.abc import Iterator
 from copy import deepcopy
 from pathlib import Path
@@ -26,7 +21,7 @@ from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.maps.standing import Standing
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tools.fuzz.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
+from tests.maps.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 400.0))
 NEAR = 0.06  # rounding of positions and units [m]
@@ -152,25 +147,3 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
             yield f"{name} {suffix}", lost(rows, changed, path, cut, chance)
             for one in Path(folder).glob(f"map{n}.*"):
                 one.unlink()
-
-
-def main() -> int:
-    """Try, count by kind, and print the losses."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=10_000)
-    parser.add_argument("--seed", type=int, default=1)
-    options = parser.parse_args()
-    counts, losses = Counter[str](), 0
-    for kind, loss in tries(options.count, options.seed):
-        counts[kind] += 1
-        if loss is not None:
-            losses += 1
-            print(f"lost without a word: {kind}: {loss}")
-    for kind, count in sorted(counts.items()):
-        print(f"{count:6} {kind}")
-    print(f"{counts.total()} changes, {losses} lost without a word")
-    return 1 if losses else 0
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())

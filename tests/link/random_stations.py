@@ -2,16 +2,11 @@
 
 All is in virtual time and behind one address: only ids identify a sender. A schedule ends with the sent list on the
 vehicle, a clear error, a replacement too late to be known, a false success, or no end.
-
-    python -m tools.fuzz.strangers --count 10000 --seed 0
 """
 
 import heapq
 import math
 import random
-import sys
-import time
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
@@ -31,7 +26,6 @@ from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff,
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.world.frame import Geodetic
-from tools import command_line
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 US = Target(245, 190)
@@ -256,26 +250,3 @@ def schedule(seed: int) -> tuple[Outcome, str]:
     words = f"{autopilot}: replaced {age:.3f} s before the end, {radio}"
     is_unknowable = age <= radio.news_s and not world.was_told
     return (Outcome.UNKNOWABLE if is_unknowable else Outcome.FALSE), words
-
-
-def main() -> int:
-    """Run schedules and count their outcomes; return 1 after a false success or no end."""
-    parser = command_line(__doc__)
-    parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=0)
-    arguments = parser.parse_args()
-    endings, begun = Counter[Outcome](), time.process_time()
-    for seed in range(arguments.seed, arguments.seed + arguments.count):
-        ending, words = schedule(seed)
-        endings[ending] += 1
-        if ending in (Outcome.FALSE, Outcome.HANG):
-            print(f"seed {seed}: {ending}: {words}", flush=True)
-    print(
-        ", ".join(f"{ending} {endings[ending]}" for ending in Outcome),
-        f"in {time.process_time() - begun:.0f} s of CPU",
-    )
-    return 1 if endings[Outcome.FALSE] or endings[Outcome.HANG] else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
