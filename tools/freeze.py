@@ -10,6 +10,7 @@ of its own, so that a rewording is listed as "words only". The exit code is 1 if
 
 import hashlib
 import json
+import math
 import sys
 import tempfile
 import time
@@ -18,7 +19,9 @@ from itertools import cycle, product
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.autopilot.autopilot import registered
+import numpy as np
+
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.cli.checking import estimate_as_json
 from ipoa_mission.errors import MissionError
@@ -31,7 +34,7 @@ from ipoa_mission.scenario.scenario_file import scenario_of
 from ipoa_mission.survey.survey_flight import plan_survey
 from tools import command_line
 from tools.fly.admission_scenes import KINDS, MISSIONS, as_flown_by, scene, scene_name, shipped
-from tools.fly.surveys import surveyed
+from tools.fly.layouts import HOME, mast
 
 SEED, RANDOM, SURVEYS = 4, 40, 4
 Outputs = dict[str, tuple[str, str]]  # digests of data and of prose by name
@@ -47,6 +50,48 @@ def cases() -> Iterator[tuple[str, Scenario]]:
         yield f"{scene_name(number, SEED)} on {autopilot}", scenario_of(scene(number, SEED, autopilot), MISSIONS)
     for number, autopilot in zip(range(SURVEYS), cycle(registered()), strict=False):
         yield f"survey {number} on {autopilot}", scenario_of(surveyed(number, autopilot), MISSIONS)
+
+
+def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
+    """Return a survey of an area: plain, with a hole, concave, round a tower, or a corridor."""
+    rng = np.random.default_rng(number)
+    kind = ("field", "hole", "concave", "tower", "corridor")[number % 5]
+    wide, deep = rng.uniform(60.0, 110.0, 2).round().tolist()
+    middle = rng.uniform(40.0, 70.0) * np.array([math.sin(number), math.cos(number)])
+
+    def ring(*shares: tuple[float, float]) -> list[list[float]]:
+        angle = math.radians(37.0 * number)
+        turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+        corners: list[list[float]] = (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+        return corners
+
+    rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    if kind == "hole":
+        rings.append(ring((-0.15, -0.2), (0.2, -0.1), (0.05, 0.2)))
+    if kind == "concave":
+        rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (0.1, 0.5), (0.1, 0.0), (-0.5, 0.0))]
+    area: dict[str, Any] = {"polygon": rings}
+    if kind == "corridor":
+        area = {"line": ring((-1.0, -0.5), (0.0, 0.0), (1.2, 0.1)), "width": 30.0}
+    survey = {
+        **area,
+        "camera": "DJI Mavic 3E",
+        "height_above_ground": round(float(rng.uniform(28.0, 45.0)), 1),
+        "side_overlap": 0.7 if kind != "corridor" else 0.75,
+        "front_overlap": round(float(rng.uniform(0.6, 0.75)), 2),
+    }
+    made = {
+        "name": f"survey{number:02d}",
+        "home": HOME,
+        "survey": survey,
+        "vehicle": {"autopilot": str(autopilot), "cruise_speed": round(float(rng.uniform(4.0, 8.0)), 1)},
+    }
+    if kind == "tower":
+        made["obstacles"] = [mast(0, *middle, 4.0, 70.0) | {"name": "tower"}]
+    if number % 4 == 1 and autopilot is Autopilot.ARDUPILOT:
+        speed, whence = rng.uniform(2.5, 4.5), rng.uniform(0.0, 360.0)
+        made["wind"] = {"speed": round(float(speed), 1), "from_deg": round(float(whence))}
+    return made
 
 
 def outputs(scenario: Scenario) -> Outputs:

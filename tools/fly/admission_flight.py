@@ -1,9 +1,9 @@
 """Plan and fly one flight of an admission on a simulator, stop a fly-away, and compare it with its forecast.
 
-The folder of a completed flight, SCENE-AUTOPILOT__N, has the input of `tools.fly.flown` (`mission.plan`, `track.csv`,
-`times.json`). Every flight begun has `outcome.json`.
+The folder of a flight is SCENE-AUTOPILOT__N, with `mission.plan`, `track.csv` and `outcome.json`.
 """
 
+import hashlib
 import json
 import math
 import shutil
@@ -32,10 +32,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.admission_scenes import as_flown_by
-from tools.fly.ended_flight import flight_from
-from tools.fly.flown import in_frame
-from tools.fly.judge import plan_digits
-from tools.fly.simulators import connected, load, newest_log, set_up, simulation
+from tools.fly.simulators import connected, load, newest_log, set_up, simulation, true_track
 
 AWAY = 50.0  # distance from the whole predicted path of a fly-away [m]
 LATE, LATE_S = 1.5, 60.0  # limits of the flight time: factor on the end of the interval, and seconds more
@@ -206,18 +203,16 @@ def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path
         version = vehicle.firmware_version()
         time.sleep(0.5)  # wait for the log's last lines
     logs = Path(simulator.words(simulator.logs or "{folder}", home))
-    track, truth = _track(logs, began, record, home)
+    track, truth = _track(logs, began, record)
     _write(folder, record, track, outcome=outcome, why=why, version=str(version), truth=truth, astray=watch.astray)
 
 
-def _track(logs: Path, began: float, record: FlightRecord, home: Geodetic) -> tuple[Points, str]:
+def _track(logs: Path, began: float, record: FlightRecord) -> tuple[Points, str]:
     """Return seconds from arming, latitude, longitude, height above home (n, 4), and their source."""
     try:
         log = newest_log(logs)
         if log.stat().st_mtime >= began:
-            flight = flight_from(log, home)
-            latitude, longitude, altitude = LocalFrame(home).to_geodetic(flight.track[:, 1:])
-            return np.column_stack([flight.track[:, 0], latitude, longitude, altitude - home.altitude]), "log"
+            return true_track(log), "log"
     except (ValueError, IndexError, KeyError, OSError):
         pass
     path = [(at.time_s, at.latitude_deg, at.longitude_deg, at.height) for at in record.path]
@@ -230,8 +225,6 @@ def _write(folder: Path, record: FlightRecord, track: Points, **outcome: Any) ->
     np.savetxt(folder / "track.csv", track, fmt=digits, delimiter=",", header=head, comments="")
     items = [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())]
     times = {"flown_s": round(record.total_s, 3), "items": items}
-    if outcome["outcome"] == COMPLETED:
-        (folder / "times.json").write_text(json.dumps(times, indent=1), encoding="utf-8")
     (folder / "outcome.json").write_text(json.dumps({**outcome, **times}, indent=1), encoding="utf-8")
 
 
@@ -240,7 +233,7 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     stem, number = folder.name.split("__")
     name, autopilot = stem.rsplit("-", 1)
     told: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
-    plan = plan_digits(folder / "mission.plan")
+    plan = hashlib.sha256((folder / "mission.plan").read_bytes()).hexdigest()[:12]
     row = Row(name, autopilot, int(number), told["version"], told["outcome"], told["why"], plan, truth=told["truth"])
     row = replace(row, astray=round(told["astray"], 2))
     version = None if told["version"] == "None" else Version.parsed(told["version"])
@@ -275,9 +268,8 @@ def _confident(scenario: Scenario) -> Scenario:
 def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:
     """Return places (n, 3) [m] from the end of the take-off to the last waypoint, or to the abort."""
     rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
-    track = in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
-    ends = done[-2] if is_completed else np.inf
-    return np.asarray(track[(track[:, 0] >= done[0]) & (track[:, 0] <= ends), 1:])
+    rows = rows[(rows[:, 0] >= done[0]) & (rows[:, 0] <= (done[-2] if is_completed else np.inf))]
+    return LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + mission.home.altitude)
 
 
 def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:

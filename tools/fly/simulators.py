@@ -1,4 +1,4 @@
-"""Start, set up and stop simulators of real autopilots, and find their logs."""
+"""Start, set up and stop simulators of real autopilots, and read their logs."""
 
 import os
 import shlex
@@ -7,22 +7,31 @@ import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from ipoa_mission import connect
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import load_mission
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.wind import Wind
 
 BOOTS_S = 60.0
 TRANSFERS = 5
 EVERYWHERE = 1.0  # SIM_WIND_T: full wind near the ground
 LOGS = ("*.BIN", "*.bin", "*.ulg")
+TRUE_PLACE = "vehicle_global_position_groundtruth"  # of PX4
+ARMED_STATE = 2  # vehicle_status.ARMING_STATE_ARMED
+TRACK_EVERY = 0.1  # [s]
 
 
 @contextmanager
@@ -79,3 +88,30 @@ def newest_log(folder: Path) -> Path:
     """Return the log of the last flight in a simulator's folder or its subfolders."""
     logs = [log for kind in LOGS for log in folder.rglob(kind)]
     return max(logs, key=lambda log: log.stat().st_mtime)
+
+
+def true_track(log: Path) -> Points:
+    """Return seconds from arming, latitude, longitude, height above the place of arming, (n, 4)."""
+    rows, armed = _of_px4(log) if log.suffix == ".ulg" else _of_copter(log)
+    rows = rows[rows[:, 0] >= armed]
+    rows = rows[np.diff(np.floor(rows[:, 0] / TRACK_EVERY), prepend=-1.0) != 0]
+    return rows - np.array([armed, 0.0, 0.0, rows[0, 3]])
+
+
+def _of_copter(log: Path) -> tuple[Points, float]:
+    """Return the simulator's own positions, and the time of arming."""
+    places, armed = [], np.nan
+    for kind, record in read_records(log, frozenset({"SIM", "ARM"})):
+        if kind == "SIM":
+            places.append((record["TimeUS"] / 1e6, record["Lat"], record["Lng"], record["Alt"]))
+        elif record["ArmState"] and np.isnan(armed):
+            armed = record["TimeUS"] / 1e6
+    return np.array(places), armed
+
+
+def _of_px4(log: Path) -> tuple[Points, float]:
+    read: Any = import_module("pyulog").ULog(str(log), [TRUE_PLACE, "vehicle_status"])
+    topics = {topic.name: topic.data for topic in read.data_list}
+    status, true = topics["vehicle_status"], topics[TRUE_PLACE]
+    armed = status["timestamp"][np.argmax(status["arming_state"] == ARMED_STATE)] / 1e6
+    return np.column_stack([true["timestamp"] / 1e6, true["lat"], true["lon"], true["alt"]]), float(armed)
