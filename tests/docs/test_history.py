@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from tools.benchmarks.history import HISTORY, Row, append, plotted, read
+from tools.history import HISTORY, Row, append, plotted, read
 
 OLD = [Row("0.1.0", "2026-11-22", name, "path cost", cost) for name, cost in (("sitl", 80.0), ("campus", 300.0))]
 NEW = [Row("0.2.0", "2026-12-01", "sitl", "path cost", 72.0)]

@@ -43,10 +43,9 @@ REFUSED, NOT_FLOWN = "refused", "not flown"
 
 @dataclass(frozen=True)
 class Simulator:
-    """Define the commands of a simulator.
+    """Hold commands, which may contain {instance}, {folder}, {latitude}, {longitude} and {altitude} of home.
 
-    `start` and `logs` may contain {instance}, {folder} and the home's {latitude}, {longitude} and {altitude}. Without
-    `start` a running simulator is used.
+    Without `start` a running simulator is used.
     """
 
     link: str
@@ -56,14 +55,8 @@ class Simulator:
     logs: str | None = None
 
     def words(self, command: str, home: Geodetic) -> str:
-        """Fill in the fields of a command or folder."""
-        return command.format(
-            instance=self.instance,
-            folder=self.folder,
-            latitude=home.latitude_deg,
-            longitude=home.longitude_deg,
-            altitude=home.altitude,
-        )
+        place = {"latitude": home.latitude_deg, "longitude": home.longitude_deg, "altitude": home.altitude}
+        return command.format(instance=self.instance, folder=self.folder, **place)
 
     @property
     def folder(self) -> Path:
@@ -107,12 +100,11 @@ class Row:
 
     @property
     def route_off(self) -> float:
-        """Return the relative error of the estimate to the last waypoint."""
         return self.estimated_route_s / self.flown_route_s - 1.0
 
 
 class Broken(Exception):
-    """Raised to stop a flight that flies away or does not end."""
+    """Stop a flight that flies away or does not end."""
 
     def __init__(self, outcome: str, why: str) -> None:
         super().__init__(why)
@@ -229,7 +221,6 @@ def _write(folder: Path, record: FlightRecord, track: Points, **outcome: Any) ->
 
 
 def judged(folder: Path, scenario: Scenario) -> Row:
-    """Compare a flight with the forecast of its version."""
     stem, number = folder.name.split("__")
     name, autopilot = stem.rsplit("-", 1)
     told: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
@@ -273,7 +264,6 @@ def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed:
 
 
 def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
-    """Add the true clearances, the requirements and the promises."""
     air = forecast.world.airspace
     found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
     held = [kept for kept in forecast.promise.limits if kept.on_the_way and kept.limit in found]

@@ -15,6 +15,7 @@ with today's forecast without flying. Exit code 0: measured; 1: not.
 
 import argparse
 import csv
+import io
 import math
 import multiprocessing
 import re
@@ -36,18 +37,8 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.scenario import read_scenario
 from tools import command_line
-from tools.fly.admission_flight import (
-    COMPLETED,
-    FLEW_AWAY,
-    NOT_COMPLETED,
-    NOT_FLOWN,
-    REFUSED,
-    Row,
-    Simulator,
-    fly,
-    judged,
-    planned,
-)
+from tools.fly import admission_flight
+from tools.fly.admission_flight import COMPLETED, FLEW_AWAY, NOT_COMPLETED, NOT_FLOWN, REFUSED, Row, Simulator, judged
 from tools.fly.admission_scenes import as_flown_by, scene_name, shipped, written
 from tools.fly.simulators import connected, simulation
 
@@ -61,7 +52,7 @@ PLANS_S = 300  # limit of the planning time [s]
 
 @dataclass(frozen=True)
 class Task:
-    """Define a flight by a scenario's file or the number of a random scene."""
+    """A flight by a scenario's file, or by the number of a random scene."""
 
     name: str
     flight: int
@@ -101,41 +92,35 @@ def _too_long(*_: object) -> None:
 
 
 def one_flight(task: Task, work: Work) -> Row:
-    """Plan, fly and judge on the simulator of this process."""
     simulator = replace(work.simulator, instance=_own[0], link=link_of(work.simulator.link, work.autopilot, _own[0]))
     row = Row(task.name, str(work.autopilot), task.flight, str(work.version), NOT_FLOWN)
     folder = work.folder(task)
     signal.signal(signal.SIGALRM, _too_long)
     signal.alarm(PLANS_S)
     try:
-        scenario, mission = planned(work.scenario_file(task), work.autopilot, work.version)
+        scenario, mission = admission_flight.planned(work.scenario_file(task), work.autopilot, work.version)
     except MissionError as error:
         return replace(row, outcome=REFUSED, why=str(error))
     finally:
         signal.alarm(0)
     try:
-        fly(scenario, mission, simulator, folder)
+        admission_flight.fly(scenario, mission, simulator, folder)
         return judged(folder, scenario)
     except (MissionError, OSError) as error:
         return replace(row, why=" ".join((type(error).__name__, str(error), getattr(error, "hint", "") or "")))
 
 
 def link_of(link: str, autopilot: Autopilot, instance: int) -> str:
-    """Return the link of an instance, with its own port."""
     return re.sub(r"\d+$", lambda port: str(int(port[0]) + PORT_STEP[autopilot] * instance), link)
 
 
 def scenario_files(given: argparse.Namespace) -> dict[str, Path]:
-    """Return the scenarios from files, by name."""
     folders = ((sorted(one.glob("*.toml")) if one.is_dir() else [one]) for one in given.scenarios)
     return {path.stem: path for path in chain(shipped(), *folders)}
 
 
 def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
-    """Yield the flights in order; None while only a refusal could add one.
-
-    `rows` grows meanwhile.
-    """
+    """Yield the flights in order; None while only a refusal could add one. `rows` grows meanwhile."""
     done = {(row.scene, row.flight) for row in rows}
     begun = sum(row.outcome != REFUSED for row in rows)
     fixed = ((name, path, -1) for name, path in scenario_files(given).items())
@@ -151,7 +136,6 @@ def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
 
 
 def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) -> None:
-    """Fly what the file lacks, several flights at a time."""
     instances = multiprocessing.Manager().Queue()
     for instance in range(given.jobs):
         instances.put(given.instance + instance)
@@ -182,7 +166,6 @@ def words(row: Row) -> str:
 
 
 def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
-    """Return whether the version is measured, and the reasons."""
     flown = [row for row in rows if row.outcome in FLOWN]
     completed = [row for row in flown if row.outcome == COMPLETED]
     near = [row for row in flown if row.surplus < -ROUNDING]
@@ -219,15 +202,11 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def write_rows(path: Path, rows: list[Row]) -> None:
-    """Write all rows, ordered by name."""
-    lines = [",".join(field.name for field in fields(Row))]
-    lines += [_line(row) for row in sorted(rows, key=lambda row: (row.scene, row.flight))]
-    write_atomically(path, "\n".join(lines) + "\n")
-
-
-def _line(row: Row) -> str:
-    cells = [str(value) for value in asdict(row).values()]
-    return ",".join(f'"{cell.replace(chr(34), chr(39))}"' if "," in cell else cell for cell in cells)
+    text = io.StringIO()
+    lines = csv.DictWriter(text, [field.name for field in fields(Row)], lineterminator="\n")
+    lines.writeheader()
+    lines.writerows(asdict(row) for row in sorted(rows, key=lambda row: (row.scene, row.flight)))
+    write_atomically(path, text.getvalue())
 
 
 def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
@@ -241,7 +220,6 @@ def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simul
 
 
 def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]) -> list[Row]:
-    """Compare recorded flights with today's forecast."""
     named, new = scenario_files(given), list[Row]()
     for row in rows:
         folder = given.out / f"{row.scene}-{row.autopilot}__{row.flight}"

@@ -23,31 +23,12 @@ from tools import command_line
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)
-KEPT = frozenset(
-    {
-        "HEARTBEAT",
-        "STATUSTEXT",
-        "EVENT",
-        "COMMAND_LONG",
-        "COMMAND_INT",
-        "COMMAND_ACK",
-        "MISSION_COUNT",
-        "MISSION_REQUEST_LIST",
-        "MISSION_ITEM",
-        "MISSION_ITEM_INT",
-        "MISSION_ACK",
-        "MISSION_CLEAR_ALL",
-        "MISSION_CURRENT",
-        "MISSION_ITEM_REACHED",
-        "FILE_TRANSFER_PROTOCOL",
-        "AUTOPILOT_VERSION",
-        "HOME_POSITION",
-        "PARAM_VALUE",
-        "TIMESYNC",
-        "SYS_STATUS",
-        "BATTERY_STATUS",
-    }
-)
+KEPT = {
+    "HEARTBEAT", "STATUSTEXT", "EVENT", "COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "MISSION_COUNT",
+    "MISSION_REQUEST_LIST", "MISSION_ITEM", "MISSION_ITEM_INT", "MISSION_ACK", "MISSION_CLEAR_ALL", "MISSION_CURRENT",
+    "MISSION_ITEM_REACHED", "FILE_TRANSFER_PROTOCOL", "AUTOPILOT_VERSION", "HOME_POSITION", "PARAM_VALUE", "TIMESYNC",
+    "SYS_STATUS", "BATTERY_STATUS",
+}  # fmt: skip
 
 
 def main() -> None:

@@ -8,6 +8,7 @@ import random
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from tools.fuzz import mutated_logs as logs
@@ -24,9 +25,9 @@ KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
     ".tif": (terrain.changed_tiff, terrain.read_model, 2),
     ".asc": (terrain.changed_grid, terrain.read_model, 1),
     ".hgt": (terrain.changed_tile, terrain.read_model, 1),
-    ".tlog": (logs.changed_tlog, logs.read_log, 3),
-    ".bin": (logs.changed_dataflash, logs.read_log, 3),
-    ".ulg": (logs.changed_ulog, logs.read_log, 2),
+    ".tlog": (partial(logs.changed, ".tlog"), logs.read_log, 3),
+    ".bin": (partial(logs.changed, ".bin"), logs.read_log, 3),
+    ".ulg": (partial(logs.changed, ".ulg"), logs.read_log, 2),
 }
 
 
@@ -47,7 +48,6 @@ def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[
 
 
 def main() -> int:
-    """Try, print the losses, and count by reader."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)

@@ -20,25 +20,12 @@ SOURCES = {
 }
 #: Names in the files' own definitions, and others of the same length.
 RENAMED = {
-    ".bin": (
-        b"Lat",
-        b"Lng",
-        b"RelHomeAlt",
-        b"ModeNum",
-        b"CTot",
-        b"Prm1",
-        b"POS",
-        b"MODE",
-        b"MISE",
-        b"PARM",
-        b"CMD",
-        b"XKF1",
-    ),
-    ".ulg": (
-        *(b"vehicle_status", b"vehicle_global_position", b"vehicle_local_position", b"mission_result"),
-        *(b"home_position", b"nav_state", b"arming_state", b"seq_reached", b"lat", b"alt", b"timestamp", b"armed_time"),
-    ),
-}
+    ".bin": (b"Lat", b"Lng", b"RelHomeAlt", b"ModeNum", b"CTot", b"Prm1", b"POS", b"MODE", b"MISE", b"PARM", b"CMD",
+             b"XKF1"),
+    ".ulg": (b"vehicle_status", b"vehicle_global_position", b"vehicle_local_position", b"mission_result",
+             b"home_position", b"nav_state", b"arming_state", b"seq_reached", b"lat", b"alt", b"timestamp",
+             b"armed_time"),
+}  # fmt: skip
 
 
 class Flown:
@@ -99,7 +86,8 @@ def _records(name: str) -> list[bytes]:
     return [round(one.unix_s * 1e6).to_bytes(8, "big") + one.frame for one in read_tlog(LOGS / name)]
 
 
-def _changed(suffix: str, chance: random.Random) -> tuple[str, bytes, bytes]:
+def changed(suffix: str, chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
+    """Return the change, a log, and the changed one."""
     name = chance.choice(SOURCES[suffix])
     data = _bytes(name)
     # .bin and .ulg have no checksums: one wrong byte of a value is not detectable
@@ -141,18 +129,3 @@ def _other_records(name: str, chance: random.Random) -> bytes:
             others = _records("again-px4.tlog")
             return b"".join(record for pair in zip(records, others, strict=False) for record in pair)
     return b"".join(records)
-
-
-def changed_tlog(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, a ground station's log, and the changed one."""
-    return _changed(".tlog", chance)
-
-
-def changed_dataflash(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, ArduPilot's log, and the changed one."""
-    return _changed(".bin", chance)
-
-
-def changed_ulog(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, PX4's log, and the changed one."""
-    return _changed(".ulg", chance)

@@ -18,22 +18,13 @@ from tools.fuzz.outcome import Reading
 HOME = [47.397742, 8.545594, 488.0]
 FENCE, RALLY = "geoFence", "rallyPoints"
 OTHER_KEYS = {
-    FENCE: ["geofence", "geo_fence", "fence", "Fence"],
-    RALLY: ["rally", "rally_points", "safePoints"],
-    "polygons": ["polygon", "areas", "inclusionPolygons"],
-    "circles": ["circle", "cylinders"],
-    "polygon": ["path", "vertices", "points"],
-    "points": ["rally", "positions"],
-    "inclusion": ["include", "exclusion"],
-    "center": ["middle", "position"],
-    "radius": ["radiusFeet", "diameter"],
-    "vehicleType": ["vehicle_type"],
-    "params": ["param", "parameters"],
-    "doJumpId": ["id", "seq"],
-    "Altitude": ["altitude"],
-    "AltitudeMode": ["altitudeMode", "altMode"],
-    "plannedHomePosition": ["home", "plannedHome"],
-}
+    FENCE: ["geofence", "geo_fence", "fence", "Fence"], RALLY: ["rally", "rally_points", "safePoints"],
+    "polygons": ["polygon", "areas", "inclusionPolygons"], "circles": ["circle", "cylinders"],
+    "polygon": ["path", "vertices", "points"], "points": ["rally", "positions"], "inclusion": ["include", "exclusion"],
+    "center": ["middle", "position"], "radius": ["radiusFeet", "diameter"], "vehicleType": ["vehicle_type"],
+    "params": ["param", "parameters"], "doJumpId": ["id", "seq"], "Altitude": ["altitude"],
+    "AltitudeMode": ["altitudeMode", "altMode"], "plannedHomePosition": ["home", "plannedHome"],
+}  # fmt: skip
 PARAMETERS = {
     "px4": {
         "MPC_XY_CRUISE": 7.5, "MPC_Z_V_AUTO_UP": 2.5, "MPC_Z_V_AUTO_DN": 1.2, "RTL_RETURN_ALT": 40.0,
@@ -166,9 +157,8 @@ def convert(document: dict[str, Any], chance: random.Random) -> None:
         case 3:
             chance.choice([document[FENCE], document[RALLY], *document[FENCE]["polygons"]])["units"] = "ft"
         case _:
-            of = chance.choice(
-                [one for one in objects(document) if any(isinstance(v, float | int) for v in one.values())]
-            )
+            numbers = [one for one in objects(document) if any(isinstance(v, float | int) for v in one.values())]
+            of = chance.choice(numbers)
             key = chance.choice([key for key, value in of.items() if isinstance(value, float | int)])
             of[key] = str(of[key])
 
@@ -198,15 +188,11 @@ def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
     text, after = json.dumps(before, indent=1), deepcopy(before)
     if chance.random() < 0.1:
         lines = text.split("\n")
-        at = chance.choice(
-            [n for n, line in enumerate(lines) if ": " in line and not line.rstrip().endswith(("{", "["))]
-        )
+        plain = [n for n, line in enumerate(lines) if ": " in line and not line.rstrip().endswith(("{", "["))]
+        at = chance.choice(plain)
         own = lines[at].rstrip(",")
-        return (
-            "twice",
-            text,
-            "\n".join([*lines[:at], own + ",", own.replace("0", "1") + lines[at][len(own) :], *lines[at + 1 :]]),
-        )
+        lines[at : at + 1] = [own + ",", own.replace("0", "1") + lines[at][len(own) :]]
+        return "twice", text, "\n".join(lines)
     if chance.random() < 0.1:
         return "cut", text, text[: chance.randrange(len(text.rstrip()))]
     change = chance.choice(PLAN_CHANGES)
@@ -218,9 +204,8 @@ def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
     """Return the change, a `.waypoints` file's text, and the changed text."""
     items = plan(chance)["mission"]["items"]
     rows = [[0, 1, 0, 16, 0, 0, 0, 0, *HOME, 1]]
-    rows += [
-        [n, 0, one["frame"], one["command"], *(v or 0 for v in one["params"]), 1] for n, one in enumerate(items, 1)
-    ]
+    for n, one in enumerate(items, 1):
+        rows.append([n, 0, one["frame"], one["command"], *(v or 0 for v in one["params"]), 1])
     lines = ["QGC WPL 110", *("\t".join(map(str, row)) for row in rows)]
     before, after = "\n".join(lines) + "\n", list(lines)
     at = chance.randrange(1, len(lines))
@@ -241,9 +226,8 @@ def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
             after.insert(1, after.pop(max(at, 2)))
         case "convert":
             n = chance.randrange(4, 11)
-            fields[n] = chance.choice(
-                [fields[n].replace(".", ","), f"{fields[n]}m", f"{fields[n]}ft", f"{float(fields[n]):.12e}"]
-            )
+            spelled = fields[n].replace(".", ","), f"{fields[n]}m", f"{fields[n]}ft", f"{float(fields[n]):.12e}"
+            fields[n] = chance.choice(spelled)
             after[at] = "\t".join(fields)
         case "rename":
             after[0] = chance.choice(["QGC WPL 120", "QGC WPL 100", "WPL 110", "QGC  WPL 110"])
@@ -273,28 +257,16 @@ def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
     end = "\n"
     match change:
         case "rename":
-            new = chance.choice(
-                [name[1:], f"{name}X", name.replace("_", "", 1), name.lower(), name.replace("SPEED", "SPD")]
-            )
-            after[at] = lines[at].replace(name, new)
+            names = name[1:], f"{name}X", name.replace("_", "", 1), name.lower(), name.replace("SPEED", "SPD")
+            after[at] = lines[at].replace(name, chance.choice(names))
         case "convert":
-            value = f"{values[name]:.6f}"
-            new = chance.choice(
-                [
-                    value.replace(".", ","),
-                    f"{value}m",
-                    f"{values[name]:e}",
-                    f"{values[name]:g}",
-                    f"+{value}",
-                    f"1_{value}",
-                ]
-            )
-            after[at] = lines[at].replace(value, new)
+            value, short = f"{values[name]:.6f}", f"{values[name]:g}"
+            spelled = value.replace(".", ","), f"{value}m", f"{values[name]:e}", short, f"+{value}", f"1_{value}"
+            after[at] = lines[at].replace(value, chance.choice(spelled))
         case "double":
             at = chance.randrange(len(lines))
-            after.append(
-                lines[at].replace(f"{values[[*values][at]]:.6f}", chance.choice(["1.0", f"{values[[*values][at]]:g}"]))
-            )
+            twice = values[[*values][at]]
+            after.append(lines[at].replace(f"{twice:.6f}", chance.choice(["1.0", f"{twice:g}"])))
         case "reorder":
             chance.shuffle(after)
         case "drop":
@@ -329,11 +301,9 @@ def _told(mission: Mission) -> dict[str, Any]:
         for item in mission.items
     ]  # fmt: skip
     home = Geodetic(mission.home.latitude_deg, mission.home.longitude_deg, round(mission.home.altitude, 3))
-    fence = sorted(
-        {str(replace(p, vertices=_open(p.vertices)) if isinstance(p, FencePolygon) else p) for p in mission.fence}
-    )
+    fence = {str(replace(p, vertices=_open(p.vertices)) if isinstance(p, FencePolygon) else p) for p in mission.fence}
     rally = sorted(map(str, mission.rally))
-    return {"items": items, "home": home, "fence": fence, "rally": rally, "vehicle": mission.vehicle_type}
+    return {"items": items, "home": home, "fence": sorted(fence), "rally": rally, "vehicle": mission.vehicle_type}
 
 
 def _open(ring: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:

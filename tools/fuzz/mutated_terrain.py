@@ -81,9 +81,8 @@ def _model(path: Path, slope: float, system: str = "EPSG:4326", **how: Any) -> b
         data = data.copy()
         data[33:36, 24:28] = hole
     unit, bands, scaled = how.pop("unit", ""), how.pop("bands", [0]), how.pop("scaled", True)
-    name = how.pop("driver", "GTiff")
-    dtype = how.pop("dtype", "float64")
-    profile = {"driver": name, "dtype": dtype, "crs": system, "count": len(bands), "transform": transform} | how
+    profile = {"driver": "GTiff", "dtype": "float64", "crs": system, "count": len(bands), "transform": transform} | how
+    dtype = profile["dtype"]
     with (
         np.errstate(invalid="ignore", over="ignore"),
         rasterio.open(path, "w", width=SIZE, height=SIZE, **profile) as file,
@@ -104,10 +103,8 @@ def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes
     """Return the change, a GeoTIFF, and the changed one."""
     path, slope = folder / "model.tif", chance.uniform(-0.02, 0.02)
     before = _model(path, slope)
-    change = chance.choice(
-        ["system", "datum", "unit", "unit lost", "scale", "type", "hole", "bands", "order", "cut", "block"]
-    )
-    how: dict[str, Any] = {}
+    changes = ["system", "datum", "unit", "unit lost", "scale", "type", "hole", "bands", "order", "cut", "block"]
+    change, how = chance.choice(changes), dict[str, Any]()
     match change:
         case "system":
             how["system"] = chance.choice([*PIXELS])
@@ -134,11 +131,8 @@ def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes
             how |= chance.choice([{}, {"compress": "deflate"}, {"compress": "lzw", "predictor": 2}])
             how["dtype"] = "int16" if "predictor" in how else "float32"
         case _:
-            laid_out: list[dict[str, Any]] = [
-                {},
-                {"compress": "deflate"},
-                {"tiled": True, "blockxsize": 16, "blockysize": 16},
-            ]
+            tiled = {"tiled": True, "blockxsize": 16, "blockysize": 16}
+            laid_out: list[dict[str, Any]] = [{}, {"compress": "deflate"}, tiled]
             before = _model(path, slope, **chance.choice(laid_out))
             return change, before, spoiled(before, change, chance)
     return change, before, _model(path, slope, **how)
@@ -196,9 +190,8 @@ def changed_grid(chance: random.Random, folder: Path) -> tuple[str, str, str]:
         case "rename":
             n = chance.randrange(head)
             key, value = lines[n].split()
-            lines[n] = (
-                f"{chance.choice([key.lower(), key.upper(), key[:-1], key.replace('corner', 'center'), 'dx'])} {value}"
-            )
+            names = key.lower(), key.upper(), key[:-1], key.replace("corner", "center"), "dx"
+            lines[n] = f"{chance.choice(names)} {value}"
         case "reorder" if chance.random() < 0.5:
             lines[:head] = chance.sample(lines[:head], head)
         case "reorder":
