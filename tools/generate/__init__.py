@@ -1,1 +1,1 @@
-"""Generate files of the repository: maps, tables, references, pictures."""
+"""Generate files of the repository: maps, tables, references."""

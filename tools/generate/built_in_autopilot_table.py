@@ -9,8 +9,8 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
-from tools import REPOSITORY, command_line
-from tools.generate.recorded_rows import put
+from tools import REPOSITORY
+from tools.generate.pages import print_or_write, table_command
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "built-in-autopilot.md"
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
@@ -63,16 +63,10 @@ def table(autopilot: Autopilot) -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = command_line(__doc__)
-    parser.add_argument("--write", action="store_true", help="write the files")
-    is_written = parser.parse_args().write
-    text = "\n\n".join(f"### {name}\n\n{table(autopilot)}" for autopilot, name in NAMES.items())
-    if is_written:
-        put(text, DOCUMENT, ("built-in-autopilot.csv",))
-    else:
-        print(text)
+def tables() -> str:
+    return "\n\n".join(f"### {name}\n\n{table(autopilot)}" for autopilot, name in NAMES.items())
 
 
 if __name__ == "__main__":
-    main()
+    given = table_command(__doc__).parse_args()
+    print_or_write(tables(), DOCUMENT, given.write)

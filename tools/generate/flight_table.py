@@ -4,6 +4,7 @@ python -m tools.generate.flight_table            print the tables
 python -m tools.generate.flight_table --write    write docs/estimates*.csv, and the summary in docs/lab/flight-time.md
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,16 +13,15 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
-from tools import REPOSITORY, command_line
-from tools.generate.recorded_rows import put
+from tools import REPOSITORY
+from tools.fly.admission_flight import beside
+from tools.generate.pages import print_or_write, table_command
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "flight-time.md"
-FILES = ("estimates.csv", "estimates-wind.csv", "estimates-landings.csv")
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 
 
@@ -72,25 +72,15 @@ def _miss(flight: Recorded, found: Estimate) -> float:
     flown = LocalFrame(flight.mission.home).to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)
     track = found.track
     meant = track.points[(track.times >= done[flight.first] - 1) & (track.times <= done[flight.last] + 1)]
-    return float(np.quantile(_beside(flown, meant), 0.95))
-
-
-def _beside(places: Points, path: Points) -> np.ndarray:
-    begin, leg = path[:-1, :2], np.diff(path[:, :2], axis=0)
-    square = np.maximum((leg**2).sum(axis=1), 1e-12)
-    out = []
-    for place in places[:, :2]:
-        share = np.clip(((place - begin) * leg).sum(axis=1) / square, 0, 1)
-        out.append(np.linalg.norm(begin + share[:, None] * leg - place, axis=1).min())
-    return np.array(out)
+    return float(np.quantile([beside(meant[:, :2], place) for place in flown[:, :2]], 0.95))
 
 
 def _kept(flight: Recorded, found: Estimate) -> float:
     """Return the share of flown times within the estimate's interval."""
-    inside = [
-        item.low_s <= run[item.seq] <= item.high_s for item in found.items for run in flight.runs if item.seq in run
-    ]
-    return float(np.mean(inside))
+    runs = flight.runs
+    return float(
+        np.mean([one.low_s <= run[one.seq] <= one.high_s for one in found.items for run in runs if one.seq in run])
+    )
 
 
 def table(rows: list[Row]) -> str:
@@ -107,22 +97,23 @@ def table(rows: list[Row]) -> str:
         quoted = f"{100 * (row.quoted / row.flown - 1):+.0f} %"
         cells = (flown, f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", quoted, *ends, f"{row.miss:.1f} m")
         lines.append(f"| {row.flight.name.rsplit('-', 1)[0]} | " + " | ".join(cells) + " |")
-    errors = np.abs([100 * row.error for row in rows])
+    errors = [abs(100 * row.error) for row in rows]
     off = np.abs([100 * (row.quoted / row.flown - 1) for row in rows])
     kept = np.mean([row.kept for row in rows])
-    lines.append("")
-    lines.append(
-        f"Median error {np.median(errors):.2f} %, largest {errors.max():.1f} % (QGroundControl: median "
+    lines += [
+        "",
+        f"{_errors(errors)} (QGroundControl: median "
         f"{np.median(off):.0f} %, largest {off.max():.0f} %). {100 * kept:.0f} % of all items were done within "
-        "the interval given for them."
-    )
+        "the interval given for them.",
+    ]
     repeated = [abs(100 * row.error) for row in rows if len(row.flight.runs) > 1]
     if repeated:
-        lines.append(
-            f"Of the missions that were flown four times: median error {np.median(repeated):.2f} %, "
-            f"largest {max(repeated):.1f} %."
-        )
+        lines.append(f"Of the missions that were flown four times: {_errors(repeated).lower()}.")
     return "\n".join(lines)
+
+
+def _errors(errors: Sequence[float]) -> str:
+    return f"Median error {np.median(errors):.2f} %, largest {max(errors):.1f} %"
 
 
 def wind_table(autopilot: Autopilot) -> str:
@@ -146,12 +137,8 @@ def wind_table(autopilot: Autopilot) -> str:
             f"{100 * (row.contingency[1] / row.contingency[0] - 1):+.1f} %",
         )
         lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
-    lines.append("")
-    lines.append(
-        f"Median error {np.median(errors):.2f} %, largest {max(errors):.1f} % (without the wind: median "
-        f"{np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %)."
-    )
-    return "\n".join(lines)
+    calm_median = f"median {np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %"
+    return "\n".join([*lines, "", f"{_errors(errors)} (without the wind: {calm_median})."])
 
 
 def landing_table() -> str:
@@ -184,22 +171,12 @@ def landing_table() -> str:
     return "\n".join(lines)
 
 
-def main() -> None:
-    parser = command_line(__doc__)
-    parser.add_argument("--write", action="store_true", help="write the files")
-    is_written = parser.parse_args().write
-    parts = []
-    for autopilot, name in NAMES.items():
-        rows = [compare(flight) for flight in read_flights(autopilot)]
-        parts.append(f"### {name}\n\n{table(rows)}")
+def tables() -> str:
+    parts = [f"### {name}\n\n{table([compare(one) for one in read_flights(each)])}" for each, name in NAMES.items()]
     parts += [f"### {name} in wind\n\n{wind_table(autopilot)}" for autopilot, name in NAMES.items()]
-    parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
-    text = "\n\n".join(parts)
-    if is_written:
-        put(text, DOCUMENT, FILES)
-    else:
-        print(text)
+    return "\n\n".join([*parts, f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}"])
 
 
 if __name__ == "__main__":
-    main()
+    given = table_command(__doc__).parse_args()
+    print_or_write(tables(), DOCUMENT, given.write)
