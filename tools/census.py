@@ -36,7 +36,6 @@ ASIDE = {"lab", "reproduction", "reproduction.md"}  # of the docs
 
 @cache
 def trees() -> dict[Path, ast.Module]:
-    """Return the syntax tree of each module."""
     return {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
 
 
@@ -64,7 +63,6 @@ def small_files() -> Iterator[str]:
 
 @cache
 def importers() -> dict[str, set[str]]:
-    """Return the modules that import each module."""
     modules = {name_of(path) for path in trees()}
     found: dict[str, set[str]] = defaultdict(set)
     for path in trees():
@@ -131,7 +129,6 @@ def prose() -> list[tuple[str, str]]:
 
 @cache
 def comments() -> list[tuple[str, str]]:
-    """Return the docstrings and comments of the package."""
     found = []
     for path in trees():
         found += [(f"{name_of(path)}:{one.lineno}", inspect.cleandoc(one.value)) for one in _docstrings(path)]
@@ -167,7 +164,6 @@ def _page(path: Path) -> str:
 
 
 def docs() -> list[Path]:
-    """Return the pages that users read: without the lab books and the paper's reproduction."""
     pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not ASIDE & set(page.parts)]
     return sorted([*pages, *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md"))])
 
@@ -193,7 +189,6 @@ def long_sentences() -> Iterator[str]:
 
 
 def docstring_words() -> Iterator[str]:
-    """Return each word of the package's docstrings and comments."""
     yield from (word for _, text in comments() for word in text.split())
 
 

@@ -95,7 +95,6 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
 
 
 def outputs(scenario: Scenario) -> Outputs:
-    """Plan a scenario, and digest every output; a refusal is one."""
     found: Outputs = {}
     try:
         with tempfile.TemporaryDirectory() as folder:
@@ -131,7 +130,6 @@ def _refusal(error: MissionError) -> tuple[str, str]:
 
 
 def _both(tree: Any) -> tuple[str, str]:
-    """Digest the data and the prose of a JSON value."""
     prose: list[str] = []
 
     def data_of(value: Any) -> Any:
@@ -152,20 +150,12 @@ def _digest(text: bytes) -> str:
 
 
 def differences(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
-    """Name each output that differs, and how."""
     told = []
     for case, name in sorted({(one, name) for side in (old, new) for one in side for name in side[one]}):
         before, after = (tuple(side.get(case, {}).get(name, ())) for side in (old, new))
         if before != after:
-            how = (
-                "words only"
-                if before[:1] == after[:1]
-                else "data"
-                if before and after
-                else "is new"
-                if after
-                else "gone"
-            )
+            how = "words only" if before[:1] == after[:1] else "data"
+            how = how if before and after else "is new" if after else "gone"
             told.append(f"{case}: {name}: {how}")
     return told
 

@@ -13,13 +13,13 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+import matplotlib
+from matplotlib.figure import Figure
 
 import ipoa_mission as api
+from ipoa_mission.report.plots import STYLE
 from tools import REPOSITORY, command_line
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 HISTORY = REPOSITORY / "docs" / "history.csv"
 
@@ -34,7 +34,6 @@ class Row:
 
 
 def measured(path: Path, version: str, date: str) -> Iterator[Row]:
-    """Yield the measures of one scenario."""
     scenario = api.read_scenario(path)
     begun = time.process_time()
     flight = api.plan_flight(scenario)
@@ -66,13 +65,8 @@ def read(path: Path) -> list[Row]:
         return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]
 
 
-def plotted(rows: list[Row]) -> "Figure":
+def plotted(rows: list[Row]) -> Figure:
     """Plot a panel a measure, a line a scenario, versions from left to right, each value relative to the first."""
-    import matplotlib
-    from matplotlib.figure import Figure
-
-    from ipoa_mission.report.plots import STYLE
-
     measures = list(dict.fromkeys(row.measure for row in rows))
     versions = list(dict.fromkeys(row.version for row in rows))
     with matplotlib.rc_context(dict(STYLE)):

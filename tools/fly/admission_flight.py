@@ -239,17 +239,12 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     items = [item for item in expected.items if item.seq in done]
     end = expected.items[-1]
     last = [item for item in items if item.seq < end.seq][-1]
+    inside = sum(item.low_s <= done[item.seq] <= item.high_s for item in items)
     return replace(
-        row,
-        estimated_route_s=round(last.done_s, 2),
-        flown_route_s=round(done[last.seq], 2),
-        estimated_s=round(end.done_s, 2),
-        low_s=round(end.low_s, 2),
-        high_s=round(end.high_s, 2),
-        flown_s=round(told["flown_s"], 2),
-        items=len(items),
-        inside=sum(item.low_s <= done[item.seq] <= item.high_s for item in items),
-    )
+        row, estimated_route_s=round(last.done_s, 2), flown_route_s=round(done[last.seq], 2),
+        estimated_s=round(end.done_s, 2), low_s=round(end.low_s, 2), high_s=round(end.high_s, 2),
+        flown_s=round(told["flown_s"], 2), items=len(items), inside=inside,
+    )  # fmt: skip
 
 
 def _confident(scenario: Scenario) -> Scenario:
@@ -257,7 +252,6 @@ def _confident(scenario: Scenario) -> Scenario:
 
 
 def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:
-    """Return places (n, 3) [m] from the end of the take-off to the last waypoint, or to the abort."""
     rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
     rows = rows[(rows[:, 0] >= done[0]) & (rows[:, 0] <= (done[-2] if is_completed else np.inf))]
     return LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + mission.home.altitude)
@@ -273,11 +267,6 @@ def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     least = min(held, key=lambda kept: found[kept.limit].distance - kept.kept)
     nearest = found[least.limit]
     return replace(
-        row,
-        required=round(least.required, 3),
-        kept_99=round(least.kept, 3),
-        least=round(float(nearest.distance), 3),
-        to=nearest.what,
-        surplus=round(float(surplus), 3),
-        over_promise=round(float(nearest.distance - least.kept), 3),
-    )
+        row, required=round(least.required, 3), kept_99=round(least.kept, 3), least=round(float(nearest.distance), 3),
+        to=nearest.what, surplus=round(float(surplus), 3), over_promise=round(float(nearest.distance - least.kept), 3),
+    )  # fmt: skip

@@ -32,7 +32,7 @@ def crest(rng: random.Random) -> Scene:
     if rng.random() < 0.5:
         via.append(_over(far + 90.0, rng.uniform(-40, 40), over))
     things = [mast(n, far, side * rng.uniform(18, 40), 1.5, 30.0) for n, side in enumerate((-1, 1))]
-    return _flight(via, _over(2 * far, rng.uniform(-40, 40), rng.uniform(14, 25)), things, rng, [ridge])
+    return _flight(via, _over(2 * far, rng.uniform(-40, 40), rng.uniform(14, 25)), things, rng, ridge)
 
 
 def slope(rng: random.Random) -> Scene:
@@ -42,7 +42,7 @@ def slope(rng: random.Random) -> Scene:
     trees = [mast(n, rng.uniform(40, far), rng.uniform(-90, 90), rng.uniform(2, 4), 18.0) for n in range(14)]
     via = [_over(far * share, rng.uniform(-60, 60), rng.uniform(22, 30)) for share in (0.35, 0.7)]
     goal = (far, 20.0) if rng.random() < 0.5 else (far * 0.5, -150.0)
-    return _flight(via, _over(*goal, rng.uniform(20, 28)), trees, rng, [mountain])
+    return _flight(via, _over(*goal, rng.uniform(20, 28)), trees, rng, mountain)
 
 
 def terrace(rng: random.Random) -> Scene:
@@ -75,14 +75,8 @@ def _over(east: float, north: float, height: float) -> dict[str, float]:
     return {"east": east, "north": north, "height_above_ground": height}
 
 
-def _flight(
-    via: list[dict[str, float]],
-    goal: dict[str, float],
-    things: list[Scene],
-    rng: random.Random,
-    peaks: list[dict[str, float]] | None = None,
-) -> Scene:
-    hills = {"terrain": {"kind": "analytic", "peaks": peaks}} if peaks else {}
+def _flight(via: list[Scene], goal: Scene, things: list[Scene], rng: random.Random, *peaks: Scene) -> Scene:
+    hills = {"terrain": {"kind": "analytic", "peaks": list(peaks)}} if peaks else {}
     return {
         "safety_distance": 2.0,
         "home": HOME,

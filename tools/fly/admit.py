@@ -52,7 +52,7 @@ PLANS_S = 300  # limit of the planning time [s]
 
 @dataclass(frozen=True)
 class Task:
-    """A flight by a scenario's file, or by the number of a random scene."""
+    """Name a flight by a scenario's file, or by the number of a random scene."""
 
     name: str
     flight: int

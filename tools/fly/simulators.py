@@ -36,7 +36,6 @@ TRACK_EVERY = 0.1  # [s]
 
 @contextmanager
 def simulation(words: str, folder: Path) -> Iterator[None]:
-    """Run a simulator, its output next to its logs."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder.parent / f"{folder.name}.out").open("w") as out:
         running = subprocess.Popen(shlex.split(words), start_new_session=True, stdout=out, stderr=out)
@@ -85,7 +84,6 @@ def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
 
 
 def newest_log(folder: Path) -> Path:
-    """Return the log of the last flight in a simulator's folder or its subfolders."""
     logs = [log for kind in LOGS for log in folder.rglob(kind)]
     return max(logs, key=lambda log: log.stat().st_mtime)
 

@@ -127,7 +127,6 @@ def trim_ulog(path: Path, every: float) -> Iterator[bytes]:
 
 
 def is_kept(body: bytes) -> bool:
-    """Return whether this information or parameter of a .ulg is used."""
     name = body[1 : 1 + body[0]].decode().split()[-1]
     return name in PARAMETERS or name in {"sys_name", "ver_sw_release"}
 

@@ -29,8 +29,6 @@ RENAMED = {
 
 
 class Flown:
-    """Compare flights: times of items, positions, mission and parameters."""
-
     def __init__(self, flights: tuple[LoggedFlight, ...]) -> None:
         self.flights = [_told(flight) for flight in flights]
 
@@ -70,7 +68,6 @@ def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def read_log(path: Path) -> Reading:
-    """Return all flights of a log, and the remarks on it."""
     log = read_flights(path)
     unknown = [f"flight {n}: no mission" for n, one in enumerate(log.flights) if one.in_mission and one.mission is None]
     return Reading(Flown(log.flights), frozenset([*log.remarks, *unknown]))  # `compare` and `learn` report the latter
@@ -87,7 +84,6 @@ def _records(name: str) -> list[bytes]:
 
 
 def changed(suffix: str, chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, a log, and the changed one."""
     name = chance.choice(SOURCES[suffix])
     data = _bytes(name)
     # .bin and .ulg have no checksums: one wrong byte of a value is not detectable

@@ -88,7 +88,6 @@ def objects(node: Any) -> list[dict[str, Any]]:
 
 
 def rename(document: dict[str, Any], chance: random.Random) -> None:
-    """Spell a key differently."""
     of = chance.choice([one for one in objects(document) if one])
     key = chance.choice(list(of))
     others = [*OTHER_KEYS.get(key, []), key.lower(), key.upper(), f"{key}s", f"_{key}"]
@@ -116,7 +115,6 @@ def reorder(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def wrap(document: dict[str, Any], chance: random.Random) -> None:
-    """Write a geometry or section in another form."""
     fence, rally, items = document[FENCE], document[RALLY], document["mission"]["items"]
     match chance.randrange(9):
         case 0:
@@ -164,7 +162,6 @@ def convert(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def double(document: dict[str, Any], chance: random.Random) -> None:
-    """Write an item or a part of the fence twice."""
     lists = [document["mission"]["items"], document[FENCE]["polygons"]]
     chosen = chance.choice(lists)
     at = chance.randrange(len(chosen))
@@ -183,7 +180,6 @@ PLAN_CHANGES: list[Callable[[dict[str, Any], random.Random], None]] = [
 
 
 def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """Return the change, a plan's text, and the changed text."""
     before = plan(chance)
     text, after = json.dumps(before, indent=1), deepcopy(before)
     if chance.random() < 0.1:
@@ -201,7 +197,6 @@ def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
 
 
 def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """Return the change, a `.waypoints` file's text, and the changed text."""
     items = plan(chance)["mission"]["items"]
     rows = [[0, 1, 0, 16, 0, 0, 0, 0, *HOME, 1]]
     for n, one in enumerate(items, 1):
@@ -288,7 +283,6 @@ def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
 
 
 def read_mission_text(path: Path) -> Reading:
-    """Read a mission file, with places to the millimeter."""
     file = read_mission_file(path)
     return Reading(_told(file.mission), frozenset(map(str, file.findings)))
 
@@ -307,7 +301,6 @@ def _told(mission: Mission) -> dict[str, Any]:
 
 
 def _open(ring: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Return a ring without its repeated vertex."""
     return tuple(ring[:-1] if ring[0] == ring[-1] else ring)
 
 

@@ -100,7 +100,6 @@ def _model(path: Path, slope: float, system: str = "EPSG:4326", **how: Any) -> b
 
 
 def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, a GeoTIFF, and the changed one."""
     path, slope = folder / "model.tif", chance.uniform(-0.02, 0.02)
     before = _model(path, slope)
     changes = ["system", "datum", "unit", "unit lost", "scale", "type", "hole", "bands", "order", "cut", "block"]
@@ -156,7 +155,6 @@ def _tile() -> NDArray[np.int16]:
 
 
 def changed_tile(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """Return the change, a tile of SRTM (`.hgt`), and the changed one."""
     tile = _tile()
     change = chance.choice(["cut", "block", "hole", "lose", "order"])
     match change:
@@ -178,7 +176,6 @@ def changed_tile(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
 
 
 def changed_grid(chance: random.Random, folder: Path) -> tuple[str, str, str]:
-    """Return the change, an ESRI ASCII grid, and the changed one."""
     _model(folder / "model.asc", chance.uniform(-0.02, 0.02), driver="AAIGrid", dtype="float32", nodata=-9999)
     before = (folder / "model.asc").read_text()
     lines = before.splitlines()

@@ -23,7 +23,6 @@ class Reading:
 
 
 def judge(path: Path, before: str | bytes, after: str | bytes, read: Callable[[Path], Reading]) -> Outcome:
-    """Read a file before and after a change."""
     path.write_bytes(before if isinstance(before, bytes) else before.encode())
     was = read(path)
     path.write_bytes(after if isinstance(after, bytes) else after.encode())

@@ -18,31 +18,22 @@ SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's
 
 
 def row(flight: Recorded) -> tuple[str, float]:
-    """Return a flight's table line, and the relative error of its time."""
     flown = [fly_here(flight, seed) for seed in SEEDS[flight.mission.autopilot]]
     spans = np.array([done[flight.last] - done[flight.first] for done, _ in flown])
     contingency = float(np.mean([end - done[flight.last] for done, end in flown]))
     recorded_ending = flight.end_s - flight.runs[0][flight.last]
     error = float(spans.mean() / flight.spans.mean() - 1)
-    cells = (
-        flight.name.rsplit("-", 1)[0],
-        spread(flight.spans),
-        spread(spans),
-        f"{100 * error:+.1f} %",
-        f"{recorded_ending:.1f}",
-        f"{contingency:.1f}",
-        f"{100 * (contingency / recorded_ending - 1):+.1f} %",
-    )
+    spans_and_error = spread(flight.spans), spread(spans), f"{100 * error:+.1f} %"
+    endings = f"{recorded_ending:.1f}", f"{contingency:.1f}", f"{100 * (contingency / recorded_ending - 1):+.1f} %"
+    cells = flight.name.rsplit("-", 1)[0], *spans_and_error, *endings
     return f"| {' | '.join(cells)} |", error
 
 
 def spread(spans: np.ndarray) -> str:
-    """Return the mean, and the standard deviation of several values."""
     return f"{spans.mean():.1f}" + (f" ± {spans.std(ddof=1):.1f} ({len(spans)})" if len(spans) > 1 else "")
 
 
 def table(autopilot: Autopilot) -> str:
-    """Return all flights of one autopilot in Markdown, and their summary."""
     flights = read_flights(autopilot)
     rows = [row(flight) for flight in flights]
     errors = np.abs([100 * error for _, error in rows])
@@ -54,12 +45,9 @@ def table(autopilot: Autopilot) -> str:
         f"Median error {np.median(errors):.1f} %, largest {errors.max():.1f} %; {(errors <= 5).sum()} of {len(errors)} "
         "within 5 %.",
     ]
-    repeated = [error for error, flight in zip(errors, flights, strict=True) if len(flight.runs) > 1]
-    if repeated:
-        lines.append(
-            f"Of the missions that were recorded four times: median error {np.median(repeated):.1f} %, largest "
-            f"{max(repeated):.1f} %."
-        )
+    if repeated := [error for error, flight in zip(errors, flights, strict=True) if len(flight.runs) > 1]:
+        summary = f"median error {np.median(repeated):.1f} %, largest {max(repeated):.1f} %"
+        lines.append(f"Of the missions that were recorded four times: {summary}.")
     return "\n".join(lines)
 
 

@@ -46,7 +46,6 @@ def facts(source: Source) -> dict[str, Any]:
 
 
 def _by_command(function: str) -> dict[str, str]:
-    """Return the code of each command of the first switch."""
     found: dict[str, str] = {}
     for labels, code in cases(body(function, "switch (cmd.id)")):
         for label in labels:

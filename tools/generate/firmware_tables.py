@@ -30,7 +30,6 @@ def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
 
 
 def _by_row(rows: Mapping[str, str]) -> dict[str, str]:
-    """Return the commands of each row, ordered by number."""
     named = sorted(rows, key=lambda name: int(name) if name.isdigit() else Command[name])
     return {row: " ".join(name for name in named if rows[name] == row) for row in sorted(set(rows.values()))}
 

@@ -40,12 +40,10 @@ class Row:
 
     @property
     def error(self) -> float:
-        """Return the relative error of the estimate."""
         return self.estimated / self.flown - 1
 
 
 def compare(flight: Recorded) -> Row:
-    """Estimate the mission of a flight, and compare the two."""
     found = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
     done = {item.seq: item.done_s for item in found.items}
     main = flight.runs[0]
@@ -76,7 +74,6 @@ def _miss(flight: Recorded, found: Estimate) -> float:
 
 
 def _kept(flight: Recorded, found: Estimate) -> float:
-    """Return the share of flown times within the estimate's interval."""
     runs = flight.runs
     return float(
         np.mean([one.low_s <= run[one.seq] <= one.high_s for one in found.items for run in runs if one.seq in run])
@@ -84,7 +81,6 @@ def _kept(flight: Recorded, found: Estimate) -> float:
 
 
 def table(rows: list[Row]) -> str:
-    """Return the rows of one autopilot in Markdown, and their summary."""
     lines = [
         "| flight | flown, s | estimated, s | error | QGroundControl | take-off | RTL or LAND | path |",
         "|---|--:|--:|--:|--:|--:|--:|--:|",
@@ -100,14 +96,10 @@ def table(rows: list[Row]) -> str:
     errors = [abs(100 * row.error) for row in rows]
     off = np.abs([100 * (row.quoted / row.flown - 1) for row in rows])
     kept = np.mean([row.kept for row in rows])
-    lines += [
-        "",
-        f"{_errors(errors)} (QGroundControl: median "
-        f"{np.median(off):.0f} %, largest {off.max():.0f} %). {100 * kept:.0f} % of all items were done within "
-        "the interval given for them.",
-    ]
-    repeated = [abs(100 * row.error) for row in rows if len(row.flight.runs) > 1]
-    if repeated:
+    quoted = f"QGroundControl: median {np.median(off):.0f} %, largest {off.max():.0f} %"
+    inside = f"{100 * kept:.0f} % of all items were done within the interval given for them."
+    lines += ["", f"{_errors(errors)} ({quoted}). {inside}"]
+    if repeated := [abs(100 * row.error) for row in rows if len(row.flight.runs) > 1]:
         lines.append(f"Of the missions that were flown four times: {_errors(repeated).lower()}.")
     return "\n".join(lines)
 
@@ -128,14 +120,10 @@ def wind_table(autopilot: Autopilot) -> str:
         errors.append(abs(100 * row.error))
         calm_errors.append(abs(100 * calm.error))
         gusty = ", gusty" if flight.turbulence else ""
-        cells = (
-            f"{flight.wind.speed:g} m/s from {flight.wind.from_deg:g}°{gusty}",
-            f"{row.flown:.1f}",
-            f"{row.estimated:.1f}",
-            f"{100 * row.error:+.1f} %",
-            f"{100 * calm.error:+.0f} %",
-            f"{100 * (row.contingency[1] / row.contingency[0] - 1):+.1f} %",
-        )
+        wind = f"{flight.wind.speed:g} m/s from {flight.wind.from_deg:g}°{gusty}"
+        ending = f"{100 * (row.contingency[1] / row.contingency[0] - 1):+.1f} %"
+        route = f"{row.flown:.1f}", f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", f"{100 * calm.error:+.0f} %"
+        cells = wind, *route, ending
         lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
     calm_median = f"median {np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %"
     return "\n".join([*lines, "", f"{_errors(errors)} (without the wind: {calm_median})."])

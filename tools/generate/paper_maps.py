@@ -58,7 +58,6 @@ def _to_a_tenth(**lengths: float) -> dict[str, float]:
 
 
 def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
-    """Return a place at least `least` meters from start and goal."""
     while True:
         east, north = rng.uniform(8, 92, 2)
         if min(np.hypot(east - 5, north - 5), np.hypot(east - 95, north - 95)) >= least:

@@ -42,7 +42,6 @@ _HANDLER = "MavlinkMissionManager::handle_mission_item_both("  # lists the comma
 
 
 def _switches(function: str, on: str) -> list[str]:
-    """Return the switches on `on`, in order."""
     return [block(function, match.end() - 1) for match in re.finditer(rf"switch \({re.escape(on)}\) \{{", function)]
 
 

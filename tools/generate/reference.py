@@ -21,11 +21,6 @@ def page() -> str:
     return HEAD + "\n".join(f"::: {one.__module__}.{name}" for name, one in public) + "\n"
 
 
-def main() -> None:
+if __name__ == "__main__":
     command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
-    print(f"written: {PAGE}")
-
-
-if __name__ == "__main__":
-    main()

@@ -18,13 +18,7 @@ DOCUMENT = REPOSITORY / "docs" / "scenario.md"
 TABLE = re.compile(r"(<!-- keys of (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
-def main() -> None:
-    command_line(__doc__).parse_args()
-    write_atomically(DOCUMENT, refreshed(read_text(DOCUMENT)))
-
-
 def refreshed(text: str) -> str:
-    """Return the document with every table of keys updated."""
     schema = Scenario.model_json_schema()
     tables = {"Scenario": schema, **schema["$defs"]}
     return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(tables[found[2]], tables)}{found[3]}", text)
@@ -46,7 +40,6 @@ def what_it_is(said: dict[str, Any], tables: dict[str, Any]) -> str:
 
 
 def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
-    """Describe the values of a key."""
     match said:
         case {"$ref": str(ref)}:
             target = tables[ref.rsplit("/", 1)[-1]]
@@ -83,4 +76,5 @@ def shown(default: Any) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    command_line(__doc__).parse_args()
+    write_atomically(DOCUMENT, refreshed(read_text(DOCUMENT)))

@@ -11,8 +11,6 @@ _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 @dataclass(frozen=True)
 class Source:
-    """Read one commit of a firmware's repository."""
-
     git: Path
     ref: str
 
@@ -24,7 +22,6 @@ class Source:
         return _COMMENT.sub("", done.stdout)
 
     def about(self) -> dict[str, str]:
-        """Return commit and date."""
         command = ["git", "-C", str(self.git), "log", "-1", "--format=%H %cs", self.ref]
         commit, date = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         return {"commit": commit, "date": date}
@@ -81,7 +78,6 @@ def cases(switch: str) -> Iterator[tuple[tuple[str, ...], str]]:
 
 
 def numbers(text: str) -> Mapping[str, int]:
-    """Return the members of an enum with a number."""
     return {name: int(number) for name, number in re.findall(r"(\w+)\s*=\s*(\d+)", text)}
 
 

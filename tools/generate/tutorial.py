@@ -27,8 +27,6 @@ LEFT_OUT = "..."
 
 @dataclass(frozen=True)
 class Step:
-    """Hold a command, and the lines of output below it."""
-
     command: str
     shown: tuple[str, ...]
 
@@ -57,20 +55,11 @@ def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable)
         port = str(free.getsockname()[1])
     script = "exec 2>&1\n" + "".join(f"{command}\necho '{MARK}'\n" for command in commands)
     script += "jobs -p | xargs -r kill\n"
-    environment = os.environ | {
-        "PATH": os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"])),
-        "COLUMNS": "80",
-        "NO_COLOR": "1",
-        "XDG_STATE_HOME": str(folder),
-    }
+    path = os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"]))
+    given = {"PATH": path, "COLUMNS": "80", "NO_COLOR": "1", "XDG_STATE_HOME": str(folder)}
+    command = ["bash", "-c", script.replace(PORT, port)]
     ended = subprocess.run(
-        ["bash", "-c", script.replace(PORT, port)],
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=900,
+        command, cwd=folder, env=os.environ | given, capture_output=True, text=True, check=False, timeout=900
     )
     said = ended.stdout.replace(port, PORT).split(f"{MARK}\n")
     return [part.splitlines() for part in said[:-1]]
@@ -82,7 +71,6 @@ def words(line: str) -> str:
 
 
 def numbers(line: str) -> list[float]:
-    """Return the numbers of a line."""
     return [float(number) for number in NUMBER.findall(line)]
 
 
@@ -110,15 +98,7 @@ def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
     return pairs
 
 
-def main() -> None:
-    """Update the pages."""
-    command_line(__doc__).parse_args()
-    for page in (README, TUTORIAL):
-        write(page)
-
-
 def write(page: Path) -> None:
-    """Update a page."""
     text = page.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         tutorial = steps(text)
@@ -132,8 +112,9 @@ def write(page: Path) -> None:
             text = text[:start] + new + text[start + len(old) :]
             position = start + len(new) + 1
     page.write_text(text, encoding="utf-8")
-    print(f"written: {page}")
 
 
 if __name__ == "__main__":
-    main()
+    command_line(__doc__).parse_args()
+    for page in (README, TUTORIAL):
+        write(page)

@@ -34,8 +34,6 @@ A flag means the same in every verb that takes it; the few that are listed twice
 
 @dataclass(frozen=True)
 class Flag:
-    """Hold an argument or option of a verb."""
-
     name: str
     value: str
     default: str
@@ -44,7 +42,6 @@ class Flag:
 
 
 def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
-    """Return the options of a verb, in the order of its help."""
     given = signature(grouped(verb)).parameters.values()
     return tuple(_flag(one.annotation, one.default) for one in given)
 
@@ -71,7 +68,6 @@ def _shown(default: Any) -> str:
 
 
 def rows() -> dict[Flag, list[str]]:
-    """Return every option with the names of its verbs."""
     found: dict[Flag, list[str]] = {}
     for name, verb in by_name().items():
         for flag in flags(verb):
@@ -81,7 +77,6 @@ def rows() -> dict[Flag, list[str]]:
 
 
 def by_name() -> dict[str, Callable[..., None]]:
-    """Return the verbs by their names on the command line."""
     return {verb.__name__.replace("_", "-"): verb for verbs in VERBS.values() for verb in verbs}
 
 
@@ -102,18 +97,12 @@ def page() -> str:
 
 
 def _about(docstring: str) -> str:
-    """Return the docstring without indent, its example as code."""
     lines = [line.removeprefix("    ") for line in docstring.strip().splitlines()]
     words = "\n".join(line for line in lines if not line.startswith("Example: "))
     examples = [line.removeprefix("Example: ").strip("`") for line in lines if line.startswith("Example: ")]
     return words.strip() + "\n" + "".join(f"\n```sh\n{example}\n```\n" for example in examples)
 
 
-def main() -> None:
+if __name__ == "__main__":
     command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
-    print(f"written: {PAGE}")
-
-
-if __name__ == "__main__":
-    main()
