@@ -87,7 +87,7 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
         "vehicle": {"autopilot": str(autopilot), "cruise_speed": round(float(rng.uniform(4.0, 8.0)), 1)},
     }
     if kind == "tower":
-        made["obstacles"] = [mast(0, *middle, 4.0, 70.0) | {"name": "tower"}]
+        made["obstacles"] = [mast(0, middle[0], middle[1], 4.0, 70.0) | {"name": "tower"}]
     if number % 4 == 1 and autopilot is Autopilot.ARDUPILOT:
         speed, whence = rng.uniform(2.5, 4.5), rng.uniform(0.0, 360.0)
         made["wind"] = {"speed": round(float(speed), 1), "from_deg": round(float(whence))}

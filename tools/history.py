@@ -1,10 +1,9 @@
 """Measure each release: append to docs/history.csv, and plot it.
 
     taskset -c 0 python -m tools.history             measure every shipped scenario, append, plot
-    python -m tools.history --plot history.svg       plot what is there, no more
+    python -m tools.history --plot history.svg       plot what is there
 
-A row is one measure of one scenario by one version: path cost, estimated flight time, CPU seconds of planning and of
-estimating. Costs and times are the same on any machine, CPU seconds are not.
+A row is one measure of one scenario by one version. Costs and times are the same on any machine, CPU seconds are not.
 """
 
 import csv

@@ -93,7 +93,7 @@ def true_track(log: Path) -> Points:
     rows, armed = _of_px4(log) if log.suffix == ".ulg" else _of_copter(log)
     rows = rows[rows[:, 0] >= armed]
     rows = rows[np.diff(np.floor(rows[:, 0] / TRACK_EVERY), prepend=-1.0) != 0]
-    return rows - np.array([armed, 0.0, 0.0, rows[0, 3]])
+    return np.asarray(rows - np.array([armed, 0.0, 0.0, rows[0, 3]]))
 
 
 def _of_copter(log: Path) -> tuple[Points, float]:
