@@ -80,7 +80,7 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
         "side_overlap": 0.7 if kind != "corridor" else 0.75,
         "front_overlap": round(float(rng.uniform(0.6, 0.75)), 2),
     }
-    made = {
+    made: dict[str, Any] = {
         "name": f"survey{number:02d}",
         "home": HOME,
         "survey": survey,

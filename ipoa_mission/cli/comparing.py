@@ -185,7 +185,11 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
-    about = {"flight": row.number, "armed_s": round(row.flight.armed_s, 3), "in_mission": row.flight.in_mission}
+    about: dict[str, Any] = {
+        "flight": row.number,
+        "armed_s": round(row.flight.armed_s, 3),
+        "in_mission": row.flight.in_mission,
+    }
     about |= {"flown_s": _known(row.record.total_s)} if row.held is None else _held_as_json(row.held)
     if row.clearance is not None:
         about["clearance"] = _clearance_as_json(row.clearance)

@@ -97,8 +97,8 @@ def show(
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    items = counted(len(mission.items), "item")
-    print_lines(f"{file.name}: {items} for {mission.autopilot.checked_for(mission.firmware_version)}")
+    count = counted(len(mission.items), "item")
+    print_lines(f"{file.name}: {count} for {mission.autopilot.checked_for(mission.firmware_version)}")
     print_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)

@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -106,7 +107,7 @@ def test_winds_along_the_axes_of_a_known_grid_are_turned(xarray: Any, tmp_path: 
             tmp_path / "c.nc", engine="h5netcdf"
         )
     wind = read_wind(tmp_path / "b.nc", COLORADO, None).wind
-    assert (wind.east, wind.north) == pytest.approx(by_a_step_north(LAMBERT, *along), abs=0.05)
+    assert (wind.east, wind.north) == pytest.approx(by_a_step_north(LAMBERT, along), abs=0.05)
     assert abs(wind.east - along[0]) > 5.0
     with refuses("bad-input", "c.nc: u10", "axes y, x"):
         read_wind(tmp_path / "c.nc", COLORADO, None)
@@ -173,14 +174,14 @@ def nearest(eccodes: Any, path: Path, place: Geodetic) -> list[float]:
     return found
 
 
-def by_a_step_north(grid: str, along_x: float, along_y: float, home: Geodetic = COLORADO) -> tuple[float, float]:
+def by_a_step_north(grid: str, along: Sequence[float], home: Geodetic = COLORADO) -> tuple[float, float]:
     """A wind along a grid's axes as east and north: the axes' directions by the places a step north and east."""
     to_grid = Transformer.from_pipeline(f"+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step {grid}")
     at, north, east = (
         np.array(to_grid.transform(home.longitude_deg + dx, home.latitude_deg + dy))
         for dx, dy in ((0, 0), (0, 1e-4), (1e-4, 0))
     )
-    blows = np.array([along_x, along_y])
+    blows = np.array(along)
     return tuple(float(blows @ (step - at) / np.hypot(*(step - at))) for step in (east, north))  # type: ignore[return-value]
 
 
@@ -209,7 +210,7 @@ def test_grib_along_the_axes_of_other_grids(
         grid = "+proj=ob_tran +o_proj=eqc +o_lat_p=40 +o_lon_p=0 +lon_0=10 +R=6371229"
     wind = read_wind(path, place, NOON).wind
     assert (wind.east, wind.north) == pytest.approx(
-        by_a_step_north(grid, *nearest(eccodes, path, place), place), abs=0.06
+        by_a_step_north(grid, nearest(eccodes, path, place), place), abs=0.06
     )
     assert abs(wind.east - 9.0) > 0.5
 
@@ -242,7 +243,7 @@ def test_grib_on_a_lambert_grid(eccodes: Any, tmp_path: Path) -> None:
     along = grib(eccodes, tmp_path / "grid.grib2", {2: 3.0, 3: 1.0}, **keys, uvRelativeToGrid=1)
     wind = read_wind(along, COLORADO, NOON).wind
     assert (wind.east, wind.north) == pytest.approx(
-        by_a_step_north(LAMBERT, *nearest(eccodes, along, COLORADO)), abs=0.02
+        by_a_step_north(LAMBERT, nearest(eccodes, along, COLORADO)), abs=0.02
     )
     assert abs(wind.east - 3.0) > 0.05
     west = Geodetic(34.24517, -117.985, 0.0)  # of open-meteo/open-meteo #2043
