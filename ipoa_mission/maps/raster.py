@@ -1,4 +1,3 @@
-import math
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -69,10 +68,10 @@ class RasterFile:
         }
         side = max(outside, key=lambda each: outside[each])
         if not outside[side] < 1e-6:
-            missing = f"{outside[side]:.1f} posts" if math.isfinite(outside[side]) else "far"
+            missing = f"{outside[side]:.1f} posts" if outside[side] < self.dataset.width else "far"
             raise NotCovered(
                 f"expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
-                hint="take a larger model, or narrow `bounds` (bounds.margin = 50 is the default)",
+                hint="take a larger model, narrow `bounds` (bounds.margin = 50), or swap latitude and longitude",
                 place=self.path,
             )
 

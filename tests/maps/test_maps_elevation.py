@@ -262,7 +262,8 @@ def test_home_must_agree_with_the_model_or_the_model_be_levelled(write_model: Wr
 
 
 @pytest.mark.parametrize(
-    ("area", "side"), [(((-300.0, -200.0), (400.0, 2000.0)), "upper"), (((-3000.0, -200.0), (40.0, 350.0)), "left")]
+    ("area", "side"),
+    [(((-300.0, -200.0), (400.0, 2000.0)), "upper"), (((-3000.0, -200.0), (40.0, 350.0)), "far beyond its left")],
 )
 def test_a_model_that_is_too_small_is_refused(write_model: Write, area: Any, side: str) -> None:
     with refuses("not-covered", "model.tif", side):
