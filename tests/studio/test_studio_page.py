@@ -305,6 +305,11 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.get_by_role("dialog").locator("input").fill("sitl")
     own_page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
     own_page.get_by_role("button", name="Hold", exact=True).click()
+    own_page.get_by_role("button", name="Go on").wait_for()
+    own_page.wait_for_timeout(500)
+    held = int(own_page.get_by_label("Moment of the flight").input_value())
+    own_page.wait_for_timeout(1000)  # 8 s of the flight
+    assert abs(int(own_page.get_by_label("Moment of the flight").input_value()) - held) <= 2  # it stays where it holds
     own_page.get_by_role("button", name="Go on").click()
     own_page.get_by_text("✓ Landed").wait_for()
 
