@@ -232,7 +232,8 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
     if done:
         way = _on_the_way(folder, mission, sorted(done.values()), told["outcome"] == COMPLETED)
-        row = _with_distances(row, way, Forecast(mission, _confident(scenario)))
+        safety = scenario.safety.model_copy(update={"confidence": LEVEL})
+        row = _with_distances(row, way, Forecast(mission, scenario.model_copy(update={"safety": safety})))
     if told["outcome"] != COMPLETED:
         return row
     expected = Forecast(landing_on(mission.assuming(scenario.vehicle.autopilot_parameters()), 0.0)).estimate
@@ -245,10 +246,6 @@ def judged(folder: Path, scenario: Scenario) -> Row:
         estimated_s=round(end.done_s, 2), low_s=round(end.low_s, 2), high_s=round(end.high_s, 2),
         flown_s=round(told["flown_s"], 2), items=len(items), inside=inside,
     )  # fmt: skip
-
-
-def _confident(scenario: Scenario) -> Scenario:
-    return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": LEVEL})})
 
 
 def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:

@@ -78,16 +78,10 @@ def _over(east: float, north: float, height: float) -> dict[str, float]:
 def _flight(via: list[Scene], goal: Scene, things: list[Scene], rng: random.Random, *peaks: Scene) -> Scene:
     hills = {"terrain": {"kind": "analytic", "peaks": list(peaks)}} if peaks else {}
     return {
-        "safety_distance": 2.0,
-        "home": HOME,
-        "start": {"east": 0.0, "north": 0.0, "up": rng.uniform(12, 20)},
-        "goal": goal,
-        "via": via,
-        "vehicle": {"radius": 0.5, "cruise_speed": rng.uniform(5, 9)},
-        "route": {"ending": "rtl" if rng.random() < 0.3 else "land"},
-        "obstacles": things,
-        **hills,
-    }
+        "safety_distance": 2.0, "home": HOME, "start": {"east": 0.0, "north": 0.0, "up": rng.uniform(12, 20)},
+        "goal": goal, "via": via, "vehicle": {"radius": 0.5, "cruise_speed": rng.uniform(5, 9)},
+        "route": {"ending": "rtl" if rng.random() < 0.3 else "land"}, "obstacles": things, **hills,
+    }  # fmt: skip
 
 
 def _counted(make: Callable[[random.Random, int], Scene], least: int, most: int) -> Callable[[random.Random], Scene]:

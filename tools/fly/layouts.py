@@ -77,16 +77,10 @@ def town(rng: random.Random, count: int) -> Scene:
 def _course(places: list[Place], obstacles: list[Scene], speed: float) -> Scene:
     *via, goal = ({"east": x, "north": y, "up": z} for x, y, z in places)
     return {
-        "safety_distance": 1.5,
-        "safety": {},
-        "home": HOME,
-        "start": {"east": 0.0, "north": 0.0, "up": 12.0},
-        "goal": goal,
-        "vehicle": {"radius": 0.5, "cruise_speed": speed},
-        "route": {"ending": "land"},
-        "obstacles": obstacles,
-        **({"via": via} if via else {}),
-    }
+        "safety_distance": 1.5, "safety": {}, "home": HOME, "start": {"east": 0.0, "north": 0.0, "up": 12.0},
+        "goal": goal, "vehicle": {"radius": 0.5, "cruise_speed": speed}, "route": {"ending": "land"},
+        "obstacles": obstacles, "via": via,
+    }  # fmt: skip
 
 
 def village(rng: np.random.Generator) -> Scene:
@@ -102,15 +96,11 @@ def village(rng: np.random.Generator) -> Scene:
             size = (rng.uniform(8, 13), rng.uniform(7, 11), rng.uniform(5, 11))
             houses.append(_rounded(f"house {n}", spot, size, float(rng.uniform(0, 90))))
     return {
-        "home": HOME,
-        "safety_distance": 2.0,
-        "start": start,
-        "goal": goal,
+        "home": HOME, "safety_distance": 2.0, "start": start, "goal": goal,
         "bounds": {"east": (-40, long + 40), "north": (-120, 120), "up": (0, 60)},
         "vehicle": {"radius": 0.5, "cruise_speed": float(rng.uniform(5, 9))},
-        "route": {"ending": "rtl" if rng.random() < 0.5 else "land"},
-        "obstacles": houses,
-    }
+        "route": {"ending": "rtl" if rng.random() < 0.5 else "land"}, "obstacles": houses,
+    }  # fmt: skip
 
 
 def downtown(rng: np.random.Generator) -> Scene:
@@ -123,15 +113,12 @@ def downtown(rng: np.random.Generator) -> Scene:
         towers.append(_rounded(f"tower {i}{j}", spot, size))
     far = pitch * blocks
     return {
-        "home": HOME,
-        "safety_distance": 2.0,
-        "start": {"east": 0.0, "north": 0.0, "up": 15.0},
-        "goal": {"east": far, "north": far, "up": 20.0},
+        "home": HOME, "safety_distance": 2.0,
+        "start": {"east": 0.0, "north": 0.0, "up": 15.0}, "goal": {"east": far, "north": far, "up": 20.0},
         "bounds": {"east": (-30, far + 30), "north": (-30, far + 30), "up": (0, 70)},
-        "vehicle": {"radius": 0.6, "cruise_speed": float(rng.uniform(5, 10))},
-        "route": {"ending": "land"},
+        "vehicle": {"radius": 0.6, "cruise_speed": float(rng.uniform(5, 10))}, "route": {"ending": "land"},
         "obstacles": towers,
-    }
+    }  # fmt: skip
 
 
 def forest(rng: np.random.Generator) -> Scene:
@@ -140,15 +127,11 @@ def forest(rng: np.random.Generator) -> Scene:
     start = {"east": 0.0, "north": 0.0, "up": 6.0}
     spots = _scatter(rng, 70, (8.0, -50.0, 122.0, 50.0), 10.5, [start, goal])
     return {
-        "home": HOME,
-        "safety_distance": 1.2,
-        "start": start,
-        "goal": goal,
+        "home": HOME, "safety_distance": 1.2, "start": start, "goal": goal,
         "bounds": {"east": (-20, 150), "north": (-60, 60), "up": (0, 13)},
-        "vehicle": {"radius": 0.4, "cruise_speed": float(rng.uniform(3, 6))},
-        "route": {"ending": "land"},
+        "vehicle": {"radius": 0.4, "cruise_speed": float(rng.uniform(3, 6))}, "route": {"ending": "land"},
         "obstacles": [mast(n, *spot, float(rng.uniform(0.3, 0.9)), 20.0, "tree") for n, spot in enumerate(spots)],
-    }
+    }  # fmt: skip
 
 
 def _scatter(

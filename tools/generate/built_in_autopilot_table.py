@@ -9,8 +9,8 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
-from tools import REPOSITORY
-from tools.generate.pages import print_or_write, table_command
+from tools import REPOSITORY, command_line
+from tools.generate.recorded_rows import put
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "built-in-autopilot.md"
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
@@ -56,5 +56,7 @@ def tables() -> str:
 
 
 if __name__ == "__main__":
-    given = table_command(__doc__).parse_args()
-    print_or_write(tables(), DOCUMENT, given.write)
+    parser = command_line(__doc__)
+    parser.add_argument("--write", action="store_true", help="write the files")
+    is_written, text = parser.parse_args().write, tables()
+    put(text, DOCUMENT, ("built-in-autopilot.csv",)) if is_written else print(text)

@@ -17,11 +17,12 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 from tools.fly.admission_flight import beside
-from tools.generate.pages import print_or_write, table_command
+from tools.generate.recorded_rows import put
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "flight-time.md"
+FILES = ("estimates.csv", "estimates-wind.csv", "estimates-landings.csv")
 NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 
 
@@ -151,12 +152,9 @@ def landing_table() -> str:
             lines.append(f"| {' | '.join(cells)} |")
             errors.append(np.abs(off))
         (take_off, land), (most, longest) = np.median(errors, axis=0), np.max(errors, axis=0)
-        summary.append(
-            f"* {name}: take-off median {take_off:.1f} %, largest {most:.1f} %; "
-            f"LAND median {land:.1f} %, largest {longest:.1f} %."
-        )
-    lines += ["", *summary]
-    return "\n".join(lines)
+        first = f"take-off median {take_off:.1f} %, largest {most:.1f} %"
+        summary.append(f"* {name}: {first}; LAND median {land:.1f} %, largest {longest:.1f} %.")
+    return "\n".join([*lines, "", *summary])
 
 
 def tables() -> str:
@@ -166,5 +164,7 @@ def tables() -> str:
 
 
 if __name__ == "__main__":
-    given = table_command(__doc__).parse_args()
-    print_or_write(tables(), DOCUMENT, given.write)
+    parser = command_line(__doc__)
+    parser.add_argument("--write", action="store_true", help="write the files")
+    is_written, text = parser.parse_args().write, tables()
+    put(text, DOCUMENT, FILES) if is_written else print(text)

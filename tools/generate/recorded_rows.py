@@ -16,14 +16,15 @@ def put(text: str, page: Path, files: tuple[str, ...]) -> None:
     kinds: dict[str, list[list[str]]] = {}
     lines, heading, header = [], "", ""
     for line in text.splitlines():
+        row = [cell.strip() for cell in line.strip("|").split("|")]
         if not line.startswith("|"):
             lines.append(line)
             heading = line.removeprefix("### ") if line.startswith("###") else heading
         elif line.startswith("| flight |"):
             header = line
-            kinds.setdefault(header, [["group", *cells(header)]])
+            kinds.setdefault(header, [["group", *row]])
         elif not line.startswith("|--"):
-            kinds[header].append([heading, *cells(line)])
+            kinds[header].append([heading, *row])
     for name, rows in zip(files, kinds.values(), strict=True):
         out = io.StringIO()
         csv.writer(out, lineterminator="\n").writerows(rows)
@@ -31,7 +32,3 @@ def put(text: str, page: Path, files: tuple[str, ...]) -> None:
     before, rest = page.read_text(encoding="utf-8").split(BEGIN)
     summary = filled("\n".join(lines))
     write_atomically(page, f"{before}{BEGIN}\n{summary}{END}{rest.split(END)[1]}")
-
-
-def cells(line: str) -> list[str]:
-    return [cell.strip() for cell in line.strip("|").split("|")]
