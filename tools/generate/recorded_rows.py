@@ -14,7 +14,8 @@ BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 def put(text: str, page: Path, files: tuple[str, ...]) -> None:
     """Write each kind of table, by its header, to the next of `files` in docs; all else between the page's markers."""
     kinds: dict[str, list[list[str]]] = {}
-    lines, heading, header = [], "", ""
+    lines: list[str] = []
+    heading = header = ""
     for line in text.splitlines():
         row = [cell.strip() for cell in line.strip("|").split("|")]
         if not line.startswith("|"):
