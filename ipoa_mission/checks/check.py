@@ -4,11 +4,10 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
-from ipoa_mission.checks.firmware_check import check_firmware, is_too_long
+from ipoa_mission.checks.clearance import check_way
+from ipoa_mission.checks.firmware_check import check_firmware, check_version, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
-from ipoa_mission.checks.version_check import check_version
-from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
@@ -68,7 +67,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
         findings += check_way(forecast)
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
-        from ipoa_mission.checks.passing import check_passing
+        from ipoa_mission.checks.clearance import check_passing
 
         findings += check_passing(flown)
         if flown.mission.fence:
@@ -96,9 +95,8 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
 def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:
     from ipoa_mission.checks.airspace_check import check_airspace
-    from ipoa_mission.checks.clearance import check_clearance
+    from ipoa_mission.checks.clearance import check_clearance, check_passed_over
     from ipoa_mission.checks.ground_check import check_ground
-    from ipoa_mission.checks.passed_over import check_passed_over
     from ipoa_mission.checks.unread_check import check_unread
 
     findings = [*check_airspace(forecast)]

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import (
@@ -23,10 +25,14 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.jump_check import check_jumps
 from ipoa_mission.checks.numbered_finding import Numbered, numbered
 from ipoa_mission.checks.positions import out_of_range
+from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import to_wire, values_of
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 DEVELOPMENT = "dev"  # of a version
 
@@ -227,3 +233,39 @@ def check_waiting(mission: Mission) -> Iterator[Finding]:
             elif any(value > 0 for value in at.item.params[1:]):
                 words = f"{mission.autopilot.model} has no delay until {until}, and does not wait"
                 yield at.warning("waits-until-clock", words)
+
+
+NOT_MEASURED = "version-not-measured"
+MEASURE_HINT = (
+    "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
+    "(in a scenario vehicle.unmeasured_version = true)"
+)
+
+
+def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
+    """Report a version that was not measured, as an error unless `unmeasured`."""
+    if (why := autopilot.not_measured(version)) is not None:
+        yield _finding(why, unmeasured)
+
+
+def expect_measured(scenario: "Scenario") -> None:
+    """Raise Unsafe if the version was not measured, and not requested by `unmeasured_version`."""
+    vehicle = scenario.vehicle
+    refuse_errors(tuple(check_version(vehicle.autopilot, vehicle.version, vehicle.unmeasured_version)))
+
+
+def check_aboard(
+    mission: Mission, autopilot: Autopilot, reported: Version | None
+) -> tuple[Mission, tuple[Finding, ...]]:
+    """Return the mission with the reported version, and a finding if none is known."""
+    aboard = replace(mission, autopilot=autopilot, firmware_version=reported or mission.firmware_version)
+    if aboard.firmware_version is not None:
+        return aboard, ()
+    taken = autopilot.checked_for(None)
+    why = f"the vehicle does not report its version: whether it was measured is unknown; {taken} is assumed"
+    return aboard, (_finding(why, mission.unmeasured_version),)
+
+
+def _finding(why: str, unmeasured: bool) -> Finding:
+    severity = Severity.WARNING if unmeasured else Severity.ERROR
+    return Finding("version-not-measured", severity, None, why, None if unmeasured else MEASURE_HINT)

@@ -9,8 +9,7 @@ from ipoa_mission.autopilot.commands import JUMPS, Command
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.itinerary.jump_targets import jump_target, tagged
-from ipoa_mission.forecast.itinerary.program import Steps, program_of
+from ipoa_mission.forecast.itinerary.program import Steps, jump_target, program_of, tagged
 from ipoa_mission.mission.items import Mission
 
 

@@ -9,7 +9,7 @@ from ipoa_mission.autopilot.commands import JUMPS
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.jump_targets import jump_target
+from ipoa_mission.forecast.itinerary.program import jump_target
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
+from ipoa_mission.checks.firmware_check import expect_measured
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.checks.version_check import expect_measured
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.unread import Unread
 

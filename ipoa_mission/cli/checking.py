@@ -101,10 +101,10 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.autopilot.commands import short_name
+    from ipoa_mission.checks.firmware_check import check_version
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unread_check import refuse_unread
     from ipoa_mission.checks.unsafe import refuse_errors
-    from ipoa_mission.checks.version_check import check_version
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
@@ -165,8 +165,7 @@ def estimate(
 
 def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
     """Return the remarks of `estimate` and `show`. Raises MissionError."""
-    from ipoa_mission.checks.firmware_check import check_firmware
-    from ipoa_mission.checks.version_check import check_version
+    from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
 
     prediction, world, asked = forecast.estimate, forecast.scenario, forecast.given

@@ -2,14 +2,93 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 from scipy.special import stdtrit
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError
-from ipoa_mission.learn.lean import drag_by_lean
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged_track
 from ipoa_mission.learn.powers import PowerSeconds
 from ipoa_mission.logs.flight_log import LoggedFlight
+
+SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (
+    0.2,
+    5,
+    10,
+)  # of samples [s], averaged, correlated
+MAX_GAP_S = 2.0  # between attitudes [s]
+STEADY_LIMIT = 1.0  # climb [m/s] and acceleration [m/s^2]
+MIN_SPEED, MIN_TIME_S = (
+    2.5,
+    5.0,
+)  # slower, drag is within the lean's error [m/s]; time above [s]
+HEIGHT_SHARE = 0.6  # of the greatest height; wind differs below
+MODEL_DEVIATION = 0.05  # of ln drag from flight to flight
+#: ln drag, wind north and east [m/s], tilt ahead and right [m/s^2].
+PRIOR_DEVIATIONS = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
+
+
+@dataclass(frozen=True)
+class Leaned:
+    """ln of drag over the simulated, wind towards north and east [m/s], with deviations."""
+
+    drag: float
+    deviation: float
+    wind: tuple[float, float]
+    wind_deviation: float
+
+
+def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> Leaned:
+    """Estimate from `Measured` attitudes (n, 4).
+
+    Raises:
+        MissionError: no attitudes, or too little fast level flight.
+    """
+    if len(attitude) < 2 or np.ptp(attitude[:, 0]) < MIN_TIME_S:
+        raise LogUseless("it has no attitudes")
+    times = np.arange(attitude[0, 0], attitude[-1, 0], SAMPLE_STEP_S)
+    angles = np.column_stack([np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, :0:-1].T])
+    axes = Rotation.from_euler("ZYX", angles).as_matrix()  # columns ahead, right, down
+    heights, velocity = track.at(times)
+    gained = _smoothed(np.gradient(velocity[:, :2], SAMPLE_STEP_S, axis=0))
+    pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])
+    steady = (np.abs(gained).max(axis=1) < STEADY_LIMIT) & (np.abs(velocity[:, 2]) < STEADY_LIMIT)
+    high = max(AIRBORNE_HEIGHT, HEIGHT_SHARE * float(track.heights.max()))
+    steady &= (heights > high) & (axes[:, 2, 2] > 0.0)
+    steady &= (
+        np.diff(attitude[:, 0], append=np.inf)[np.searchsorted(attitude[:, 0], times, side="right") - 1] < MAX_GAP_S
+    )
+    steady[:SMOOTHED_SAMPLES] = steady[-SMOOTHED_SAMPLES:] = False
+    fast_s = (np.hypot(*velocity[steady, :2].T) > MIN_SPEED).sum() * SAMPLE_STEP_S
+    if fast_s < MIN_TIME_S:
+        raise LogUseless(f"it flies level at more than {MIN_SPEED:g} m/s for {fast_s:.0f} s")
+    velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
+    airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
+
+    def misfit(change: Vector, noise: float) -> Vector:
+        slowed = np.exp(change[0]) * airframe.slowing(velocity - [change[1], change[2], 0.0], axes)[:, :2]
+        wrong = slowed + axes[:, :2, :2] @ change[3:] - held
+        return np.concatenate([wrong.ravel() / noise / np.sqrt(CORRELATED_SAMPLES), change / PRIOR_DEVIATIONS])
+
+    noise = 0.2
+    for _ in range(2):
+        fitted = least_squares(misfit, np.zeros(5), args=(noise,))
+        noise *= float(np.std(fitted.fun[:-5])) * np.sqrt(CORRELATED_SAMPLES)
+    variances = np.diag(np.linalg.inv(fitted.jac.T @ fitted.jac))
+    drag, north, east = (float(number) for number in fitted.x[:3])
+    deviation = float(np.sqrt(variances[0] + MODEL_DEVIATION**2))
+    return Leaned(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
+
+
+def _smoothed(values: Points) -> Points:
+    return np.column_stack(
+        [np.convolve(column, np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES, "same") for column in values.T]
+    )
+
 
 MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
     2.0,

@@ -3,13 +3,91 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
-from ipoa_mission.maps.defaults import OTHER, TREES, building_height, is_turbine, size_of
 from ipoa_mission.maps.keys import Means, keys_of
-from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
-from ipoa_mission.maps.lengths import length_of
-from ipoa_mission.maps.tag_heights import Odd, width_of
+from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged, values_of
+from ipoa_mission.maps.lengths import length_of, storeys_of
+from ipoa_mission.maps.tag_heights import WIDEST_ROTOR, Odd, width_of
+
+
+class Size(NamedTuple):
+    """Height above ground, and radius or half width [m]."""
+
+    kind: str
+    height: float
+    radius: float
+
+
+TREES = ("tree", "tree_row")
+TREE = Size("tree", 30.0, 5.0)
+TURBINE = Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
+OTHER = Size("point or line", 20.0, 2.0)
+_POINTS: Mapping[str, tuple[float, float]] = {
+    "antenna": (60, 5), "chimney": (150, 8), "column": (40, 5), "communications_tower": (250, 15),
+    "cooling_tower": (180, 70), "crane": (100, 60), "flagpole": (40, 3), "gasometer": (100, 40),
+    "lighthouse": (70, 8), "mast": (120, 10), "monitoring_station": (20, 5), "obelisk": (60, 5),
+    "observation_tower": (100, 15), "portal": (40, 12), "pylon": (80, 8), "silo": (60, 15), "storage_tank": (30, 40),
+    "telescope": (60, 50), "terminal": (20, 5), "tower": (150, 15), "utility_pole": (20, 3), "pole": (30, 3),
+    "water_tower": (70, 20), "windmill": (40, 20), "street_lamp": (15, 3), "gantry": (15, 10), "windsock": (15, 3),
+    "minaret": (90, 5), "statue": (60, 10), "flare": (150, 8),
+}  # fmt: skip
+_POWER_TOWER = Size("power tower", 80.0, 16.0)
+# Unknown kind: 20 m.
+_LOW_BUILDINGS = {
+    "annexe", "barn", "boathouse", "bungalow", "bunker", "cabin", "carport", "conservatory", "cowshed",
+    "detached", "farm", "farm_auxiliary", "garage", "garages", "ger", "greenhouse", "guardhouse", "house",
+    "houseboat", "hut", "kiosk", "outbuilding", "pavilion", "roof", "semidetached_house", "service", "shed",
+    "slurry_tank", "stable", "static_caravan", "sty", "summer_cottage", "tent", "toilets", "tree_house", "trullo",
+}  # fmt: skip
+_BUILDINGS: Mapping[str, float] = {
+    "apartments": 40, "bridge": 40, "castle": 40, "cathedral": 120, "chapel": 30, "chimney": 150, "church": 80,
+    "commercial": 40, "cooling_tower": 180, "dormitory": 40, "fort": 40, "government": 40, "grandstand": 40,
+    "hangar": 40, "hospital": 60, "hotel": 60, "industrial": 40, "lighthouse": 70, "mosque": 90, "office": 80,
+    "public": 40, "religious": 80, "residential": 40, "silo": 60, "skyscraper": 300, "stadium": 60, "storage_tank": 30,
+    "synagogue": 40, "temple": 60, "tower": 150, "train_station": 40, "university": 40, "warehouse": 30,
+    "water_tower": 70, "windmill": 40,
+}  # fmt: skip
+# Above the higher end, per layer, and half width [m].
+BRIDGE_HEIGHT, BRIDGE_REACH = 10.0, 8.0
+LOW_HEIGHT, BUILDING_HEIGHT = 12.0, 20.0
+
+
+def size_of(tags: Mapping[str, str]) -> Size:
+    if is_turbine(tags):
+        return TURBINE
+    if is_bridge(tags):
+        layer, _ = storeys_of(tags.get("layer", "1"))
+        return Size("bridge", BRIDGE_HEIGHT * max(layer or 1.0, 1.0), BRIDGE_REACH)
+    if tags.get("natural") in TREES:
+        return TREE
+    if tags.get("power") == "tower":
+        return _POWER_TOWER
+    kinds = [kind for value in tags.values() for kind in values_of(value) if kind in _POINTS]
+    if not kinds:
+        return OTHER
+    kind = max(kinds, key=lambda kind: _POINTS[kind])
+    return Size(kind.replace("_", " "), *map(float, _POINTS[kind]))
+
+
+def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
+    kinds = [tags[key] for key in ("building", "building:part") if key in tags]
+    heights = [(_BUILDINGS[kind], kind) for kind in kinds if kind in _BUILDINGS]
+    if heights:
+        height, kind = max(heights)
+        return kind.replace("_", " "), float(height)
+    if kinds and all(kind in _LOW_BUILDINGS for kind in kinds):
+        return "small building", LOW_HEIGHT
+    return "building", BUILDING_HEIGHT
+
+
+def is_turbine(tags: Mapping[str, str]) -> bool:
+    if keys_of(tags, Means.HUB, Means.ROTOR, Means.BLADE):
+        return True
+    return tags.get("generator:source") == "wind" or "wind_turbine" in (
+        tags.get("generator:method"), tags.get("man_made"), tags.get("power")
+    )  # fmt: skip
+
 
 RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind [m]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
-from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.feature import Feature, Mistakes, printed
 from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
@@ -32,7 +32,6 @@ from ipoa_mission.maps.kinds import (
 )
 from ipoa_mission.maps.lengths import meters
 from ipoa_mission.maps.map_reader import hand_on_features
-from ipoa_mission.maps.naming import called
 from ipoa_mission.maps.passed import (
     FAR_FROM_HOME,
     MOST_NAMED,
@@ -49,6 +48,43 @@ from ipoa_mission.maps.tag_heights import Odd, foot_of, height_of, is_by_storeys
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
+
+KINDS = ("building", "man_made", "aerialway", "barrier", "power", "natural", "landuse")
+WORDS = {("natural", "tree_row"): "row of trees", ("power", "tower"): "power tower", ("power", "pole"): "power pole"}
+
+
+def called(feature: Feature, shape: Any) -> str:
+    """Name a feature for a pilot: by name or address, else by kind, position and number; `shape` is east, north [m].
+
+    >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}), shapely.Point(30.0, 30.0))
+    'tree 42 m NE of home (features[3])'
+    """
+    tags, kind = feature.tags, _kind(feature.tags)
+    if tags.get("name") or tags.get("addr:housename"):
+        return feature.name
+    street, number = tags.get("addr:street"), tags.get("addr:housenumber")
+    if "building" in tags and street and number:
+        return printed(f"{kind}, {street} {number}")
+    return printed(f"{kind}{_from_home(shape)} ({feature.name.rpartition(': ')[2]})")
+
+
+def _from_home(shape: Any) -> str:
+    if shapely.is_empty(shape) or shapely.get_dimensions(shape) == 1:
+        return ""
+    east, north = shape.centroid.coords[0]
+    side = ("N", "NE", "E", "SE", "S", "SW", "W", "NW")[round(math.atan2(east, north) / (math.pi / 4)) % 8]
+    return f" {math.hypot(east, north):.0f} m {side} of home"
+
+
+def _kind(tags: Mapping[str, str]) -> str:
+    if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
+        volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
+        return f"{max(volts) / 1000:g} kV line" if volts else "power line"
+    if tags.get("generator:source") == "wind":
+        return "wind turbine"
+    values = ((key, tags[key]) for key in KINDS if tags.get(key) not in (None, "", "yes", "no"))
+    return next((WORDS.get(each, each[1].replace("_", " ")) for each in values), "building")
+
 
 # Unreadable values may hide a greater height.
 HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)

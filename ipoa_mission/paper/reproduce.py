@@ -1,14 +1,17 @@
-from collections.abc import Callable, Mapping, Sequence
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission.errors import BadInput, MissionError, UnknownName, imported
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.campus import campus_scenario
-from ipoa_mission.paper.executors import open_executor
 from ipoa_mission.paper.markdown_table import Table, filled
 from ipoa_mission.paper.paper_maps import map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
@@ -26,6 +29,50 @@ from ipoa_mission.paper.series import (
     Series,
 )
 from ipoa_mission.progress import Progress, silent
+
+
+@contextmanager
+def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
+    """Open `jobs` local processes, or the workers of the Dask scheduler at `address`. Raises BadInput, MissionError."""
+    if jobs < 1:
+        raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
+    if address is None:
+        try:
+            with ProcessPoolExecutor(jobs, initializer=_leave_ctrl_c_to_the_parent) as pool:
+                yield pool
+        except BrokenProcessPool as error:
+            raise MissionError(
+                "a process that ran trials was killed",
+                hint="perhaps by lack of memory; the same command continues",
+                code="cluster-lost",
+            ) from error
+        return
+    needed = "an executor on a cluster needs Dask distributed, which is not installed"
+    distributed = imported("distributed", needed, "cluster")
+    if "://" not in address:
+        raise BadInput(f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor")
+    try:
+        client = distributed.Client(address, timeout=patience_s, set_as_default=False)
+    except ValueError as error:
+        message = f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}"
+        raise BadInput(message, place="executor") from error
+    except OSError as error:
+        raise MissionError(
+            f"no Dask scheduler answers at {address}",
+            hint="start one with: dask scheduler, and its workers",
+            code="cluster-lost",
+        ) from error
+    try:
+        with client, client.get_executor(pure=False, retries=10) as pool:
+            yield pool
+    except (CancelledError, distributed.KilledWorker) as error:
+        words = f"the cluster at {address} was lost while it ran trials"
+        raise MissionError(words, hint="the same command continues where it stopped", code="cluster-lost") from error
+
+
+def _leave_ctrl_c_to_the_parent() -> None:
+    """Ignore Ctrl-C in workers; the parent stops the work."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)

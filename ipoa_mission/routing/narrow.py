@@ -6,8 +6,8 @@ from itertools import pairwise
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
+from ipoa_mission.forecast.deviation.kept_limits import tight_places
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.forecast.deviation.tight_places import tight_places
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
 from ipoa_mission.planning.problem import prepare

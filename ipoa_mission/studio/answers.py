@@ -6,11 +6,30 @@ from pydantic import Field, TypeAdapter
 
 from ipoa_mission.studio.contingency_answers import StripOfEndings
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Replay, Seen, State
-from ipoa_mission.studio.lobby_answers import Beginning, Elsewhere
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage, Path
+
+
+class StartFile(PageMessage):
+    path: str
+    name: str
+    folder: str
+    of: Literal["scenario", "mission", "log"]
+
+
+class Beginning(PageMessage):
+    kind: Literal["beginning"] = "beginning"
+    folder: str
+    recent: tuple[StartFile, ...]
+    here: tuple[StartFile, ...]
+    examples: tuple[StartFile, ...]
+
+
+class Elsewhere(PageMessage):
+    kind: Literal["elsewhere"] = "elsewhere"
+    address: str
 
 
 class Document(PageMessage):

@@ -14,9 +14,8 @@ from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
-from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
-from ipoa_mission.studio.lobby_answers import Beginning, Elsewhere, StartFile
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
 from ipoa_mission.studio.vocabulary import PageMessage

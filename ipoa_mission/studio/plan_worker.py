@@ -1,10 +1,12 @@
 import copy
+import math
 import time
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from ipoa_mission.autopilot.autopilot import autopilot_named
@@ -16,26 +18,28 @@ from ipoa_mission.files import read_text, unused
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.logs.flight_log import FlightLog, read_flights
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.progress import Progress as ShowProgress
+from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.scenario_file import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
 from ipoa_mission.studio.area_view import area_of
 from ipoa_mission.studio.contingency_strip import strips_of
 from ipoa_mission.studio.edits import apply_changes
+from ipoa_mission.studio.flight_answers import FlownItem, Replay
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.studio.judged import checked, mission_world, opened
 from ipoa_mission.studio.plan_answers import expected, planned, sketched
 from ipoa_mission.studio.refused import misread, refused
-from ipoa_mission.studio.replay import replayed
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey
 from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
-from ipoa_mission.studio.view import world_of
+from ipoa_mission.studio.view import line_of, world_of
 from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 
@@ -236,3 +240,45 @@ def _scenario(text: str, path: str) -> Scenario:
 
 if __name__ == "__main__":
     work(PlanWorker().jobs)
+
+
+PLACE_LIMIT = 1000
+
+
+def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
+    """Compare the log's first flight in mission mode. Raises MissionError."""
+    flown = _flights(str(log))
+    flight = next((one for one in flown.flights if one.in_mission), None)
+    if flight is None:
+        raise MissionError("expected a flight in the mission mode", code="log-incomplete", place=log.name)
+    forecast = forecast.on(flight.firmware_version)
+    record = flight.record(forecast.mission)
+    track = flown_track(forecast.mission, record)
+    if track is None:
+        raise MissionError("expected a flight with positions", code="log-incomplete", place=log.name)
+    held = compare_flight(forecast.estimate, record)
+    shown = np.unique(np.linspace(0, len(track.times) - 1, min(PLACE_LIMIT, len(track.times))).round().astype(int))
+    several = len(flown.flights) > 1
+    return Replay(
+        revision=revision,
+        log=log.name,
+        line=line_of(forecast.frame, track.points[shown]),
+        times=tuple(track.times[shown].round(2).tolist()),
+        items=tuple(
+            FlownItem(
+                seq=leg.seq,
+                estimated_s=round(leg.estimated_s, 1),
+                flown_s=round(leg.flown_s, 1),
+                done_s=round(leg.flown_done_s, 1),
+            )
+            for leg in held.legs
+        ),
+        estimated_s=round(held.estimated_total_s, 1),
+        flown_s=round(held.flown_total_s, 1) if math.isfinite(held.flown_total_s) else None,
+        remarks=(*flown.remarks, *([f"the first of {len(flown.flights)} flights in it"] if several else [])),
+    )
+
+
+@lru_cache(maxsize=2)
+def _flights(log: str) -> FlightLog:
+    return read_flights(Path(log))

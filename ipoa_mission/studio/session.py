@@ -8,10 +8,9 @@ from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
-from ipoa_mission.studio.answers import Found, Trouble, Written
+from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flight_desk import FlightDesk
-from ipoa_mission.studio.lobby_answers import Elsewhere
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Process, ProcessDied
 from ipoa_mission.studio.relay import Relay

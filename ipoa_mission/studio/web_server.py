@@ -3,23 +3,24 @@
 import asyncio
 import json
 import socket
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import uvicorn
 from pydantic import ValidationError
 from starlette.applications import Starlette
+from starlette.datastructures import Headers
 from starlette.middleware import Middleware
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
-from ipoa_mission.studio.guard import Guard, policy_for
 from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
@@ -27,6 +28,77 @@ from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Host, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
 from ipoa_mission.studio.window import Window
+
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
+    "connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'; require-trusted-types-for 'script'; trusted-types default"
+)
+
+
+def policy_for(origin: str | None) -> str:
+    """Return the policy, with images of the user's tile server."""
+    if origin is None:
+        return POLICY
+    return POLICY.replace("img-src 'self'", f"img-src 'self' {origin}").replace(
+        "connect-src 'self'", f"connect-src 'self' {origin}"
+    )
+
+
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "Permissions-Policy": "geolocation=(), camera=(), microphone=()",
+}
+
+
+class Guard:
+    """Refuse foreign requests, and send security headers; `knows` checks a token."""
+
+    def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
+        self._app = app
+        self._knows = knows
+        self._hosts = frozenset(hosts)
+        self._origins = frozenset(f"http://{host}" for host in self._hosts)
+        self._policy = policy
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            return await self._app(scope, receive, send)
+        if not self._allowed(scope):
+            if scope["type"] == "websocket":
+                return await send({"type": "websocket.close", "code": 1008})
+            return await PlainTextResponse("Forbidden", 403)(scope, receive, self._with_headers(send))
+        return await self._app(scope, receive, self._with_headers(send))
+
+    def _allowed(self, scope: Scope) -> bool:
+        headers = Headers(scope=scope)
+        origin = headers.get("origin")
+        if headers.get("host") not in self._hosts or (origin is not None and origin not in self._origins):
+            return False
+        if headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
+            return False
+        must_say_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
+        if must_say_origin and origin is None:
+            return False
+        first = scope["path"].lstrip("/").split("/", 1)[0]
+        return self._knows(first)
+
+    def _with_headers(self, send: Send) -> Send:
+        async def dressed(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = HEADERS | {"Content-Security-Policy": self._policy}
+                message["headers"] = [
+                    *message.get("headers", []),
+                    *((key.lower().encode(), value.encode()) for key, value in headers.items()),
+                ]
+            await send(message)
+
+        return dressed
+
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}

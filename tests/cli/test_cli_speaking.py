@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.cli import output
+from ipoa_mission.cli.app import listen_to_log
 from ipoa_mission.cli.output import progress_bar
-from ipoa_mission.cli.verbosity import listen_to_log
 from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.paper import reproduce

@@ -7,8 +7,8 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps import streamed
+from ipoa_mission.maps.geojson import sound_polygons
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.outlines import sound_polygons
 from tests.refused import refuses
 
 SQUARE = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]

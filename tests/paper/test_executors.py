@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.paper.executors import open_executor
+from ipoa_mission.paper.reproduce import open_executor
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import measure
 from tests.refused import refuses

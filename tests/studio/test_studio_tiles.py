@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 
 from ipoa_mission.studio import tiles
-from ipoa_mission.studio.guard import POLICY, policy_for
 from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Sessions
-from ipoa_mission.studio.web_server import application
+from ipoa_mission.studio.web_server import POLICY, application, policy_for
 from tests.refused import refuses
 from tests.studio.conftest import HOST, MEADOW, TOKEN, testclient
 

@@ -6,7 +6,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.version_check import NOT_MEASURED
+from ipoa_mission.checks.firmware_check import NOT_MEASURED
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint

@@ -11,10 +11,18 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
-from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.kept_limits import (
+    NO_DEVIATION,
+    DeviationBound,
+    TightPlace,
+    deviation_bound_of,
+    limits_kept,
+    round_places,
+    runs,
+    tight_places,
+)
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
-from ipoa_mission.forecast.deviation.tight_places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned

@@ -22,8 +22,7 @@ from ipoa_mission.forecast.itinerary.copter_circle import (
     radius_of,
 )
 from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_chords, spline_tangents
-from ipoa_mission.forecast.itinerary.jump_targets import led_to
-from ipoa_mission.forecast.itinerary.program import Place, as_flown, next_navigated, onward, over_terrain
+from ipoa_mission.forecast.itinerary.program import Place, as_flown, led_to, next_navigated, onward, over_terrain
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame

@@ -27,10 +27,49 @@ from ipoa_mission.autopilot.commands import (
 )
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+
+def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None:
+    """Return the target of the jump at `index`, the first of two with its tag.
+
+    `first` is the number of the first item for DO_JUMP.
+    """
+    asked = items[index].params[0]
+    if not math.isfinite(asked):
+        return None
+    if items[index].command == Command.DO_JUMP_TAG:
+        return next(tagged(items, asked), None)
+    target = int(asked) - first
+    return target if 0 <= target < len(items) else None
+
+
+def tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
+    tags = (n for n, item in enumerate(items) if item.command == Command.JUMP_TAG)
+    return (n for n in tags if math.isfinite(items[n].params[0]) and int(items[n].params[0]) == int(tag))
+
+
+def repeats(item: Item) -> float:
+    return math.inf if not item.params[1] >= 0 else int(item.params[1])
+
+
+def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterator[int]:
+    """Return the possible `moving` targets of a jump, through other jumps too."""
+    ahead, seen = [jump_target(items, index) if repeats(items[index]) else None], {index}
+    while ahead:
+        at = ahead.pop()
+        if at is None or at in seen or at >= len(items):
+            continue
+        seen.add(at)
+        if items[at].command in moving:
+            yield at
+        elif items[at].command in JUMPS:
+            ahead += [at + 1, jump_target(items, at) if repeats(items[at]) else None]
+        else:
+            ahead.append(at + 1)
+
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
