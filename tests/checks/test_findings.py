@@ -22,7 +22,7 @@ MAKERS = {"Finding", "error", "warning", "report"}
 
 def codes_given() -> set[str]:
     found = set()
-    for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py")]:
+    for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py"), *PACKAGE.glob("maps/*.py")]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[-1] in MAKERS:
                 first = node.args[0]

@@ -50,7 +50,7 @@ def test_a_building_of_it_is_flown_round(run: Run, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize("file", FILES)
 def test_a_scenario_is_begun_from_it_and_an_area_of_it_is_surveyed(run: Run, file: str) -> None:
     MAKERS[file](Path(file))
-    begun = run(f"new town.toml --buildings {file} --yes")
+    begun = run(f"new town.toml --buildings {file}")
     assert begun.code == 0, begun.err
     assert file in Path("town.toml").read_text()
     surveyed = run(f"plan --survey {file} --json")
@@ -58,7 +58,7 @@ def test_a_scenario_is_begun_from_it_and_an_area_of_it_is_surveyed(run: Run, fil
 
 
 @pytest.mark.parametrize(("file", "library"), [("town.parquet", "pyarrow"), ("town.osm.pbf", "osmium")])
-@pytest.mark.parametrize("words", ["plan town.toml", "plan --survey FILE", "new begun.toml --buildings FILE --yes"])
+@pytest.mark.parametrize("words", ["plan town.toml", "plan --survey FILE", "new begun.toml --buildings FILE"])
 def test_without_its_library_nothing_is_written(
     run: Run, monkeypatch: pytest.MonkeyPatch, file: str, library: str, words: str
 ) -> None:
