@@ -42,7 +42,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
         for check in broken(leg, scenario):
             words = check.words()
             begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
-            if leg.phase is Phase.CRUISE and words in reported and begins:
+            if words in reported and begins:
                 continue
             reported |= {words} if leg.phase is Phase.CRUISE else set()
             item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"

@@ -192,6 +192,12 @@ def test_a_leg_through_a_building_is_an_error_that_names_it_and_the_place() -> N
     assert all("5.00 m inside hall at east " in finding.message for finding in through)
 
 
+def test_a_place_in_the_ground_is_an_error_of_the_leg_to_it_alone() -> None:
+    scenario = world()
+    assert seen(flight(scenario, (80.0, 0.0, -3.0)), scenario).count("error leg-too-near 2") == 1
+    assert "error leg-too-near 3" not in seen(flight(scenario, (80.0, 0.0, -3.0)), scenario)
+
+
 def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> None:
     """The hall is 30 m high, 2.5 m are required: of steps of 5 m, 35 m is the first that clears it."""
     scenario = world()
