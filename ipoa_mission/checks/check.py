@@ -103,7 +103,8 @@ def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Fi
     judged = {finding.seq for finding in findings}
     yield from findings
     if promise is not None:
-        yield from (finding for finding in check_clearance(forecast.mission, promise) if finding.seq not in judged)
+        clearances = check_clearance(forecast.mission, forecast.world, promise)
+        yield from (finding for finding in clearances if finding.seq not in judged)
     yield from check_unread(forecast.world.unread)
     yield from check_passed_over(forecast)
     yield from check_ground(forecast)

@@ -15,16 +15,16 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_turn
 from ipoa_mission.forecast.itinerary.program import as_flown, program_of
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.scenario import Scenario
 
 LIMIT_WORDS = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
 
 
-def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
+def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> Iterator[Finding]:
     """Report each limit that too few flights keep.
 
     It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
     """
-    scenario = promise.flight.scenario
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
     for kept in promise.broken:

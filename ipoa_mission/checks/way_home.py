@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import takewhile
 
 from ipoa_mission.errors import Remedy
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
@@ -47,7 +48,7 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    roomy, required = with_room(scenario, TIGHT_PLACES), scenario.limits.obstacle_distance
+    roomy, required = with_room(clearance_task(scenario), TIGHT_PLACES), scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 
     def is_clear(legs: Iterable[Leg]) -> bool:

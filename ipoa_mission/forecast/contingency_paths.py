@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
@@ -140,7 +141,7 @@ class ContingencyPaths:
 
     @cached_property
     def roomy(self) -> PathTask:
-        return with_room(self.forecast.world, TIGHT_PLACES)
+        return with_room(clearance_task(self.forecast.world), TIGHT_PLACES)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":

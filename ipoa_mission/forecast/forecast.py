@@ -208,13 +208,14 @@ class Forecast:
     @cached_property
     def promise(self) -> "Promise":
         """Return the kept limits; raises as `predicted`, and where its way is unknown."""
+        from ipoa_mission.forecast.clearance_task import clearance_task
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
             words = f"{unknown.why}; the clearance is unknown"
             raise MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
-        prediction = self.predicted(sure=True)
-        return promise_of(PredictedFlight(self.itinerary, prediction, self.mission.autopilot, self.world))
+        task = clearance_task(self.world, self.mission.autopilot)
+        return promise_of(PredictedFlight(self.itinerary, self.predicted(sure=True), task))
 
     @property
     def promise_if_known(self) -> "Promise | None":

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.deviation.promise import Promise, deviation_bound_holds
 from ipoa_mission.forecast.forecast import Forecast
@@ -133,8 +134,7 @@ class Flown:
     @property
     def keeps_limits(self) -> bool:
         """Return whether the path keeps its limits, and its deviation bound often enough."""
-        scenario = self.attempt.scenario
-        return deviation_bound_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
+        return deviation_bound_holds(pieces_of(self.track), clearance_task(self.attempt.scenario))
 
 
 def _flown(attempt: Attempt, forecast: Forecast, sure: bool) -> Flown:

@@ -6,6 +6,7 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask
@@ -40,7 +41,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
-    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT_PLACES))
+    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(clearance_task(scenario), TIGHT_PLACES))
     improved = list(dict.fromkeys(ready for attempt in quickest for ready in (attempt, _improve(attempt))))
     if len(improved) < 2:
         return improved[0] if improved else None

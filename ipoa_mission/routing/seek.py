@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.path_problem import PathTask
@@ -138,7 +139,7 @@ def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
             yield _Room(little.room(scenario, scenario, gaps=True), little)
     else:
         for tight, keep_gaps, share in ROOMS:
-            world = with_room(scenario, tight, keep_gaps, share)
+            world = with_room(clearance_task(scenario), tight, keep_gaps, share)
             room = world.airspace.obstacles, world.limits.height_above_ground
             if (closed and not keep_gaps) or room in sought:
                 continue

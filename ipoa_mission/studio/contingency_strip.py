@@ -13,7 +13,7 @@ from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.contingency_bars import contingency_bars, stretches
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
+from ipoa_mission.studio.answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.studio.view import without_folders
 

@@ -29,6 +29,7 @@ from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.tour import Sortie, Tour
+from ipoa_mission.world.obstacles import Obstacle
 
 log = logging.getLogger(__name__)
 
@@ -139,7 +140,8 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         for kept, promise in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, promise)
-            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, sight, growth)
+            bodies = flown_round(scenario, sight, growth)
+            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, bodies)
             for name, by in missing.items():
                 wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * GROWTH_FACTOR + GROWTH_MARGIN)
         growth |= wanted
@@ -158,11 +160,10 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
     return near
 
 
-def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, float]) -> dict[str, float]:
+def _missing(kept: Kept, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
     flight, lost = promise.flight, kept.nominal - kept.kept
     way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
-    bodies = flown_round(flight.scenario, sight, growth)
     slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
     missing = {body.name: MIN_SLACK - float(each) for body, each in zip(bodies, slack, strict=True) if each < MIN_SLACK}
     return missing | {kept.to: -kept.slack}

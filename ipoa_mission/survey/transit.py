@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
@@ -98,7 +99,7 @@ def _shortest(ways: Points) -> list[int] | None:
 
 
 def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:
-    task = problem_of(with_room(scenario, TIGHT_PLACES))
+    task = problem_of(with_room(clearance_task(scenario), TIGHT_PLACES))
     bodies = tuple(
         body.grown(growth[body.name], growth[body.name], growth[body.name]) if body.name in growth else body
         for body in task.airspace.obstacles

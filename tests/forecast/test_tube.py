@@ -8,6 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
@@ -128,7 +129,7 @@ def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
 
 def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
-    roomy = with_room(scenario, 1.0)
+    roomy = with_room(clearance_task(scenario), 1.0)
     by = PX4.level.distance(0.01)
     far, near = roomy.airspace.obstacles
     assert isinstance(far, Cylinder)
@@ -137,7 +138,7 @@ def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Calla
     assert near.radius < 5.0 + 1.0
     safety = scenario.safety.model_copy(update={"confidence": "nominal"})
     nominal = scenario.model_copy(update={"safety": safety})
-    assert with_room(nominal, 1.0) is nominal
+    assert with_room(clearance_task(nominal), 1.0) is nominal
 
 
 def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_places_are() -> None:
@@ -152,9 +153,13 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
     scenario = Scenario.model_validate(table)
     least, deviation_bound = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
     wanted = least + deviation_bound.down + 4.0 * deviation_bound.level
-    assert with_room(scenario, 1.0).limits.height_above_ground == pytest.approx(wanted)
-    assert with_room(scenario, 1.0, share=0.5).limits.height_above_ground == pytest.approx((least + 12.0) / 2)
-    assert with_room(scenario, 1.0, share=0.1).limits.height_above_ground == pytest.approx(least + deviation_bound.down)
+    assert with_room(clearance_task(scenario), 1.0).limits.height_above_ground == pytest.approx(wanted)
+    assert with_room(clearance_task(scenario), 1.0, share=0.5).limits.height_above_ground == pytest.approx(
+        (least + 12.0) / 2
+    )
+    assert with_room(clearance_task(scenario), 1.0, share=0.1).limits.height_above_ground == pytest.approx(
+        least + deviation_bound.down
+    )
 
 
 def test_where_there_is_no_path_none_with_more_room_is_sought(

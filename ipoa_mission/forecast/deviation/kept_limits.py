@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.path_problem import problem_of
+from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Clearance
 
@@ -32,11 +31,11 @@ class TightPlace:
     reach: float
 
 
-def tight_places(scenario: Scenario, room: float) -> tuple[TightPlace, ...]:
-    if not scenario.airspace.obstacles:
+def tight_places(task: PathTask, room: float) -> tuple[TightPlace, ...]:
+    if not task.airspace.obstacles:
         return ()
-    places = scenario.places
-    missing = scenario.limits.obstacle_distance + room - scenario.airspace.obstacle_distance(places)
+    places = task.places
+    missing = task.limits.obstacle_distance + room - task.airspace.obstacle_distance(places)
     return tuple(
         TightPlace(name, place, TURN_DISTANCE + EXIT_FACTOR * float(less))
         for name, place, less in zip(place_names(places), places, missing, strict=True)
@@ -72,6 +71,15 @@ BOUNDS = (
 )
 
 
+@dataclass(frozen=True, eq=False)
+class ClearanceTask:
+    """Limits and given places of a flight, the deviation law, and the chance to fall short of a limit."""
+
+    path: PathTask
+    law: DeviationLaw
+    chance: float | None
+
+
 @dataclass(frozen=True)
 class DeviationBound:
     level: float
@@ -90,15 +98,15 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     )
 
 
-def limits_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    yield from _heights_kept(path, scenario, deviation_bound)
-    if (bounds := _bounds_kept(path, scenario, deviation_bound)) is not None:
+def limits_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Iterator[Check]:
+    yield from _heights_kept(path, task, deviation_bound)
+    if (bounds := _bounds_kept(path, task, deviation_bound)) is not None:
         yield bounds
 
 
-def _heights_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    higher, least = problem_of(scenario).tightened(deviation_bound.down), scenario.limits.height_above_ground
-    sides = _sides(deviation_bound.level if scenario.airspace.terrain.steepness > 0 else 0.0)
+def _heights_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Iterator[Check]:
+    higher, least = problem_of(task).tightened(deviation_bound.down), task.limits.height_above_ground
+    sides = _sides(deviation_bound.level if task.airspace.terrain.steepness > 0 else 0.0)
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
@@ -107,14 +115,14 @@ def _heights_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBo
             yield replace(check, nearest=check.nearest.less(deviation_bound.down), required=least)
 
 
-def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Check | None:
-    bounds = scenario.airspace.bounds
-    fixed = np.vstack([np.zeros(3), scenario.places])
-    fixed = fixed[_inside(fixed, scenario, deviation_bound).min(axis=1) < 0]
+def _bounds_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Check | None:
+    bounds = task.airspace.bounds
+    fixed = np.vstack([np.zeros(3), task.places])
+    fixed = fixed[_inside(fixed, task, deviation_bound).min(axis=1) < 0]
     away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > PLACE_RADIUS
     if not away.any():
         return None
-    margins = _inside(path[away], scenario, deviation_bound)
+    margins = _inside(path[away], task, deviation_bound)
     spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
     place = path[away][spot]
     least, what = float(margins[spot, side]), BOUNDS[side]
@@ -130,8 +138,8 @@ def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBou
     return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
 
 
-def _inside(points: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Points:
-    bounds = scenario.airspace.bounds
+def _inside(points: Points, task: PathTask, deviation_bound: DeviationBound) -> Points:
+    bounds = task.airspace.bounds
     lower = (
         points
         - np.asarray(bounds.lower)

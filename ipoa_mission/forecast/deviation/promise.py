@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import (
     NO_DEVIATION,
+    ClearanceTask,
     DeviationBound,
     TightPlace,
     deviation_bound_of,
@@ -21,13 +21,12 @@ from ipoa_mission.forecast.deviation.kept_limits import (
     runs,
     tight_places,
 )
-from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned
 from ipoa_mission.planning.proof import Check
-from ipoa_mission.scenario import Scenario
 
 TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
 PAYLOAD_RADIUS = 0.5  # of a descent with a payload [m]
@@ -106,11 +105,11 @@ class Promise:
         return tuple(kept for kept in self.broken if not kept.on_the_way)
 
 
-def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
-    chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.strongest)
-    required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
+def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
+    chance, law = task.chance, task.law
+    required, airspace = up(task.path.limits.obstacle_distance), task.path.airspace
     if airspace.obstacles:
-        free = round_places(flown.points, _tight(scenario, law)) < 0
+        free = round_places(flown.points, _tight(task)) < 0
         for stretch in runs(flown.points, free):
             nearest = airspace.obstacle_clearance(thinned(stretch), within=required + 2 * THINNING_TOLERANCE)
             if nearest.distance - THINNING_TOLERANCE < required:
@@ -124,7 +123,7 @@ def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenari
             if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
     path = thinned(flown.points)
-    return not any(_breaks(check) for check in limits_kept(path, scenario, _bound(law, chance)))
+    return not any(_breaks(check) for check in limits_kept(path, task.path, _bound(law, chance)))
 
 
 def _breaks(check: Check) -> bool:
@@ -142,13 +141,13 @@ def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
     )
 
 
-def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
-    chance = scenario.safety.chance
-    return tight_places(scenario, 2 * THINNING_TOLERANCE + (0.0 if chance is None else law.lateral(chance)))
+def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
+    lateral = 0.0 if task.chance is None else task.law.lateral(task.chance)
+    return tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
 
 
 def promise_of(flight: "PredictedFlight") -> Promise:
-    chance = flight.scenario.safety.chance
+    chance = flight.task.chance
     return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
 
 
@@ -156,8 +155,7 @@ def promise_of(flight: "PredictedFlight") -> Promise:
 class PredictedFlight:
     route: Itinerary
     prediction: Prediction
-    autopilot: Autopilot
-    scenario: Scenario
+    task: ClearanceTask
 
     @cached_property
     def pieces(self) -> Pieces:
@@ -179,8 +177,8 @@ class PredictedFlight:
     def limits(self, chance: float | None) -> Iterator[Kept]:
         begin, end = self.way
         last = float(self.pieces.times[-1])
-        law = law_of(self.autopilot, self.scenario.wind.strongest)
-        if self.scenario.airspace.obstacles:
+        law = self.task.law
+        if self.task.path.airspace.obstacles:
             for first, then, its_law, name in (
                 (0.0, begin, law, TAKEOFF_PART),
                 (end, last, law.after_the_way(), ENDING_PART),
@@ -189,7 +187,7 @@ class PredictedFlight:
                     part = self.pieces.part(first, then)
                     yield self._obstacles(part, its_law, chance, np.full(len(part.points) - 1, True), name)
             if end > begin:
-                part, tight = self.pieces.part(begin, end), _tight(self.scenario, law)
+                part, tight = self.pieces.part(begin, end), _tight(self.task)
                 at = round_places(part.points, tight)
                 for n in np.unique(at).tolist():
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
@@ -210,7 +208,7 @@ class PredictedFlight:
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
     ) -> Kept:
-        airspace, required = self.scenario.airspace, self.scenario.limits.obstacle_distance
+        airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
         clearances = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
         nominal = min(clearances, key=lambda clearance: clearance.distance)
         least, to, place = nominal.distance - THINNING_TOLERANCE, nominal.what, nominal.place
@@ -228,8 +226,8 @@ class PredictedFlight:
     def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
         tolerance = DeviationBound(THINNING_TOLERANCE, THINNING_TOLERANCE, THINNING_TOLERANCE)
-        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, tolerance)}
-        for check in limits_kept(path, self.scenario, deviation_bound):
+        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.task.path, tolerance)}
+        for check in limits_kept(path, self.task.path, deviation_bound):
             expected = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest
             item = self._item(part, found.place)

@@ -4,11 +4,9 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, deviation_bound_of
-from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.deviation.kept_limits import ClearanceTask, DeviationBound, deviation_bound_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask, problem_of
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
@@ -16,30 +14,27 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 MIN_GROWTH = 0.01  # [m]
 
 
-def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
+def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
     """Return the path task with room for the deviation bound at `tight` tight places.
 
     Over steep ground the path is higher, by at most `share` of the spare height of the lowest given place.
     """
-    chance = scenario.safety.chance
+    path, law, chance = task.path, task.law, task.chance
     if chance is None:
-        return scenario
-    law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
+        return path
     deviation_bound, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
-    airspace = scenario.airspace
+    airspace = path.airspace
     growth = np.full(len(airspace.obstacles), level)
-    bodies = grown(
-        scenario, scenario, growth, DeviationBound(level, deviation_bound.down, deviation_bound.up), keep_gaps
-    )
+    bodies = grown(path, path, growth, DeviationBound(level, deviation_bound.down, deviation_bound.up), keep_gaps)
     slope = _usual_slope(airspace) * deviation_bound.level
-    higher = max(deviation_bound.down, min(deviation_bound.down + slope, share * _spare_height(scenario)))
-    world = Airspace(shrunk(airspace.bounds, scenario.places, deviation_bound), airspace.terrain, bodies)
-    return problem_of(scenario).tightened(higher, deviation_bound.up + slope, world)
+    higher = max(deviation_bound.down, min(deviation_bound.down + slope, share * _spare_height(path)))
+    world = Airspace(shrunk(airspace.bounds, path.places, deviation_bound), airspace.terrain, bodies)
+    return problem_of(path).tightened(higher, deviation_bound.up + slope, world)
 
 
-def _spare_height(scenario: Scenario) -> float:
-    heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
-    return float(heights.min()) - scenario.limits.height_above_ground
+def _spare_height(path: PathTask) -> float:
+    heights = path.places[:, 2] - path.airspace.ground(path.places)
+    return float(heights.min()) - path.limits.height_above_ground
 
 
 def grown(
