@@ -101,8 +101,9 @@ def starts_over_home(route: Route) -> bool:
 
 def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
     if route.spline:
-        hairpin = turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0  # unknown in motion
-        return spline_waypoint(place, height, 1.0 if hairpin else 0.0)
+        if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown
+            return waypoint(place, height, 1.0, usual.radius)
+        return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
     return waypoint(place, height, usual.hold, usual.radius if via.any() or route.radius == 0.0 else route.radius)
 

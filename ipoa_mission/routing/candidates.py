@@ -112,7 +112,7 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
     for room in GRID.spline_shares:
         line = relaxed(curve, room * scenario.route.tolerance, via)
         length = float(leg_lengths(line).sum())
-        brake = min(braking_length(scenario), length / 2)
+        whole, brake = braking_length(scenario), min(braking_length(scenario), length / 2)
         spacings = {
             max(spacing, length / GRID.most_splines) for spacing in GRID.spline_spacings if spacing < length / 2
         }
@@ -120,5 +120,5 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
             even = length / math.ceil(length / spacing)
             for last, on_curve in ((max(brake, even), True), (max(brake, even), False), (even, False)):
                 points = stations(line, spacing, last, via)
-                if leg_lengths(points).min() >= NEAREST:
+                if leg_lengths(points).min() >= NEAREST and not (on_curve and last < whole):
                     yield Route(points, spline=True, brakes_on_curve=on_curve)

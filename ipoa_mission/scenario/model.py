@@ -24,7 +24,6 @@ from ipoa_mission.scenario.place_sections import (
     Place,
     TerrainSection,
 )
-from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.safety import SafetySection
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
@@ -39,6 +38,27 @@ from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
+
+# docs/lab/profiles.md: few stops save most time and energy.
+PROFILES: Mapping[str, Mapping[str, Any]] = {
+    "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
+    "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
+    "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 8.0}},
+}
+
+
+def with_profile(table: Mapping[str, Any]) -> dict[str, Any]:
+    name = table.get("profile")
+    return _with_defaults(PROFILES.get(name, {}) if isinstance(name, str) else {}, table)
+
+
+def _with_defaults(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+    merged = {**settings, **table}
+    for key in settings.keys() & table.keys():
+        if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
+            merged[key] = _with_defaults(settings[key], table[key])
+    return merged
+
 
 CIRCUMFERENCE = 40_000_000.0  # of the Earth [m]
 CACHED = ("frame", "survey_area", "_surroundings", "from_starts")

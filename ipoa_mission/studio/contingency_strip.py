@@ -10,8 +10,8 @@ from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.report.contingency_bars import contingency_bars, stretches
 from ipoa_mission.report.seen import Seen
+from ipoa_mission.report.ways_home import contingency_bars, stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.plan_answers import course_of

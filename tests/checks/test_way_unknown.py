@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
+from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -118,3 +118,18 @@ def test_a_large_circle_has_no_clearance(radius: float, is_known: bool) -> None:
     circle = replace(waypoint(at(0, 500), 20.0), command=Command.NAV_LOITER_TURNS, params=(1.0, 0.0, radius, 0.0))
     mission = Mission(HOME, (takeoff(HOME, 20.0), FIRST, circle, return_to_launch()), Autopilot.ARDUPILOT)
     assert clearance_is_known(mission) is is_known
+
+
+@pytest.mark.parametrize(
+    ("gap", "speed", "is_known"), [(10, 8.0, False), (20, 8.0, False), (30, 8.0, True), (10, 3.0, True)]
+)
+@pytest.mark.parametrize("hold_s", [0.0, 1.0])
+def test_a_spline_too_short_to_stop_on_has_no_clearance(gap: int, speed: float, is_known: bool, hold_s: float) -> None:
+    """ArduCopter 4.8.0-dev at 8 m/s: 1.4, 0.7, 0.1 m beyond the forecast after held splines of 10, 20 and 30 m."""
+    *way, last = (spline_waypoint(at(0, gap * n), 20.0, hold_s if n == 4 else 0.0) for n in range(1, 5))
+    mission = Mission(
+        HOME, (takeoff(HOME, 20.0), change_speed(speed), *way, last, return_to_launch()), Autopilot.ARDUPILOT
+    )
+    assert clearance_is_known(mission) is is_known
+    at_once = Mission(HOME, (takeoff(HOME, 20.0), change_speed(speed), last, return_to_launch()), Autopilot.ARDUPILOT)
+    assert clearance_is_known(at_once)

@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.budget import battery_of, flight_energy
-from ipoa_mission.scenario.profiles import PROFILES
+from ipoa_mission.scenario.model import PROFILES
 from tests.refused import refuses
 
 FLIGHT = """

@@ -22,7 +22,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.report.contingency_bars import LOOK
+from ipoa_mission.report.ways_home import LOOK
 from ipoa_mission.scenario import parse_scenario
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW

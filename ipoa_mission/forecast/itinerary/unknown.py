@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
-from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated, program_of
+from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, is_passed, next_navigated, program_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import LocalFrame
@@ -33,6 +33,7 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     if any(item.command in JUMPS for item in items):
         yield from _past_jumps(mission)
     here: Place | None = None
+    braking = _braking_lengths(mission)
     for n, item in enumerate(items):
         if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
@@ -51,6 +52,10 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
             here = place
         if splines and item.command == Command.NAV_SPLINE_WAYPOINT:
             yield from _after_a_spline(program, n)
+            length = math.inf if before is None else math.dist(before, place)
+            if length < 0.95 * braking[n] and _stops(program, n, place):
+                why = f"it stops on a spline of less than {braking[n]:.1f} m: it flies up to 2.0 m beyond its forecast"
+                yield Unknown(n + 1, why, "stop at a waypoint, fly slower, or leave the spline more length")
             if before is not None and _turns_back(program, n, before, place):
                 why = f"it turns by more than {MAX_TURN_DEG:g} degrees: flown up to 1.6 m off its forecast"
                 yield Unknown(n + 1, why, "turn at two waypoints")
@@ -78,6 +83,30 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
             name = command_name(items[after].command)
             why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
             yield Unknown(n + 1, why, "put a waypoint between them", NEVER_REACHED)
+
+
+def _braking_lengths(mission: Mission) -> list[float]:
+    """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
+    autopilot, items = mission.autopilot, mission.items
+    book, values = autopilot.book, autopilot.complete(mission.parameters, mission.firmware_version)
+    names = book.meanings["cruise speed"], book.meanings["acceleration"]
+    speed, accel = (values[name] * book.units.get(name, 1.0) for name in names)
+    lengths, is_at_rest = list[float](), True
+    for item in items:
+        lengths.append(0.0 if is_at_rest else speed**2 / accel)
+        if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0:
+            speed = item.params[1]
+        elif item.command in FLOWN_TO:
+            is_at_rest = item.command in TAKEOFFS or not is_passed(item)
+    return lengths
+
+
+def _stops(program: Program, n: int, place: Place) -> bool:
+    """Return whether spline n has no tangent at its end."""
+    after = program.shaped_by(n)
+    if after is None or program.items[after].command not in WITH_PLACE or reads_as_here(program.items[after]):
+        return True
+    return math.dist(program.place(after, place)[:2], place[:2]) < 0.01
 
 
 def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:

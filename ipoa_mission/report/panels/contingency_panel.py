@@ -6,9 +6,9 @@ import numpy as np
 from ipoa_mission.forecast.contingencies import ContingencyBar, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
-from ipoa_mission.report.contingency_bars import ContingencyStretch, contingency_bars, stretches
 from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
 from ipoa_mission.report.seen import Seen
+from ipoa_mission.report.ways_home import ContingencyStretch, contingency_bars, stretches
 
 MIN_LABEL_WIDTH = 0.09  # of the strip
 NOTE = "The result of ending the flight there, by a failsafe or by the pilot."
