@@ -1,9 +1,4 @@
-"""Base class and registry of vehicle plug-ins: a firmware on one class of vehicle.
-
-`Autopilot` defines what only needs the lowest packages. Higher packages define their own interfaces (flight model,
-deviation law, mock profile) and find the implementation by `part`. A new vehicle is a folder with one class, an object
-of it, and its entry point.
-"""
+"""Base class and registry of vehicle plug-ins. Higher rooms find their own interfaces' implementations by `part`."""
 
 import re
 from abc import ABCMeta, abstractmethod

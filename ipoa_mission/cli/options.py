@@ -1,4 +1,6 @@
 import math
+import os
+import sys
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -9,10 +11,11 @@ import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, autopilot_names
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
-from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
+from ipoa_mission.errors import BadInput, OptionConflict, Unwritable, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
 
 if TYPE_CHECKING:
+    from ipoa_mission.link.signing import Signer
     from ipoa_mission.wind import Wind
 
 NAMES = ("campus",)
@@ -209,3 +212,31 @@ def _known(name: str) -> str:
         error.place, error.hint = f"--param {error.place}", error.hint or "--param-file takes any parameter"
         raise error from None
     return name
+
+
+PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
+
+
+def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
+    """Return a signer by the key file, else the environment; each role has own timestamps. Raises BadInput."""
+    words = os.environ.get(PASSPHRASE)
+    if key is None and not words:
+        return None
+    from ipoa_mission.link.signing import key_of, persistent_signer, read_key
+
+    secret = read_key(key) if key is not None else key_of(words or "")
+    folder = state_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    except OSError as error:
+        message = f"cannot be created: {error.strerror}"
+        raise Unwritable(message, hint="it holds the timestamps of signatures", place=folder) from error
+    return persistent_signer(secret, folder / f"signing-{role}.timestamp")
+
+
+def state_folder() -> Path:
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "ipoa-mission"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "ipoa-mission"
+    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "ipoa-mission"

@@ -47,7 +47,7 @@ def _written_ns(file: str) -> int | None:
 
 
 def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading: bool) -> "Vehicle":
-    from ipoa_mission.cli.key_option import signer_of
+    from ipoa_mission.cli.options import signer_of
 
     expect_log(options.log)
     timeout = options.timeout

@@ -22,8 +22,8 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.report.chart import extent_of
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.extent import extent_of
 from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.flown_panel import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend

@@ -9,8 +9,18 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
 from ipoa_mission.errors import BadInput, WrongFormat
-from ipoa_mission.studio.area_edits import change_area, is_of_area, move_area, move_survey, take_of_area
-from ipoa_mission.studio.moves import DEGREES, DIGITS, Move, local_of, moves_of
+from ipoa_mission.studio.area_edits import (
+    DEGREES,
+    DIGITS,
+    Move,
+    change_area,
+    is_of_area,
+    local_of,
+    move_area,
+    move_survey,
+    moves_of,
+    take_of_area,
+)
 from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapArea, OwnArea, Put, PutCorner, Shift, Take
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart

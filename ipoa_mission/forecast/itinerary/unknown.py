@@ -102,7 +102,6 @@ def _braking_lengths(mission: Mission) -> list[float]:
 
 
 def _stops(program: Program, n: int, place: Place) -> bool:
-    """Return whether spline n has no tangent at its end."""
     after = program.shaped_by(n)
     if after is None or program.items[after].command not in WITH_PLACE or reads_as_here(program.items[after]):
         return True

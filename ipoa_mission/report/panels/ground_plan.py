@@ -9,7 +9,7 @@ from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.geometry import Points
-from ipoa_mission.report.extent import Extent
+from ipoa_mission.report.chart import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over, round_step
 from ipoa_mission.report.seen import Seen, outline_round
 from ipoa_mission.report.stops import FlownItem
