@@ -15,7 +15,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 CIRCLE_SEGMENTS = 90  # of a quarter: within 4e-5 radii of the circle
 EDGE_TOLERANCE = 0.05  # [m]

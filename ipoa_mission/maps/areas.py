@@ -18,7 +18,7 @@ from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")

@@ -13,7 +13,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 # Lines even if closed, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}

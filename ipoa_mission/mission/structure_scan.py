@@ -9,8 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
-from ipoa_mission.world.frame import Geodetic
-from ipoa_mission.world.spherical_plane import SphericalPlane
+from ipoa_mission.world.frame import Geodetic, SphericalPlane
 
 MOST_LAYERS = 200
 LATERAL_YAW = 90.0  # [deg], relative to the next waypoint

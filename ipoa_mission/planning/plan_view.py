@@ -12,8 +12,8 @@ import shapely
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.polygon import union_of
 from ipoa_mission.world.terrain import Flat, Grid
-from ipoa_mission.world.union import union_of
 
 COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # of a quarter circle, inside the true one
 CIRCLE_ERROR = 1 - np.cos(np.pi / 4 / QUARTER_SEGMENTS)

@@ -18,7 +18,7 @@ from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section
 from ipoa_mission.scenario.site import Reach
 from ipoa_mission.scenario.survey_area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 BAND = 0.15  # share of height over uneven ground
 WORDS = ("best", "crosshatch")

@@ -18,7 +18,7 @@ from ipoa_mission.survey.outline import narrower, wider
 from ipoa_mission.survey.survey_lines import MIN_PIECE, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 #: Clockwise from north [degrees]; several: one pass each; crosshatch: the best and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]

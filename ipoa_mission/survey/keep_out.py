@@ -12,7 +12,7 @@ from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 TIGHT_PLACES = 4.0
 SPARE = 0.05  # [m]

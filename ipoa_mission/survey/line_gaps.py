@@ -12,7 +12,7 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.survey_lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 MAX_UNSEEN = 7e-4  # of the area
 MAX_PASSES = 8

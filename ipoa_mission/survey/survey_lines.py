@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 MIN_PIECE = 0.25  # of the spacing; detours see shorter pieces
 ARC = 8  # segments of a quarter circle

@@ -17,7 +17,7 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.union import union_of
+from ipoa_mission.world.polygon import union_of
 
 HALVINGS = 5
 SAME_PLACE = 0.5  # [m]

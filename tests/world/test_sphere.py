@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Proj
 
-from ipoa_mission.world.spherical_plane import RADIUS, SphericalPlane
+from ipoa_mission.world.frame import RADIUS, SphericalPlane
 
 
 @given(

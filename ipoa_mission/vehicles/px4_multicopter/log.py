@@ -20,7 +20,7 @@ from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_na
 from ipoa_mission.logs.logged_measurements import Battery, Measured
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
-from ipoa_mission.world.spherical_plane import SphericalPlane
+from ipoa_mission.world.frame import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state to HEARTBEAT.custom_mode.
