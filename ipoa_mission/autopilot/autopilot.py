@@ -65,7 +65,7 @@ class Autopilot(metaclass=_ByName):
     measured: ClassVar[tuple[Version, ...]]
     """Versions verified in flight, oldest first; the last is the default."""
     modes: ClassVar[Modes]
-    book: ClassVar[ParameterTable]
+    parameter_table: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceProfile]
     way_known: ClassVar[WayKnown] = WayKnown()
@@ -112,7 +112,7 @@ class Autopilot(metaclass=_ByName):
 
     @property
     def parameter_names(self) -> frozenset[str]:
-        return self.book.names | frozenset(self.failsafe_by)
+        return self.parameter_table.names | frozenset(self.failsafe_by)
 
     @property
     def firmware_name(self) -> str:
@@ -156,7 +156,7 @@ class Autopilot(metaclass=_ByName):
 
     def slowed(self, parameters: Parameters, ground: float) -> Parameters:
         """Raise the slow landing stretch by the ground's height above home [m]."""
-        return self.slowed_by.raised(self.book, parameters, ground)
+        return self.slowed_by.raised(self.parameter_table, parameters, ground)
 
     @abstractmethod
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
@@ -187,10 +187,10 @@ class Autopilot(metaclass=_ByName):
 
     def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
         """Return parameters by their older names, with the version's own defaults."""
-        return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
+        return {**self.defaults_of(version), **self.parameter_table.by_old_names(parameters)}
 
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        return {**self.book.moving, **self.known_parameters(parameters, version)}
+        return {**self.parameter_table.moving, **self.known_parameters(parameters, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
         """Return the hold and acceptance radius that waypoints are written with."""

@@ -9,7 +9,8 @@ from ipoa_mission.errors import BadInput
 
 
 def known_parameters() -> frozenset[str]:
-    return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
+    tables = (one.parameter_table for one in registered())
+    return frozenset(name for one in tables for name in (*one.moving, *one.renamed))
 
 
 def known_names() -> frozenset[str]:
@@ -56,13 +57,14 @@ def translated(
     {'RTL_RETURN_ALT': 65.0}
     """
     given, left_out, words = dict[str, float](), list[str](), list[str]()
+    ours, theirs = autopilot.parameter_table.units, other.parameter_table.units
     for name, value in parameters.items():
-        ((old, there),) = other.book.by_old_names({name: value}).items()
+        ((old, there),) = other.parameter_table.by_old_names({name: value}).items()
         counterpart = _counterpart(name, other, autopilot)
         if name in autopilot.parameter_names:
             given[name] = value
-        elif counterpart in autopilot.book.units and old in other.book.units and value > 0.0:
-            given[counterpart] = round(there * other.book.units[old] / autopilot.book.units[counterpart], 6)
+        elif counterpart in ours and old in theirs and value > 0.0:
+            given[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
             words.append(f"{counterpart} = {given[counterpart]:g} for {name} = {value:g}")
         else:
             left_out.append(name)
@@ -80,6 +82,6 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
-    old = next(iter(other.book.by_old_names({name: 0.0})))
-    meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
-    return autopilot.book.meanings.get(meaning, "")
+    old = next(iter(other.parameter_table.by_old_names({name: 0.0})))
+    meaning = next((words for words, theirs in other.parameter_table.meanings.items() if theirs == old), "")
+    return autopilot.parameter_table.meanings.get(meaning, "")

@@ -27,8 +27,8 @@ class SlowedBy:
     decided_by: tuple[str, ...]
     spared_by: str = ""
 
-    def raised(self, book: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        p, higher = book.complete(parameters), math.ceil(ground - ROUNDING)
+    def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
+        p, higher = table.complete(parameters), math.ceil(ground - ROUNDING)
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
 

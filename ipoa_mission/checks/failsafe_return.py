@@ -53,7 +53,7 @@ def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs
 
 def _remedy(ways: ContingencyPaths) -> str | None:
     by, short = (
-        ways.mission.autopilot.book.return_height,
+        ways.mission.autopilot.parameter_table.return_height,
         list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))),
     )
     higher, left = at_another_height(ways, ways.forecast, short)

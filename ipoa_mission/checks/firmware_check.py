@@ -151,7 +151,7 @@ def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Find
     if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
         yield at.error("hold", f"param1: expected a hold in seconds, not NaN: {firmware.name} never ends it")
     if item.command == Command.DO_CHANGE_SPEED:
-        too_fast = None if mission.other_vehicle else mission.autopilot.book.why_too_fast
+        too_fast = None if mission.other_vehicle else mission.autopilot.parameter_table.why_too_fast
         if not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
             yield at.error("speed", f"param2: expected a speed above zero, not {item.params[1]:g}")
         elif too_fast is not None and (why := too_fast(item.params[1], mission.parameters)):
@@ -175,7 +175,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
     least = 0.0
     if guidance.least_takeoff is not None:
         name, more = guidance.least_takeoff
-        least = mission.autopilot.book.moving[name] + more
+        least = mission.autopilot.parameter_table.moving[name] + more
     for at in moving:
         height = mission.altitude_above_home(at.item)
         if at.item.command in TAKEOFFS and height <= least:
@@ -195,7 +195,7 @@ def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
     name = mission.autopilot.guidance.waits_armed
     if not name:
         return
-    disarm_time = {**mission.autopilot.book.moving, **mission.parameters}[name]
+    disarm_time = {**mission.autopilot.parameter_table.moving, **mission.parameters}[name]
     for at in numbered(mission)[: takeoff - 1]:
         if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
             words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"

@@ -28,7 +28,7 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
-    by = mission.autopilot.book.return_height
+    by = mission.autopilot.parameter_table.return_height
     is_clear = clear_in(scenario)
     for altitude in heights_to_try(scenario):
         name, value = by.name, by.spelled(altitude)

@@ -88,7 +88,7 @@ def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByO
         changed["firmware_version"] = flown_by.firmware_version
     if flown_by.parameters:
         expect_own(flown_by.parameters, flies)
-        changed["parameters"] = flies.book.overridden(scenario.vehicle.parameters, flown_by.parameters)
+        changed["parameters"] = flies.parameter_table.overridden(scenario.vehicle.parameters, flown_by.parameters)
     if changed:
         changes["vehicle"] = scenario.vehicle.model_copy(update=changed).remarked(flown_by.parameter_remarks)
     if vehicle is not None:

@@ -161,7 +161,7 @@ def mock_setup(
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None
-    values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
+    values = flies.parameter_table.overridden(world.vehicle.parameters, parameters) if own else parameters
     about = (own.learned, own.version) if own else ()
     conditions = Conditions(world.wind.air(), world.ground, *about)
     return MockSetup(flies, world.home.geodetic(), values, conditions)

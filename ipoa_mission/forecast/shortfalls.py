@@ -59,10 +59,10 @@ def highest_return(forecast: Forecast) -> float:
     A fence of the mission holds only where the vehicle's own fence is enabled.
     """
     mission, world = forecast.mission, forecast.world
-    book = mission.autopilot.book
-    values = {**book.others, **book.by_old_names(mission.parameters)}
+    table = mission.autopilot.parameter_table
+    values = {**table.others, **table.by_old_names(mission.parameters)}
     if mission.fence:
-        values[book.fence_switch] = values[book.fence_switch] or 1.0
+        values[table.fence_switch] = values[table.fence_switch] or 1.0
     own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(EXCEEDING_SHARE)
     allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
     return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
@@ -80,8 +80,8 @@ def at_another_height(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the lowest clear return altitude that was tried, else the one with the smallest shortfall."""
-    by = forecast.mission.autopilot.book.return_height
-    now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
+    by = forecast.mission.autopilot.parameter_table.return_height
+    now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
     highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
     best, tried, heights = (forecast, short), {now}, list(_heights(ways, short, now))
     if now > highest:

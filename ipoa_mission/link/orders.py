@@ -159,8 +159,8 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
     for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
         if not missing() or proofs == PROOFS_OF_ABSENCE or (n >= PARAMETER_ROUNDS and (values or proofs)):
             break
-        known = autopilot.book.surely_there[
-            n % len(autopilot.book.surely_there)
+        known = autopilot.parameter_table.surely_there[
+            n % len(autopilot.parameter_table.surely_there)
         ]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
             yield Remark(ParamRequestRead(name))
@@ -168,7 +168,7 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                proofs += (is_known := any(heard.param_id in names for names in autopilot.book.surely_there))
+                proofs += (is_known := any(heard.param_id in names for names in autopilot.parameter_table.surely_there))
                 if is_known or not missing():
                     break
             heard = yield None
@@ -205,14 +205,14 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
     """Decode a value: some autopilots send an integer's bits as a float."""
-    if heard.param_type not in INT_TYPES or not autopilot.book.packs_integers:
+    if heard.param_type not in INT_TYPES or not autopilot.parameter_table.packs_integers:
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
     """Raise BadInput if the type has no such value."""
-    if kind not in INT_TYPES or not autopilot.book.packs_integers:
+    if kind not in INT_TYPES or not autopilot.parameter_table.packs_integers:
         return value
     if not abs(value) < 2**31:
         raise BadInput(f"expected a value of 32 bits, not {value:g}")

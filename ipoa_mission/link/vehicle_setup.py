@@ -35,7 +35,7 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
     ArduCopter 4.7 has renamed and rescaled some.
     """
-    spelled = vehicle.autopilot.book.spellings
+    spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(one)] for one in wanted) if wanted else {}
     others, missing = [], []
     for one, value in wanted.items():
@@ -51,8 +51,8 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
     """Return values by older names and units."""
-    book = vehicle.autopilot.book
-    return book.by_old_names(vehicle.parameters([name for name, _ in book.spellings(one)] for one in names))
+    table = vehicle.autopilot.parameter_table
+    return table.by_old_names(vehicle.parameters([name for name, _ in table.spellings(one)] for one in names))
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
@@ -71,7 +71,7 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
     """Warn of a mission's fence that the vehicle has disabled."""
     if not mission.fence:
         return None
-    switch = vehicle.autopilot.book.fence_switch
+    switch = vehicle.autopilot.parameter_table.fence_switch
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
         return None
     bits = vehicle.autopilot.protocol_profile.limits_are_bits

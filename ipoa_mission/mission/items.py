@@ -194,7 +194,7 @@ class Mission:
         """
         expect_own(parameters, self.autopilot)
         return (
-            replace(self, parameters=self.autopilot.book.overridden(self.parameters, parameters))
+            replace(self, parameters=self.autopilot.parameter_table.overridden(self.parameters, parameters))
             if parameters
             else self
         )
@@ -202,7 +202,7 @@ class Mission:
     def assuming(self, parameters: Parameters) -> "Mission":
         """Return the mission with these parameters where it has none."""
         return (
-            replace(self, parameters=self.autopilot.book.overridden(parameters, self.parameters))
+            replace(self, parameters=self.autopilot.parameter_table.overridden(parameters, self.parameters))
             if parameters
             else self
         )

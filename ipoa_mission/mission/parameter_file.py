@@ -67,7 +67,7 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
         hint = "move it, or write the mission under another name"
         raise BadInput(words, hint=hint, code="already-there", place=target)
     lines = (  # QGroundControl loads a parameter only with the vehicle's own type
-        f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.book.types.get(name, REAL32)}"
+        f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.parameter_table.types.get(name, REAL32)}"
         for name, value in mission.parameters.items()
     )
     return {target: "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n"}
@@ -136,8 +136,8 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
     if len(others) < COMPLETE_LIST_SIZE:
         yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in others)
     elif flies is not None:
-        there = flies.book.by_old_names(dict.fromkeys(taken, 0.0))
-        for name in sorted(flies.book.moving.keys() - there.keys()):
+        there = flies.parameter_table.by_old_names(dict.fromkeys(taken, 0.0))
+        for name in sorted(flies.parameter_table.moving.keys() - there.keys()):
             yield Unread(file, "parameters missing in the list: their defaults apply", name)
     header = re.search(r"^#\s*Vehicle:\s*(.*(?:wing|plane|vtol|rover|boat|sub|ground|heli|ship).*)$", text, re.I | re.M)
     if header is not None:
@@ -149,21 +149,21 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
 
 
 def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
-    book = autopilot.book
-    for name, (old, unit) in book.renamed.items():
+    table = autopilot.parameter_table
+    for name, (old, unit) in table.renamed.items():
         newer, older = taken.get(name), taken.get(old)
         if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
             yield Unread(file, f"old name next to {name}", f"line {older.line}: {old}", f"{older.value:g}")
-        usual = abs(book.moving.get(old, 0.0))
+        usual = abs(table.moving.get(old, 0.0))
         for row, factor in ((newer, unit), (older, 1.0)):
             times = abs(row.value) * factor / usual if row and usual and unit != 1.0 else 0.0
             if row and times and not 1 / UNUSUAL_RATIO < times < UNUSUAL_RATIO:
                 what = f"the unit of {row.name}, taken as documented: {times:.3g} times the default"
                 yield Unread(file, what, f"line {row.line}", f"{row.value:g}")
-    speeds = (book.meanings.get(what, "") for what in ("cruise speed", "climb speed", "descent speed"))
+    speeds = (table.meanings.get(what, "") for what in ("cruise speed", "climb speed", "descent speed"))
     for one in filter(None, map(taken.get, speeds)):
-        if book.units.get(one.name, 1.0) == 1.0 and one.value > book.fastest:
-            what = f"the unit of {one.name}, taken as m/s: beyond {book.fastest:g} m/s"
+        if table.units.get(one.name, 1.0) == 1.0 and one.value > table.fastest:
+            what = f"the unit of {one.name}, taken as m/s: beyond {table.fastest:g} m/s"
             yield Unread(file, what, f"line {one.line}", f"{one.value:g}")
 
 

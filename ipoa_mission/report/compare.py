@@ -177,7 +177,7 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
 def _changed(mission: Mission) -> dict[str, float]:
     """Return parameters that are not the defaults, by their names before 4.7."""
     defaults = mission.autopilot.complete({}, mission.firmware_version)
-    current = mission.autopilot.book.by_old_names(mission.parameters)
+    current = mission.autopilot.parameter_table.by_old_names(mission.parameters)
     return {
         name: current[name]
         for name in defaults

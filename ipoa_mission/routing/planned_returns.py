@@ -56,8 +56,8 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
 
 
 def names_return_altitude(scenario: Scenario) -> bool:
-    book = scenario.vehicle.autopilot.book
-    return book.return_height.name in book.by_old_names(scenario.vehicle.autopilot_parameters())
+    table = scenario.vehicle.autopilot.parameter_table
+    return table.return_height.name in table.by_old_names(scenario.vehicle.autopilot_parameters())
 
 
 def _with_rally_points(
@@ -101,7 +101,7 @@ def or_else(forecast: Forecast) -> str:
 
 def planned_returns(forecast: Forecast) -> Iterator[str]:
     scenario, mission = forecast.world, forecast.mission
-    name = mission.autopilot.book.return_height.name
+    name = mission.autopilot.parameter_table.return_height.name
     if name in forecast.given.parameters and not names_return_altitude(scenario):
         yield (
             f"RTL is clear from every second with {name} = {forecast.given.parameters[name]:g} in the vehicle "

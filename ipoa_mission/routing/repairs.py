@@ -24,7 +24,8 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     """
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     names = mission.autopilot.slowed_by.names
-    if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
+    given = mission.autopilot.parameter_table.by_old_names(mission.parameters)
+    if stretch is None or not given.keys().isdisjoint(names):
         return mission
     highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.counted, default=None)
     if highest is None or not stretch.is_fast(highest.counted + HEIGHT_UNCERTAINTY):

@@ -163,7 +163,7 @@ class VehicleSection(Section):
     @model_validator(mode="after")
     def _not_too_fast(self) -> "VehicleSection":
         for key in ("cruise_speed", "climb_speed", "descent_speed"):
-            if why := self.autopilot.book.why_too_fast(getattr(self, key) or 0.0, self.parameters):
+            if why := self.autopilot.parameter_table.why_too_fast(getattr(self, key) or 0.0, self.parameters):
                 raise ValueError(f"{key}: {why}")
         return self
 
@@ -203,7 +203,7 @@ class VehicleSection(Section):
 
     def autopilot_parameters(self) -> Parameters:
         """Return the speeds as parameters, then `parameters`."""
-        book = self.autopilot.book
-        speeds = ((book.climb, self.climb_speed), (book.descent, self.descent_speed))
+        table = self.autopilot.parameter_table
+        speeds = ((table.climb, self.climb_speed), (table.descent, self.descent_speed))
         given = {by.name: by.spelled(speed) for by, speed in speeds if speed is not None}
-        return book.overridden(given, self.parameters)
+        return table.overridden(given, self.parameters)

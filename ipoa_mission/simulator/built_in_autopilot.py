@@ -231,11 +231,11 @@ BY_NAME = 65535
 class ParameterServer:
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float], version: Version | None = None) -> None:
         self._autopilot = autopilot
-        set_up = autopilot.book.set_up
-        self._types = {**autopilot.book.types, **{name: kind for name, (_, kind) in set_up.items()}}
+        set_up = autopilot.parameter_table.set_up
+        self._types = {**autopilot.parameter_table.types, **{name: kind for name, (_, kind) in set_up.items()}}
         declared = {name: value for name, (value, _) in set_up.items()}
-        own = {**autopilot.book.moving, **autopilot.defaults_of(version)}
-        self.values = {**declared, **own, **autopilot.book.others, **given}
+        own = {**autopilot.parameter_table.moving, **autopilot.defaults_of(version)}
+        self.values = {**declared, **own, **autopilot.parameter_table.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """None for other messages."""

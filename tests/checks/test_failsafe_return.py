@@ -63,7 +63,7 @@ def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
     scenario = nominal(scene(autopilot, body))
     forecast = flight_in(scenario)
     (finding,) = check_failsafe_return(forecast)
-    by = autopilot.book.return_height
+    by = autopilot.parameter_table.return_height
     name, unit = by.name, by.unit
     assert finding.code == "return-too-near"
     assert finding.hint is not None

@@ -189,7 +189,7 @@ class Toy(Autopilot):
     mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
     measured = (Version(1, 0),)
     modes = MODES
-    book = ParameterTable(
+    parameter_table = ParameterTable(
         moving={"TOY_SPEED": SPEED, "TOY_UP": SPEED, "TOY_DOWN": SPEED, "TOY_RTL": 10.0, "TOY_WAIT": 0.0},
         others={"TOY_ID": 1.0, "TOY_FENCE": 0.0},
         set_up={},

@@ -132,8 +132,8 @@ def test_what_a_parameter_file_says_twice_or_oddly_is_named(
 
 
 def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
-    book = Autopilot.PX4.book
-    lines = [*(f"ZZ_{n} 1" for n in range(200)), *(f"{name} {value}" for name, value in book.moving.items())]
+    table = Autopilot.PX4.parameter_table
+    lines = [*(f"ZZ_{n} 1" for n in range(200)), *(f"{name} {value}" for name, value in table.moving.items())]
     path = tmp_path / "whole.params"
     path.write_text("\n".join(lines) + "\n")
     assert read_parameter_file(path).unread == ()

@@ -308,5 +308,5 @@ def read_parameter_text(path: Path) -> Reading:
     """Read a parameter file, by the oldest names and units."""
     read = read_parameter_file(path)
     flies = firmware_of(read.parameters)
-    values = read.parameters if flies is None else flies.book.by_old_names(read.parameters)
+    values = read.parameters if flies is None else flies.parameter_table.by_old_names(read.parameters)
     return Reading({n: round(v, 3) for n, v in values.items()}, frozenset(one.words for one in read.unread))

@@ -293,7 +293,7 @@ class Program:
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
     profile = mission.autopilot.firmware(mission.firmware_version).jumps
     name, bit = profile.kept_by
-    options = mission.autopilot.book.by_old_names(mission.parameters).get(name, 0.0)
+    options = mission.autopilot.parameter_table.by_old_names(mission.parameters).get(name, 0.0)
     profile = replace(profile, resets=profile.resets and not int(options) >> bit & 1)
     frame, version = LocalFrame(mission.home), mission.firmware_version
     return Program(items, frame, mission.autopilot, jumping=profile, version=version)

@@ -126,7 +126,7 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, following: in
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
     parameters = autopilot.complete(mission.parameters, mission.firmware_version)
-    radius = parameters[autopilot.book.meanings["acceptance radius"]] / 100
+    radius = parameters[autopilot.parameter_table.meanings["acceptance radius"]] / 100
     if abs(program.place(following, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
         yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", NEVER_REACHED)

@@ -155,7 +155,7 @@ class ArduCopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
     modes = MODES
-    book = PARAMETER_TABLE
+    parameter_table = PARAMETER_TABLE
     tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceProfile(
         flown_on_into=frozenset(
@@ -298,7 +298,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
         """
-        return returning.over_terrain(self.book.by_old_names(parameters))
+        return returning.over_terrain(self.parameter_table.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Read in the source.
@@ -307,7 +307,7 @@ class ArduCopter(Autopilot):
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
         """
-        return failsafes.failsafes(self.book.by_old_names(parameters), (version or self.newest).series)
+        return failsafes.failsafes(self.parameter_table.by_old_names(parameters), (version or self.newest).series)
 
 
 ARDUCOPTER = ArduCopter()

@@ -122,7 +122,7 @@ class Px4Multicopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = MEASURED
     modes = MODES
-    book = PARAMETER_TABLE
+    parameter_table = PARAMETER_TABLE
     tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceProfile(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
