@@ -8,14 +8,14 @@ from ipoa_mission.autopilot.returning import Contingency, FlightStage
 Series = tuple[int, int]
 STATION_LOST = "ground station lost"
 BY_HAND = "by hand"
-"""An order by a pilot or station; an unavailable one is refused."""
+"""An order by a pilot or station; the vehicle refuses a mode that it cannot enter."""
 
 
 @dataclass(frozen=True)
 class FailsafeAction:
-    """A contingency, its fallbacks, and remarks in `words`.
+    """A contingency after a hold of `after_s`, or one of its fallbacks `otherwise`; remarks in `words`.
 
-    It first holds for `after_s`. `since`: the first series with this value.
+    `since`: the first series that has this value of the parameter.
     """
 
     contingency: Contingency
@@ -40,14 +40,14 @@ NO_NUMBER = FailsafeAction(Contingency.UNKNOWN, words="the value is not a number
 class FailsafeRule:
     """A cause, its parameter, and the action for each of its values.
 
-    `other` is the action without a `parameter`, and for further values. One of `needs` (name and default) must be above
-    0. `until`: the first series without the rule.
+    `other`: the action for values not in `actions`; always, if `parameter` is empty. The vehicle checks the cause if
+    one of `needs` (name and default) is above 0, or `needs` is empty. `until`: the first series without the rule.
     """
 
     cause: str
     parameter: str
     default: float
-    answers: Mapping[int, FailsafeAction]
+    actions: Mapping[int, FailsafeAction]
     other: FailsafeAction
     needs: Mapping[str, float] = field(default_factory=dict)
     since: Series = (0, 0)
@@ -59,18 +59,18 @@ class FailsafeRule:
     def looks(self, parameters: Parameters) -> bool:
         return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
 
-    def answer(self, parameters: Parameters, series: Series) -> FailsafeAction:
+    def action(self, parameters: Parameters, series: Series) -> FailsafeAction:
         if not self.looks(parameters):
             return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
         value = self.value(parameters)
         if not self.parameter or not math.isfinite(value):
             return NO_NUMBER if self.parameter else self.other
-        found = self.answers.get(int(value), self.other)
+        found = self.actions.get(int(value), self.other)
         return found if found.since <= series else self.other
 
     def returns_at(self, series: Series) -> int | None:
         values = (
-            value for value, one in self.answers.items() if one.contingency is Contingency.RTL and one.since <= series
+            value for value, one in self.actions.items() if one.contingency is Contingency.RTL and one.since <= series
         )
         return next(values, None)
 

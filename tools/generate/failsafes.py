@@ -59,12 +59,12 @@ def _row(rule: FailsafeRule) -> str:
     cause += f"; before {_series(rule.until)}" if rule.until < (99, 0) else ""
     if not rule.parameter:
         return f"| {cause} | | | {rule.other} | |"
-    follows = "<br>".join(f"{value}: {_words(answer)}" for value, answer in rule.answers.items())
+    follows = "<br>".join(f"{value}: {_words(action)}" for value, action in rule.actions.items())
     return f"| {cause} | `{rule.parameter}` | {rule.default:.9g} | {follows} | {rule.other} |"
 
 
-def _words(answer: FailsafeAction) -> str:
-    return f"{answer}; since {_series(answer.since)}" if answer.since > (0, 0) else str(answer)
+def _words(action: FailsafeAction) -> str:
+    return f"{action}; since {_series(action.since)}" if action.since > (0, 0) else str(action)
 
 
 def _series(series: tuple[int, int]) -> str:

@@ -146,33 +146,33 @@ def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
-    answer = _with_a_path(rule.answer(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
-    options, landing = int(parameters.get("FS_OPTIONS", DEFAULT_OPTIONS)), answer
-    if answer.contingency is not Contingency.CONTINUE and rule.cause != BY_HAND:
+    action = _with_a_path(rule.action(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
+    options, landing = int(parameters.get("FS_OPTIONS", DEFAULT_OPTIONS)), action
+    if action.contingency is not Contingency.CONTINUE and rule.cause != BY_HAND:
         if options & CONTINUE_BITS.get(rule.parameter, 0):
-            answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
+            action = landing = replace(GOES_ON, words="by FS_OPTIONS")
         acts = _first(rule.parameter) in LANDING_PARAMETERS
         landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDING_BIT else landing
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
-    if has_only_a_floor and answer.contingency is not Contingency.CONTINUE:
+    if has_only_a_floor and action.contingency is not Contingency.CONTINUE:
         landing = replace(GOES_ON, words="a landing disables FENCE_ALT_MIN")
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs no terrain data")
-    differs = {} if landing == answer else {FlightStage.LANDING: landing}
+    differs = {} if landing == action else {FlightStage.LANDING: landing}
     returns_at = rule.returns_at(series)
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), action, differs, returns_at)
 
 
 def _first(name: str) -> str:
     return f"BATT{name[5:]}" if name[:5] in BATTERIES else name
 
 
-def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
+def _with_a_path(action: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
     """Replace SmartRTL by its fallback if it records no path."""
     keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
-    if answer.contingency is not Contingency.SMART_RTL or keeps:
-        return answer
-    instead = replace(answer.in_place(), words="SmartRTL is disabled")
+    if action.contingency is not Contingency.SMART_RTL or keeps:
+        return action
+    instead = replace(action.in_place(), words="SmartRTL is disabled")
     return replace(instead, after_s=LAND_PAUSE) if instead.contingency is Contingency.LAND and pauses else instead
 
 
@@ -191,7 +191,7 @@ def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> 
         f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g} and has no effect, "
         "except where the voltage falls through both at once"
     )
-    differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
+    differs = {stage: replace(action, words=words) for stage, action in low.differs.items()}
     return replace(one, route=replace(low.route, words=words), differs=differs, returns_at=None)
 
 

@@ -33,8 +33,8 @@ DRIFTS = FailsafeAction(
 )
 
 
-def new(answer: FailsafeAction, since: Series) -> FailsafeAction:
-    return replace(answer, since=since)
+def new(action: FailsafeAction, since: Series) -> FailsafeAction:
+    return replace(action, since=since)
 
 
 LINK = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: FALLS, 6: FALLS}
@@ -106,29 +106,29 @@ def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
-    answer = _later(rule, rule.answer(parameters, series), parameters)
+    action = _later(rule, rule.action(parameters, series), parameters)
     if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
-        answer = replace(GOES_ON, words=f"not checked: {RADIO_SOURCE} is 4")
-    returning = answer
-    if rule.parameter in EXCEPTION_PARAMETERS and answer.contingency is not Contingency.CONTINUE:
+        action = replace(GOES_ON, words=f"not checked: {RADIO_SOURCE} is 4")
+    returning = action
+    if rule.parameter in EXCEPTION_PARAMETERS and action.contingency is not Contingency.CONTINUE:
         excepted, words = (
             int(parameters.get(EXCEPTION_PARAMETERS[rule.parameter], 0.0)),
             f"by {EXCEPTION_PARAMETERS[rule.parameter]}",
         )
         if excepted & IN_MISSION:
-            answer = replace(GOES_ON, words=words)
+            action = replace(GOES_ON, words=words)
         if excepted & IN_AUTO and series >= V1_18:
             returning = replace(GOES_ON, words=words)
     if rule.cause == ACCURACY:
         returning = replace(GOES_ON, words="applies only in a mission or a hold")
     if returning.contingency is Contingency.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
-    differs = {} if returning == answer else {FlightStage.RETURN: returning}
+    differs = {} if returning == action else {FlightStage.RETURN: returning}
     returns_at = rule.returns_at(series)
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), action, differs, returns_at)
 
 
-def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
+def _later(rule: FailsafeRule, action: FailsafeAction, parameters: Parameters) -> FailsafeAction:
     delay = parameters.get(DELAY, 5.0)
-    waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in WITHOUT_DELAY
-    return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer
+    waits = action.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in WITHOUT_DELAY
+    return replace(action, after_s=delay) if waits and delay > LEAST_DELAY else action
