@@ -24,7 +24,7 @@ class Finding:
         remedies: changes of the scenario that may correct it.
 
     Example:
-        >>> print(Finding("ends-in-air", Severity.WARNING, 2, "item 2: the mission ends in the air"))
+        >>> print(Finding("ends-in-the-air", Severity.WARNING, 2, "item 2: the mission ends in the air"))
         warning: item 2: the mission ends in the air
     """
 

@@ -42,47 +42,47 @@ class GuidanceProfile:
     """Properties of one autopilot's mission mode."""
 
     flown_on_into: Set[int]
-    """Entered without a stop after a waypoint, unlike other navigation commands."""
+    """It enters these without a stop after a waypoint, unlike other navigation commands."""
     flies_vtol_items: bool = False
-    """As take-off and landing of a multicopter."""
+    """It flies them as take-off and landing of a multicopter."""
     zero_is_here: bool = False
-    """Latitude and longitude 0: the previous place; altitude 0: its height."""
+    """Latitude and longitude 0 mean the previous place, altitude 0 its height."""
     stops_to_hold: bool = False
-    """At an item with a hold of 1 s or more; shorter holds are ignored."""
+    """It stops for a hold of 1 s or more, and ignores shorter ones."""
     stops_at_terrain: bool = False
-    """Between an altitude over terrain and another frame."""
+    """It stops between an altitude over terrain and another frame."""
     flies_splines: bool = False
-    """NAV_SPLINE_WAYPOINT."""
+    """It flies NAV_SPLINE_WAYPOINT as a curve."""
     climbs_where_it_stands: bool = False
     """A take-off is vertical."""
     needs_takeoff: bool = False
-    """On the ground."""
+    """It refuses a mission on the ground without a take-off."""
     least_takeoff: tuple[str, float] | None = None
-    """A parameter [m], and a take-off's margin above it [m]."""
+    """A take-off must exceed this parameter [m] by this margin [m]."""
     own_takeoff: float = 0.0
-    """Least height of a take-off [m]."""
+    """It takes off to this height at least [m]."""
     waits_armed: str = ""
-    """The parameter of the time until it disarms on the ground [s]; empty: never."""
+    """It disarms on the ground after this parameter's time [s]; empty: never."""
     waits_until_clock: bool = False
-    """NAV_DELAY without seconds."""
+    """NAV_DELAY without seconds waits until a time of day."""
     terrain_by: str = ""
     """Arming with items over terrain needs terrain data or this parameter's range finder."""
     takes_radius: bool = False
     """The acceptance radius determines where it turns."""
     first_item: int = 1
-    """In the stored list's jumps."""
+    """Jumps in the stored list give the first item this number."""
     past_the_end: int = 0
-    """Current item after a shorter list: 0, or -1 for the last."""
+    """After a shorter list this item is current; -1 is the last."""
     lands_below_item: bool = False
     """LAND's slow stretch counts from an item below home."""
     climb_ends_at_once: bool = False
-    """Within 0.5 m, when a mission is aborted."""
+    """A climb ends within 0.5 m when a mission is aborted."""
     climbs_coming_back: bool = False
     """RTL climbs on its way back to the point of the order."""
     home_is_where_armed: bool = False
-    """The file's home is ignored."""
+    """It ignores the file's home."""
     brakes_after: float = 0.0
-    """Longest delay on an abort [s]. As flown: docs/safety.md."""
+    """It begins to brake at most this long after an abort [s]; docs/safety.md has flights."""
 
 
 @dataclass(frozen=True)
@@ -90,20 +90,20 @@ class JumpProfile:
     """DO_JUMP and DO_JUMP_TAG, read in the source."""
 
     most: int = 65_535
-    """Jumps with a counter; others are ignored, unless endless."""
+    """It counts passes of these jumps, and ignores others unless they are endless."""
     most_small: int = 65_535
-    """With little memory."""
+    """A board with little memory has fewer."""
     at_once: int = 1_000
-    """Consecutive jumps; one more ends the mission."""
+    """One more consecutive jump ends the mission."""
     most_repeats: int = 65_535
     repeats_without_end: bool = False
-    """A count of -1."""
+    """A count of -1 repeats without end."""
     resets: bool = False
     """A finished jump jumps again."""
     kept_by: tuple[str, int] = ("", 0)
-    """A parameter's bit that keeps a finished jump's counter."""
+    """This parameter's bit keeps a finished jump's counter."""
     looks_past_jumps: bool = False
-    """For the next navigation item, past a jump to another item."""
+    """It looks for the next navigation item past a jump to another item."""
     queues_actions: bool = False
     """Only the first action is looked up before the next navigation item, the others after it.
 
@@ -120,19 +120,19 @@ class ProtocolProfile:
     starts_by_command: bool = False
     """Once armed it waits for MISSION_START."""
     pauses_in_mission: bool = False
-    """By DO_PAUSE_CONTINUE."""
+    """DO_PAUSE_CONTINUE pauses its mission."""
     takes_mission_file: bool = False
-    """Over MAVFTP."""
+    """It takes a mission as a file over MAVFTP."""
     boots_slowly: bool = False
     """It answers before its storage is read."""
     tells_items: bool = False
-    """In status texts."""
+    """Its status texts name items."""
     parameters_by_name: bool = False
     """The answer has no index."""
     keeps_types: bool = False
     """A set with another type has no effect."""
     limits_are_bits: str = ""
-    """The parameter of its own fence's limits."""
+    """This parameter switches its own fence's limits."""
     arming_words: ArmingWords = NO_ARMING_WORDS
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
     """The hint for a fence that is too narrow."""
@@ -206,10 +206,10 @@ class WayKnown:
 
     flown: Set[int] = SIMPLE
     still: Set[int] = EQUIPMENT
-    """Without effect."""
+    """They have no effect on the path."""
     why: Mapping[int, str] = field(default_factory=dict)
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
-    """Predicates on params without effect."""
+    """They have no effect on the path if this is true of their params."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
         if command in self.flown or command in self.still or command in MARKS:

@@ -49,7 +49,7 @@ class ParameterTable:
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
     renamed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     packs_integers: bool = False
-    speed: Quantity | None = None  # of a mission
+    speed: Quantity | None = None  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]
 
     @property

@@ -28,7 +28,7 @@ class Clearance:
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
     def less(self, stray: float) -> "Clearance":
-        """`distance` [m], negative inside, to `what`, at `place` on leg `leg`."""
+        """Return it, nearer by `stray` [m]."""
         return replace(self, distance=self.distance - stray)
 
 

@@ -55,7 +55,7 @@ class FlightModel(ABC):
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        """Predict the flight with another ending, its only item.
+        """Predict the flight to an abort, and its contingency; the only time is of its end.
 
         Raises:
             MissionError: as `predicted`; or the model has no such flights.

@@ -35,7 +35,7 @@ LAW = DeviationLaw(
 )
 
 
-RUNS = 8  # with noise; always the same seeds
+MEDIAN_RUNS = 8  # with noise; always the same seeds
 
 
 class Px4Model(FlightModel):
@@ -67,9 +67,9 @@ class Px4Model(FlightModel):
         flights = Flights(
             route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version
         )
-        steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
+        steps = MEDIAN_RUNS * sum(order.patience for order in flights.plan.orders) / STEP
         once = flights.prepared(True, True, steps)
-        return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))
+        return np.asarray(np.median([once(seed)[0] for seed in range(1, MEDIAN_RUNS + 1)], axis=0))
 
 
 MODEL = Px4Model()

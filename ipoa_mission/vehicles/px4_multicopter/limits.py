@@ -41,7 +41,7 @@ class Px4Return(NamedTuple):
         return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
-        """Return the return height above home [m] at a level `distance` [m].
+        """Return the return height above the goal [m] at a level `distance` [m].
 
         It is RTL_RETURN_ALT. Within RTL_MIN_DIST RTL_CONE_ANG lowers it, to two NAV_ACC_RAD; within NAV_ACC_RAD to
         twice the distance. It never descends for that.

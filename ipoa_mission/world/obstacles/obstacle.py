@@ -72,6 +72,7 @@ class Obstacle(ABC):
 
     @property
     def column(self) -> Column | None:
+        """Return its upright column; without one its parts bound distances, its box is its plan, and no view has it."""
         return None
 
     @property
@@ -81,6 +82,7 @@ class Obstacle(ABC):
         return shapely.box(*self.bounds[:, :2].ravel())
 
     def grown(self, aside: float, below: float, above: float) -> "Obstacle":
+        """Return a larger body, here itself: a kind that does not grow gets no room for the deviation bound."""
         return self
 
     def passings(self, a: Points, b: Points) -> "tuple[Passing, ...]":
