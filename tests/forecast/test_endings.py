@@ -20,10 +20,12 @@ from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
 from ipoa_mission.forecast.contingency_paths import MAX_SPARE, ContingencyPaths
+from ipoa_mission.forecast.energy_budget import flown_from
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from tests.examples import examples
+from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -143,6 +145,24 @@ def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
     (row,) = Contingencies(forecast_of("sitl", RTL_TYPE=kind)).rows(Contingency.RTL)
     assert (row.clear, row.goal) == (False, "unknown")
     assert "begin during the landing" in row.keeps
+
+
+@pytest.mark.parametrize("kind", [1.0, 3.0])
+def test_without_a_landing_of_the_mission_a_return_takes_as_long_as_one_straight_home(kind: float) -> None:
+    landed = forecast_of("sitl", RTL_TYPE=kind)
+    away = replace(landed.given, items=landed.given.items[:-1])
+    typed, home = (Forecast(away.with_parameters({"RTL_TYPE": one}), landed.scenario) for one in (kind, 0.0))
+    time = home.estimate.total_s / 2
+    assert flown_from(typed, Contingency.RTL, time).lasts == flown_from(home, Contingency.RTL, time).lasts
+    with refuses("not-modeled", "", "returns to the mission's landing"):
+        flown_from(landed, Contingency.RTL, time)
+
+
+def test_a_return_that_lands_in_place_has_no_duration() -> None:
+    """RTL_TYPE 5 without a rally point, since 1.18."""
+    newer = replace(forecast_of("sitl", RTL_TYPE=5.0).given, firmware_version=Version(1, 18))
+    with refuses("not-modeled", "", "returns here"):
+        flown_from(Forecast(newer, forecast_of("sitl").scenario), Contingency.RTL, 30.0)
 
 
 @pytest.mark.parametrize("parameters", [{"RTL_TYPE": 0.0}, {"RTL_TYPE": 2.0}])

@@ -43,15 +43,23 @@ class Itinerary:
         program = self.program
         return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
 
+    def _landing(self, n: int, here: Place) -> MissionLanding | None:
+        lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
+        return None if lands is None else MissionLanding(self.program.place(lands, here), 0, n)
+
+    @property
+    def returns_by(self) -> ReturnBy:
+        """Return the kind of an RTL ordered over the mission's landing, which is its goal if it is from anywhere."""
+        landing = self._landing(0, HOME)
+        return self._route_of_return(HOME if landing is None else landing.place, landing).by
+
     def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
         """Return the places of a return back along the mission to over home; None: straight.
 
         Raises:
             MissionError: it returns to a landing of its own, which is not modeled.
         """
-        lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
-        landing = None if lands is None else MissionLanding(self.program.place(lands, here), 0, n)
-        by = self._route_of_return(here, landing).by
+        by = self._route_of_return(here, self._landing(n, here)).by
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.BACK:

@@ -1,6 +1,6 @@
 """Goal and route of PX4's RTL: the nearest of home, rally points and the mission's landing.
 
-Heights count from the goal's. From 1.19 on RTL flies around fences, except on the smallest boards; not modeled. Read in
+From 1.19 on RTL flies around fences, except on the smallest boards; not modeled. Read in
 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main (bb59c637).
 """
 
@@ -21,14 +21,14 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
 
 REQUIRED_ADVANTAGE = 2.0  # of a rally point or landing [m]
 LEAST_RALLY_DISTANCE = 10.0  # from home [m]
-# RTL_TYPE; 0: home or a rally point
-NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0
+# RTL_TYPE 0 to 5
+HOME_OR_RALLY, NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = 0.0, 1.0, 2.0, 3.0, 4.0, 5.0
 RALLY_ONLY_SINCE = (1, 18)
 FENCE_ROUTING_SINCE = (1, 19)  # 40e61d2429, after release/1.18 branched
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
-    """Return the height above the goal's [m]."""
+    """Return the height above home [m]."""
     from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 
     return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
@@ -38,7 +38,7 @@ def return_route(
     parameters: Parameters, here: Place, rally: Sequence[Place], landing: MissionLanding | None, series: Series
 ) -> ReturnRoute:
     """Return RTL_TYPE's route; 1 uses home last, 5 (1.18) never."""
-    kind = parameters.get("RTL_TYPE", 0.0)
+    kind = parameters.get("RTL_TYPE", HOME_OR_RALLY)
     if kind in {LANDING_OR_BACK, SHORTER_WAY}:
         ahead = landing is not None and (kind == LANDING_OR_BACK or landing.ahead < landing.behind)
         return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)

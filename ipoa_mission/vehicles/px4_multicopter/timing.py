@@ -14,7 +14,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
@@ -41,7 +41,6 @@ from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
 from ipoa_mission.wind import CALM, Wind
 
-ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
 STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # between samples
 
@@ -55,8 +54,8 @@ class NoisyRuns:
     batch: int = 6  # runs between checks
     known_share: float = 0.003  # relative standard error of the mean
     broken_off_share: float = 0.008  # for a contingency
-    doubt_s: float = 0.8  # standard deviation of the model: constant,
-    doubt_share: float = 0.0125
+    doubt_s: float = 0.8  # standard deviation of the model, its constant part
+    doubt_share: float = 0.0125  # and its part by time
     landing_s: float = 1.6  # more for landings, as recorded
     interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
@@ -130,8 +129,8 @@ def fly_aborted(
     if order.contingency is Contingency.RTL:
         if flights.limits.land_delay < 0.0:
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal forever", code="endless-flight")
-        if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
-            raise NotModeled("the duration of returns along the mission is not modeled well enough")
+        if (by := route.returns_by) is not ReturnBy.DIRECT:
+            raise NotModeled(f"the duration of returns {by} is not modeled well enough")
     quiet = flights.flown(False, fast)(0).done
     steps = np.diff(quiet)
     lasted, stood, when = list[float](), list[float](), list[float]()
