@@ -36,6 +36,7 @@ def _row(row: ContingencyRow) -> dict[str, Any]:
         **picked(row, "to", "goal"),
         "touches_s": _between(row.touches_s),
         "duration_s": _between(row.duration_s),
+        "why_untimed": row.why_untimed or None,
         "energy_wh": _between(row.energy_wh),
         "lands": lands,
     }
@@ -59,6 +60,7 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
+    print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
     causes = ["cause", "parameter", "ending"]
     decided = [(one.cause, _setting(one), str(one.route)) for one in failsafes]
     if decided:

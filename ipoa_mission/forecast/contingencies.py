@@ -66,7 +66,7 @@ class ContingencyRow:
     `least_m`: least distance to the nearest thing, `to`, minus the deviation bound; a height where `to` is the ground.
     It is NaN where the path is unknown: `to` has the reason then. The vehicle touches down `touches_s` and disarms
     `duration_s` after the order (minimum, maximum). `energy_wh`: minimum and maximum, None where unknown. `lands`: east
-    and north of home [m], None where the place is not fixed.
+    and north of home [m], None where the place is not fixed. `why_untimed`: why an RTL or LAND has no duration.
     """
 
     contingency: Contingency
@@ -81,6 +81,7 @@ class ContingencyRow:
     touches_s: tuple[float, float] | None = None
     duration_s: tuple[float, float] | None = None
     energy_wh: tuple[float, float] | None = None
+    why_untimed: str = ""
 
     @property
     def clear(self) -> bool:
@@ -269,8 +270,8 @@ class Contingencies:
         picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED_SAMPLES)}
         try:
             flown = [flown_from(self.forecast, row.contingency, float(assessments.times[n])) for n in sorted(picked)]
-        except MissionError:
-            return row
+        except MissionError as error:
+            return replace(row, why_untimed=str(error))
         used = [one.used.between for one in flown if one.used is not None]
         touching = [one.touches for one in flown if one.touches is not None]
         touches = (min(low for low, _ in touching), max(high for _, high in touching)) if touching else None

@@ -57,6 +57,14 @@ def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
     assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in told
 
 
+def test_the_reason_why_a_return_has_no_duration_is_printed(run: Run) -> None:
+    shown, told = (run(f"check {SITL} --param RTL_TYPE=2 --endings{form}").out for form in ("", " --json"))
+    why = "the duration of returns ahead along the mission is not modeled well enough"
+    assert shown.count(f"no time of rtl: {why}\n") == 1
+    reasons = {row["ending"]: row["why_untimed"] for row in json.loads(told)["endings"]}
+    assert reasons == {"rtl": why, "land": None, "hold": None}
+
+
 def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path) -> None:
     plan = json.loads((MISSIONS / "sitl.plan").read_text(encoding="utf-8"))
     plan["mission"]["items"][2]["params"][4] = 95.0  # north of the pole

@@ -191,7 +191,7 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Contingencies, kind:
     assert (rows[0].goal, rows[-1].goal) == (first, last)
     landing = typed.forecast.estimate.track.points[-1, :2]
     assert rows[-1].lands == pytest.approx(tuple(landing), abs=1.0)
-    assert all(row.duration_s is None for row in rows)
+    assert all(row.duration_s is None and "along the mission" in row.why_untimed for row in rows)
 
 
 @pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
@@ -252,7 +252,8 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
 
 def test_who_waits_for_ever_lands_at_no_time() -> None:
     for contingencies in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
-        assert all(row.duration_s is None for row in Contingencies(contingencies).rows(Contingency.RTL))
+        rows = Contingencies(contingencies).rows(Contingency.RTL)
+        assert all(row.duration_s is None and row.why_untimed for row in rows)
 
 
 def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
