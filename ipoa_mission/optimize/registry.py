@@ -18,18 +18,22 @@ BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-peli
 
 
 def optimizer_names() -> list[str]:
-    return [*BUILT_IN, *sorted(_registered().keys() - BUILT_IN.keys())]
+    return [*BUILT_IN, *sorted({entry.name for entry in _registered()} - BUILT_IN.keys())]
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
-    """Raise BadInput if no optimizer has this name, or its registered class cannot be imported."""
+    """Raise BadInput if no optimizer has this name, or two, or its registered class cannot be imported."""
+    same = {entry.value: entry for entry in _registered() if entry.name == name}
+    if len(same) + (name in BUILT_IN) > 1:
+        who = [*same, *(["the built-in one"] if name in BUILT_IN else [])]
+        raise BadInput(f"expected one optimizer {name}, not {' and '.join(who)}", place="optimizer.name")
     if name in BUILT_IN:
         return BUILT_IN[name]
-    registered = _registered().get(name)
-    if registered is None:
+    if not same:
         names = optimizer_names()
         words = f"expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}"
         raise UnknownName(words, place="optimizer.name")
+    (registered,) = same.values()
     try:
         found: Any = registered.load()
     except (ImportError, AttributeError) as error:
@@ -54,8 +58,8 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
 
 
 @cache
-def _registered() -> dict[str, EntryPoint]:
-    return {entry.name: entry for entry in entry_points(group="ipoa_mission.optimizers")}
+def _registered() -> tuple[EntryPoint, ...]:
+    return tuple(entry_points(group="ipoa_mission.optimizers"))
 
 
 def _one_of(names: list[str]) -> str:

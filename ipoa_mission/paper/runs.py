@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from ipoa_mission.errors import UnknownName, imported
-from ipoa_mission.optimize.registry import build_optimizer
+from ipoa_mission.errors import BadInput, UnknownName, imported
+from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum, minimize
 from ipoa_mission.paper.campus import campus_problem
 from ipoa_mission.paper.cec2022 import Problem, cec2022
@@ -109,6 +109,8 @@ def run_trial(trial: Trial) -> TrialRow:
     """Raises BadInput."""
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
+    if trial.algorithm in RIVALS and trial.algorithm in optimizer_names():
+        raise BadInput(f"expected one optimizer {trial.algorithm}, not that of paper/runs.py and a registered one")
     with threadpool_limits(1, "blas"):  # two threads sum in another order
         return _run(trial)
 

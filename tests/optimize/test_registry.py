@@ -67,12 +67,33 @@ def test_what_is_wrong_is_named_with_what_was_expected(
 
 
 def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
-    entries = {name: EntryPoint(name, value, "ipoa_mission.optimizers") for name, value in OTHERS.items()}
-    monkeypatch.setattr(registry, "_registered", lambda: entries)
+    register(monkeypatch, *OTHERS.items())
     assert build_optimizer("mine", {"population": 8}) == POA(population=8)
     for name, value in {"gone": "nowhere", "function": "wing"}.items():
         with refuses("bad-input", "optimizer.name", value):
             build_optimizer(name, {})
+
+
+def register(monkeypatch: pytest.MonkeyPatch, *others: tuple[str, str]) -> None:
+    entries = tuple(EntryPoint(name, value, "ipoa_mission.optimizers") for name, value in others)
+    monkeypatch.setattr(registry, "_registered", lambda: entries)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [("ipoa", ["other.pelican:IPOA"]), ("mine", ["other.pelican:IPOA", "ipoa_mission.optimize.poa:POA"])],
+)
+def test_two_optimizers_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch, name: str, values: list[str]) -> None:
+    register(monkeypatch, *((name, value) for value in values))
+    with refuses("bad-input", "optimizer.name", f"one optimizer {name}", *values):
+        build_optimizer(name, {})
+    assert optimizer_names().count(name) == 1
+    assert build_optimizer("poa", {}) == POA()
+
+
+def test_one_optimizer_registered_twice_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    register(monkeypatch, *[("mine", "ipoa_mission.optimize.poa:POA")] * 2)
+    assert build_optimizer("mine", {}) == POA()
 
 
 OTHERS = {

@@ -1,10 +1,13 @@
 import math
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from ipoa_mission.optimize import registry
 from ipoa_mission.paper.rows import Trial, TrialRow, open_to_append, read_rows, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS, measure, run_trial
 from tests.refused import refuses
@@ -41,6 +44,13 @@ def test_a_row_holds_what_the_run_gave() -> None:
     assert len(row.history) == len(CHECKPOINTS)
     assert row.history[-1] == row.cost
     assert list(row.history) == sorted(row.history, reverse=True)
+
+
+def test_a_rival_that_is_also_registered_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = EntryPoint("de", "other.de:DE", "ipoa_mission.optimizers")
+    monkeypatch.setattr(registry, "_registered", lambda: (entry,))
+    with refuses("bad-input", "", "one optimizer de"):
+        run_trial(replace(TRIALS[0], algorithm="de"))
 
 
 def test_a_trial_is_a_function_of_itself() -> None:
