@@ -66,7 +66,7 @@ class SearchOptions:
             "--optimizer",
             metavar="NAME",
             autocompletion=optimizers_like,
-            help="Search algorithm: ipoa, poa, adaptive-pelican, or an installed one.",
+            help="Search algorithm, like ipoa or poa, also an installed one.",
         ),
     ] = None
 

@@ -140,7 +140,7 @@ def export(
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Write a mission for other programs: KML, GeoJSON, CSV or GPX, or as the other mission format.
+    """Write a mission for other programs, like KML, or as the other mission format.
 
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """

@@ -17,9 +17,11 @@ from ipoa_mission.cli import output
 from ipoa_mission.cli.app import listen_to_log
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.errors import MissionError
+from ipoa_mission.files import MISSIONS
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.paper import reproduce
 from ipoa_mission.planning import planner
+from ipoa_mission.report.exports import EXPORTS
 from tests.cli.conftest import Run, verbs
 
 VERBS = sorted(verbs())
@@ -221,7 +223,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
         ("export {mission} there/is/none.kml", "there/is/none.kml: cannot be written: No such file or directory"),
         (
             "export {mission} picture.png",
-            'expected a name that ends in .kml, .geojson, .csv, .gpx, .plan, .waypoints, not in ".png"',
+            f'expected a name that ends in {", ".join((*EXPORTS, *MISSIONS))}, not in ".png"',
         ),
         ("estimate {sitl}", "expected a mission (.plan, .waypoints), not a scenario"),
         ("compare {mission} {sitl}", "sitl.toml"),

@@ -1,5 +1,6 @@
 import json
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -7,10 +8,13 @@ from jsonschema import Draft202012Validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
+from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.place_sections import Place
 from tests.refused import refuses
 
 HERE = Path("here.toml")
+SECTIONS = get_args(get_args(ObstacleSection)[0])
+OBSTACLE_KINDS = [kind for section in SECTIONS for kind in get_args(section.model_fields["kind"].annotation)]
 SMALLEST = """
 home = { latitude_deg = 47.0, longitude_deg = 8.0 }
 start = { east = 0, north = 0, up = 10 }
@@ -46,7 +50,7 @@ BROKEN = {
         "obstacles[0].radius: expected a number greater than 0, not -3"
     ),
     "obstacles = [{ kind = 'pyramid' }]": (
-        "obstacles[0].kind: expected 'sphere', 'cylinder', 'box', 'prism', not 'pyramid'"
+        f"obstacles[0].kind: expected {', '.join(map(repr, OBSTACLE_KINDS))}, not 'pyramid'"
     ),
     "obstacles = [{ radius = 3 }]": "obstacles[0].kind: expected, but not there",
     "obstacles = [{ kind = 'prism', height = 3, footprint = [[0, 0], [1, 0]] }]": (

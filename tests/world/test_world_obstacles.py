@@ -6,6 +6,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone, box
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 from tests.plain_python import as_plain_python
 
 Rng = np.random.Generator
@@ -207,18 +208,19 @@ def test_legs_next_to_nothing_off_an_axis_are_as_those_along_it(kind: str) -> No
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_compiled_code_is_told_is_where_the_body_is(kind: str) -> None:
-    body = KINDS[kind](np.random.default_rng(3))
-    (part,) = body.parts
-    middle = part.bounds.mean(axis=0)
-    outer = np.vstack(part.outline())
-    assert np.linalg.norm(outer - middle[:2], axis=1).max() <= part.plan_radius + 1e-9
-    row = part.grid_row()
-    if kind == "sphere":
-        assert row.numbers[:3] == pytest.approx(middle)
-        assert row.numbers[3] == part.plan_radius
-    else:
-        assert row.numbers[3:] == pytest.approx(part.bounds[:, 2])
-        assert len(row.edges) == (0 if kind == "cylinder" else len(outer))
+    parts = KINDS[kind](np.random.default_rng(3)).parts
+    assert parts
+    for part in parts:
+        middle = part.bounds.mean(axis=0)
+        outer = np.vstack(part.outline())
+        assert np.linalg.norm(outer - middle[:2], axis=1).max() <= part.plan_radius + 1e-9
+        row = part.grid_row()
+        if row.kind == SPHERE:
+            assert row.numbers[:3] == pytest.approx(middle)
+            assert row.numbers[3] == part.plan_radius
+        else:
+            assert row.numbers[3:] == pytest.approx(part.bounds[:, 2])
+            assert len(row.edges) == (0 if row.kind == CYLINDER else len(outer))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -28,7 +28,7 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
 
     Args:
         mission: to write.
-        path: ends in `.kml`, `.geojson`, `.csv` or `.gpx`.
+        path: ends in a suffix of `EXPORTS`, like `.kml`.
         scenario: gives heights above its ground; a landing goes down to it.
 
     Raises:
