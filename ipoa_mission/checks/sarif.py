@@ -14,11 +14,7 @@ SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
     codes = sorted({finding.code for findings in found.values() for finding in findings})
     rules = [
-        {
-            "id": code,
-            "shortDescription": {"text": RULES[code].means},
-            "help": {"text": RULES[code].do},
-        }
+        {"id": code, "shortDescription": {"text": RULES[code].means}, "help": {"text": RULES[code].do}}
         for code in codes
     ]
     results = [

@@ -134,14 +134,7 @@ class LinkOptions:
         ),
     ] = None
     backend: Annotated[Backend, link_option("--backend", help="MAVLink implementation.")] = Backend.BUILTIN
-    anyway: Annotated[
-        bool,
-        link_option(
-            "--anyway",
-            metavar="",
-            help=ANYWAY,
-        ),
-    ] = False
+    anyway: Annotated[bool, link_option("--anyway", metavar="", help=ANYWAY)] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
         log = self.log or usual_log
@@ -153,9 +146,7 @@ class FlightOptions:
     link: Annotated[
         str | None,
         link_option(
-            "--link",
-            metavar="URL",
-            help="A real vehicle, like udpin:127.0.0.1:14550; default: the built-in autopilot.",
+            "--link", metavar="URL", help="A real vehicle, like udpin:127.0.0.1:14550; default: the built-in autopilot."
         ),
     ] = None
     begin: Annotated[
@@ -170,17 +161,11 @@ class FlightOptions:
     set_params: Annotated[
         bool,
         link_option(
-            "--set-params",
-            metavar="",
-            help="Write parameters of the scenario and --param that differ on the vehicle.",
+            "--set-params", metavar="", help="Write parameters of the scenario and --param that differ on the vehicle."
         ),
     ] = False
     on_deviation: Annotated[
-        OnDeviation,
-        link_option(
-            "--on-deviation",
-            help="Order sent once if the flight deviates from the forecast.",
-        ),
+        OnDeviation, link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast.")
     ] = OnDeviation.HOLD
 
 

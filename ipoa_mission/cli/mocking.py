@@ -115,13 +115,7 @@ def mock(
     try:
         serve(
             link,
-            Mock(
-                there.autopilot,
-                place,
-                there.parameters,
-                cold=True,
-                conditions=there.conditions,
-            ),
+            Mock(there.autopilot, place, there.parameters, cold=True, conditions=there.conditions),
             speedup,
             worse.faults(),
             system or 1,

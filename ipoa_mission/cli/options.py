@@ -110,8 +110,7 @@ def autopilot_called(name: str) -> Autopilot:
 
 autopilot_option = partial(typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(autopilot_names()))
 AutopilotOption: TypeAlias = Annotated[
-    Autopilot | None,
-    autopilot_option(help="Firmware; default: the file's (.waypoints: by its items)."),
+    Autopilot | None, autopilot_option(help="Firmware; default: the file's (.waypoints: by its items).")
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
     str | None,

@@ -32,8 +32,7 @@ def plan(
     ignore: IgnoreOption = None,
     out: OutOption = Path(),
     split: Annotated[
-        bool,
-        typer.Option("--split", help="Without enough battery, split into the fewest flights: NAME-1.plan ..."),
+        bool, typer.Option("--split", help="Without enough battery, split into the fewest flights: NAME-1.plan ...")
     ] = False,
     report: ReportOption = False,
     force: ForceOption = False,
@@ -103,8 +102,7 @@ def new(
     target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
     home: HomeOption = None,
     buildings: Annotated[
-        Path | None,
-        typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map."),
+        Path | None, typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map.")
     ] = None,
     elevation: Annotated[
         Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")

@@ -128,8 +128,7 @@ def export(
     target: Annotated[
         Path,
         typer.Argument(
-            metavar="TARGET",
-            help="File to write, in the format of its suffix, like .kml; - is standard output.",
+            metavar="TARGET", help="File to write, in the format of its suffix, like .kml; - is standard output."
         ),
     ],
     form: Annotated[

@@ -33,13 +33,7 @@ TIGHT_PLACES = 4.0
 LIFTED_HEIGHT = 1.0  # below it can end its flight in place [m]
 BACK_SHARES = (0.0, 0.5, 1.0)  # of the way back to the place of the order
 POSITION_ERROR = 10.0  # as it chooses its goal [m]
-OFFSETS = (
-    (0.0, 0.0),
-    (POSITION_ERROR, 0.0),
-    (-POSITION_ERROR, 0.0),
-    (0.0, POSITION_ERROR),
-    (0.0, -POSITION_ERROR),
-)
+OFFSETS = ((0.0, 0.0), (POSITION_ERROR, 0.0), (-POSITION_ERROR, 0.0), (0.0, POSITION_ERROR), (0.0, -POSITION_ERROR))
 CHORD_ERROR = 0.02  # [m]
 LEVEL_ERROR = 0.5  # [m]
 MAX_SPARE = 8.0  # [m]

@@ -15,17 +15,10 @@ from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged
 from ipoa_mission.learn.powers import PowerSeconds
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (
-    0.2,
-    5,
-    10,
-)  # of samples [s], averaged, correlated
+SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (0.2, 5, 10)  # of samples [s], averaged, correlated
 MAX_GAP_S = 2.0  # between attitudes [s]
 STEADY_LIMIT = 1.0  # climb [m/s] and acceleration [m/s^2]
-MIN_SPEED, MIN_TIME_S = (
-    2.5,
-    5.0,
-)  # slower, drag is within the lean's error [m/s]; time above [s]
+MIN_SPEED, MIN_TIME_S = (2.5, 5.0)  # slower, drag is within the lean's error [m/s]; time above [s]
 HEIGHT_SHARE = 0.6  # of the greatest height; wind differs below
 MODEL_DEVIATION = 0.05  # of ln drag from flight to flight
 #: ln drag, wind north and east [m/s], tilt ahead and right [m/s^2].
@@ -90,11 +83,7 @@ def _smoothed(values: Points) -> Points:
     )
 
 
-MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
-    2.0,
-    0.3,
-    3.0,
-)  # of a hover [m/s, m/s, s]
+MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (2.0, 0.3, 3.0)  # of a hover [m/s, m/s, s]
 MAX_WIND_DEVIATION = 1.0  # [m/s]
 MEASURED_SHARE = 0.95  # of a flight
 NINE_IN_TEN = 0.95  # upper quantile

@@ -69,11 +69,7 @@ class Line:
     """Hold a ground station's end of a link; `again` opens a new channel."""
 
     def __init__(
-        self,
-        channel: Channel,
-        codec: Codec,
-        log: str | Path | None = None,
-        again: Callable[[], Channel] | None = None,
+        self, channel: Channel, codec: Codec, log: str | Path | None = None, again: Callable[[], Channel] | None = None
     ) -> None:
         self.channel = channel
         self._again = again

@@ -25,14 +25,7 @@ UNITS = {
     "energy_ratio": "of a flight to what these powers come to",
 }
 POSITIVE = ("drag", "lag", "hover_power", "airspeed", "energy_ratio")
-LIMITS = {
-    "drag": 50.0,
-    "lag": 2.0,
-    "lift_delay": 120.0,
-    "landing_delay": 120.0,
-    "airspeed": 100.0,
-    "energy_ratio": 5.0,
-}
+LIMITS = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "airspeed": 100.0, "energy_ratio": 5.0}
 LIMITS |= {name: 100_000.0 for name in POWERS if name not in LIMITS}
 MAX_BYTES = 100_000
 
