@@ -124,7 +124,6 @@ def compare(
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
-    """Read the mission for the log's autopilot; `may_differ` from the plan's own."""
     from ipoa_mission.cli.reading import read_given
 
     states = may_differ and file.suffix.lower() == ".plan"

@@ -71,7 +71,6 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
 
 
 def _is_of(index: dict[str, Any], library: Path) -> bool:
-    """Return whether the library and its index were built together."""
     made: dict[str, str] | None = index.get("libraries")
     return made is None or made.get(library.name) == digest_of(library)
 

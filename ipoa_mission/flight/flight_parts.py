@@ -46,7 +46,6 @@ def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Pat
 
 
 def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
-    """Return the whole's summary with each part's file, time and energy."""
     flights = []
     for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
         budget = budget_of(part)

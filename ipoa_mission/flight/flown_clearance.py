@@ -112,7 +112,6 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
 
 
 def _in_column(points: Points) -> int:
-    """Count the first points in a column."""
     outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN_RADIUS)
     return int(outside[0]) if len(outside) else len(points)
 
@@ -124,7 +123,6 @@ def _between(points: Points, first: Points, last: Points) -> Points:
 
 
 def _farthest(points: Points, polylines: list[Points]) -> float:
-    """Points are (n, 3)."""
     nearest = np.full(len(points), np.inf)
     for polyline in polylines:
         for a, b in pairwise(polyline):

@@ -179,7 +179,6 @@ def load_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> Forecast:
-    """Return the forecast with the vehicle's parameters."""
     mission = forecast.given
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
@@ -236,7 +235,6 @@ def begin_mission(
 
 
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
-    """Return None and a remark without a forecast."""
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     mission = forecast.given

@@ -62,7 +62,6 @@ class Codec:
         self._sequence = 0
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
-        """`unix_s` is its signature's time."""
         name, fields = wire.write(message)
         definition = definition_of(name)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}

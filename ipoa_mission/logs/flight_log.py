@@ -78,8 +78,6 @@ class LoggedFlight:
 
 @dataclass(frozen=True)
 class FlightLog:
-    """All flights of a log, with remarks."""
-
     autopilot: Autopilot
     version: str
     flights: tuple[LoggedFlight, ...]

@@ -132,7 +132,6 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
-    """Find buildings in features already read."""
     finder = _Finder(rules, frame, path)
     finder.add(features)
     return finder.found()

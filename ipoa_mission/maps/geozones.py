@@ -60,7 +60,6 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def layers_apart(feature: Any) -> list[Any]:
-    """Split an ED-318 feature by layers."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):

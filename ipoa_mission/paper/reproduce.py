@@ -71,7 +71,6 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
 
 
 def _leave_ctrl_c_to_the_parent() -> None:
-    """Ignore Ctrl-C in workers; the parent stops the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
@@ -148,7 +147,6 @@ def reproduce(
 def _measure(
     series: Mapping[str, Series], runs: int | None, out: Path, jobs: int, address: str | None, progress: Progress
 ) -> Rows:
-    """Return the rows of every series; measure those that `out` lacks."""
     if not series:
         return {}
     rows = {}

@@ -17,7 +17,6 @@ def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
 def ground_mesh_over(
     airspace: Airspace, lower: tuple[float, float], upper: tuple[float, float], across: int
 ) -> tuple[Plane, Plane, Plane]:
-    """Return the mesh from `lower` to `upper` (east, north)."""
     sides = np.subtract(upper, lower)
     counts = np.maximum(np.rint(sides / sides.max() * across), 1).astype(int) + 1
     east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True)))

@@ -155,7 +155,6 @@ def _stop_data(stop: FlownItem, course: Seen) -> dict[str, Any]:
 
 
 def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
-    """Return nested lists of rounded numbers, with null for values that are not finite."""
     if values.ndim > 1:
         return [_rounded(row, digits) for row in values]
     return [round(float(v), digits) if math.isfinite(v) else None for v in values]

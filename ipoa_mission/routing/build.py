@@ -89,7 +89,6 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
-    """Return the item that flies to each waypoint."""
     first = 0 if starts_over_home(route) else 2
     changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1
     return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))

@@ -18,7 +18,6 @@ OPPOSITE = -0.5  # cosine between the directions to both sides of a gap
 
 
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
-    """Return the error for the nearest attempt."""
     promise = nearest.promise
     if nearest.short:
         helps, hint, remedies = _try_changes("", trials)

@@ -284,7 +284,6 @@ class Scenario(Section):
 
     @cached_property
     def from_starts(self) -> "dict[int, Scenario]":
-        """Return the cache of `at_start`."""
         return {}
 
     @property

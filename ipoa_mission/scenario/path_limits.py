@@ -70,7 +70,6 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    """Return start, via points and goal, (k, 3)."""
     stops = [start]
     for place in via:
         if np.linalg.norm(place - stops[-1]) > SAME_PLACE_DISTANCE:

@@ -105,7 +105,6 @@ class FlatTerrain(Section):
     """Height of the ground [m above home]."""
 
     def build(self, home: Geodetic, reach: float) -> Terrain:
-        """Build the terrain up to `reach` from home [m]."""
         ground = SeaLevel.around(home, self.height, reach)
         return ground if ground.drop > LEAST_DROP else Flat(self.height)
 

@@ -238,7 +238,6 @@ class ParameterServer:
         self.values = {**declared, **own, **autopilot.parameter_table.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
-        """None for other messages."""
         names = sorted(self.values)
         match message:
             case ParamRequestList():

@@ -103,7 +103,6 @@ def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
 def _upload(
     forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """Upload the mission; return the forecast for its parameters, and remarks."""
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:

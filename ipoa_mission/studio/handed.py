@@ -45,7 +45,6 @@ def survey_over(survey: Survey, n: int) -> HandedOver:
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:
-    """Return a checked mission of a file."""
     mission, scenario = forecast.mission, forecast.scenario
     told = tuple(finding.message for finding in warnings)
     about = [None if scenario is None else scenario.name, *told, forecast.estimate.total_s]

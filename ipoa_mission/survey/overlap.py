@@ -111,7 +111,6 @@ def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
 
 
 def photo_places(swath: Swath, sight: Sight) -> Points:
-    """Return the mean places of photos (n, 2)."""
     distance, count = sight.triggering(swath.length)
     ahead = (swath.end - swath.begin) / max(swath.length, 1e-9)
     return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * ahead)

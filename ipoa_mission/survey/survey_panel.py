@@ -18,7 +18,6 @@ HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
 
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
-    """`names`: of the flights' files."""
     seen, area = plan.coverage, plan.area.shape
     overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""

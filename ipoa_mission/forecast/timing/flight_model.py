@@ -1,5 +1,3 @@
-"""The interface of a flight model."""
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass

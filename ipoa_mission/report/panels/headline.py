@@ -73,7 +73,6 @@ def figures(
 def warnings(
     dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str], of_map: Collection[str] = ()
 ) -> str:
-    """Fold remarks `of_map`."""
     if not dangers and not findings and not remarks:
         return ""
     rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]

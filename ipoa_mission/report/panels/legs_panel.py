@@ -22,7 +22,6 @@ HEAD = (
 
 
 def legs(stops: Sequence[FlownItem], flown_done: Mapping[int, float] | None) -> str:
-    """`flown_done`: flown times by index in `stops`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
     rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(stops))

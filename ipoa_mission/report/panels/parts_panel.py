@@ -9,7 +9,6 @@ HEAD = ("flight", "items", "takes", "energy", "left")
 
 
 def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    """`names`: of the parts' files."""
     head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
     rows = ""
     for name, part in zip(names, parts, strict=True):

@@ -24,7 +24,6 @@ LIMIT_NAMES = {
 
 
 def limits_table(proof: Proof) -> str:
-    """Return each limit: clearance and place."""
     rows = "".join(_limit(check) for check in proof.checks)
     places = "".join(f"<th>{axis}<small>m</small></th>" for axis in ("east", "north", "up"))
     head = f'<tr><th></th><th>found</th><th>required</th><th class="words">nearest</th>{places}</tr>'

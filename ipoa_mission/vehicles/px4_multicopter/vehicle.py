@@ -113,8 +113,6 @@ ARMING_WORDS = ArmingWords(
 
 
 class Px4Multicopter(Autopilot):
-    """PX4 on a multicopter."""
-
     name = "px4"
     rank = 0
     model = "PX4"
