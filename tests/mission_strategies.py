@@ -12,13 +12,13 @@ from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)
 LONGITUDE = st.floats(-180, 180)
-METRES = st.floats(-500, 9000)
+METERS = st.floats(-500, 9000)
 PARAM = st.floats(-1e6, 1e6) | st.integers(-360, 360).map(float)
 PARAM_OR_NAN = PARAM | st.just(math.nan)
 VERTEX = st.tuples(LATITUDE, LONGITUDE)
 POLYGONS = st.builds(FencePolygon, st.lists(VERTEX, min_size=3, max_size=5).map(tuple), st.booleans())
 CIRCLES = st.builds(FenceCircle, VERTEX, st.floats(0.1, 1e5), st.booleans())
-PLACES = st.builds(Geodetic, LATITUDE, LONGITUDE, METRES)
+PLACES = st.builds(Geodetic, LATITUDE, LONGITUDE, METERS)
 
 
 def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.SearchStrategy[Item]:
@@ -29,7 +29,7 @@ def items(autopilot: Autopilot, frames: tuple[int, ...], nan: bool) -> st.Search
     placed = st.sampled_from(sorted(set(firmware.placed) - set(firmware.plain) - OTHER_LISTS))
     plain = st.sampled_from(sorted(set(firmware.plain) - set(firmware.placed) - {Command.DO_JUMP}))
     return st.builds(
-        Item, placed, st.sampled_from(frames), params, LATITUDE, LONGITUDE, METRES, st.booleans()
+        Item, placed, st.sampled_from(frames), params, LATITUDE, LONGITUDE, METERS, st.booleans()
     ) | st.builds(Item, plain, st.just(2), params, autocontinue=st.booleans())
 
 

@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 TOUCHDOWN_TOLERANCE = 0.05  # above the landing speed [m/s]
 SLOWEST = 0.05  # [m/s]
 HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
-ROUNDING = 0.05  # parameters rise by whole metres [m]
+ROUNDING = 0.05  # parameters rise by whole meters [m]
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,8 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
         return wrong
     if out_of_range(home.latitude_deg, home.longitude_deg):
         return None
-    metres = apart(home, Geodetic(latitude_deg, longitude_deg))
-    return None if metres <= MAX_DISTANCE else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
+    meters = apart(home, Geodetic(latitude_deg, longitude_deg))
+    return None if meters <= MAX_DISTANCE else f"expected a position within 100 km of home, not {meters / 1000:.0f} km"
 
 
 def home_elsewhere(mission: Mission) -> str | None:
@@ -142,7 +142,7 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
     if item.command not in FLOWN_TO:
         return
     if not math.isfinite(item.altitude):
-        yield at.error("altitude-missing", f"expected an altitude in metres, not {item.altitude}")
+        yield at.error("altitude-missing", f"expected an altitude in meters, not {item.altitude}")
         return
     if item.is_as_high_as_now(mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:

@@ -87,7 +87,7 @@ IgnoreOption: TypeAlias = Annotated[
 ]
 HomeOption: TypeAlias = Annotated[
     tuple[float, float, float] | None,
-    typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and metres AMSL."),
+    typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and meters AMSL."),
 ]
 EndingsOption: TypeAlias = Annotated[
     bool, typer.Option("--endings", help="Forecast RTL, LAND and other contingencies from every second of the flight.")

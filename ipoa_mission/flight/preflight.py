@@ -61,8 +61,8 @@ def counts_from_home(mission: Mission) -> bool:
     return any(item.has_position and plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in mission.items)
 
 
-def _distance(metres: float) -> str:
-    return f"{metres:.0f} m" if metres < 10_000 else f"{metres / 1000:.0f} km"
+def _distance(meters: float) -> str:
+    return f"{meters:.0f} m" if meters < 10_000 else f"{meters / 1000:.0f} km"
 
 
 def _place(place: Geodetic) -> str:

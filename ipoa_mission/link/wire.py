@@ -32,7 +32,7 @@ def read(name: str, raw: Any) -> m.Message:
 
 
 def coordinate(degrees: float, frame: int) -> int:
-    """Return degE7 in global frames, unscaled in frame 2, else metres x 1e4."""
+    """Return degE7 in global frames, unscaled in frame 2, else meters x 1e4."""
     if math.isnan(degrees):
         return INT32_MAX if frame in GLOBAL_FRAMES else 0
     scaled = degrees * _scale(frame)

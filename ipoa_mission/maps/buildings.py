@@ -88,7 +88,7 @@ def _kind(tags: Mapping[str, str]) -> str:
 
 # Unreadable values may hide a greater height.
 HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
-HEIGHT_REMEDY = "write the height in metres, or name the property that holds it under [[maps]]: height_key"
+HEIGHT_REMEDY = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""One value serves a flight: the geoid tilts by centimetres over kilometres."""
+"""One value serves a flight: the geoid tilts by centimeters over kilometers."""
 
 from pathlib import Path
 
@@ -31,7 +31,7 @@ def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | 
         raise NotCovered(words, place="terrain.geoid")
     raise BadInput(
         "expected PROJ's grid of the geoid on this machine, since heights are above the ellipsoid",
-        hint=f"set terrain.geoid to the geoid's height there in metres, or get it by `pyproj sync --file {GRIDS[0]}`; "
+        hint=f"set terrain.geoid to the geoid's height there in meters, or get it by `pyproj sync --file {GRIDS[0]}`; "
         "or set terrain.level_at_home = true",
         place=place,
     )

@@ -45,7 +45,7 @@ def circle(center: Any, radius: Any, place: str) -> Any:
     except (TypeError, ValueError, OverflowError, KeyError):
         corner, size = np.zeros((0, 2)), math.nan
     if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < WIDEST:
-        raise BadInput("expected a circle: center [longitude, latitude] and a radius in metres", place=place)
+        raise BadInput("expected a circle: center [longitude, latitude] and a radius in meters", place=place)
     longitude, latitude = on_earth(corner, place)[0]
     around = np.linspace(0.0, 360.0, CORNERS, endpoint=False)
     wide = np.full(CORNERS, size / math.cos(math.pi / CORNERS))

@@ -52,7 +52,7 @@ def meters(text: str, place: str) -> float:
     """Return a length [m], or raise BadInput."""
     length, sure = length_of(text)
     if length is None or not sure:
-        raise BadInput(f'expected metres or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)
+        raise BadInput(f'expected meters or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)
     return length
 
 
@@ -60,7 +60,7 @@ def meters(text: str, place: str) -> float:
 def length_of(text: str) -> tuple[float | None, bool]:
     """Return the greatest length [m], and whether all was understood.
 
-    A bare number or an unknown unit is in metres.
+    A bare number or an unknown unit is in meters.
     """
     text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):

@@ -162,7 +162,7 @@ class RasterFile:
         if not name and vertical:
             return float(vertical[0].unit_conversion_factor)
         if name not in UNITS:
-            raise BadInput(f"expected heights in metres or feet, not in {name!r}", place=self.path)
+            raise BadInput(f"expected heights in meters or feet, not in {name!r}", place=self.path)
         return UNITS[name]
 
 

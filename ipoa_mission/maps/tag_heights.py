@@ -8,7 +8,7 @@ from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_
 WIDEST_ROTOR = 170.0  # without a tag [m]
 # Smaller units are ignored, for safety.
 IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
-IN_METRES = {"m", "metre", "metres", "meter", "meters"}
+IN_METERS = {"m", "metre", "metres", "meter", "meters"}
 Odd = Callable[[str, str], None]  # of a key and value not understood
 
 
@@ -31,7 +31,7 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     """Return the lower side above the ground [m]; 0 if unreadable."""
-    if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
+    if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METERS for key in tags):
         return 0.0
     feet = keys_of(tags, Means.FOOT)
     keys, read, each = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)

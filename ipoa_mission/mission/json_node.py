@@ -74,9 +74,9 @@ class Node:
         return math.nan if self.value is None else self.number("a number or null")
 
     def length(self) -> float:
-        length = self.number("metres")
+        length = self.number("meters")
         if abs(length) > LONGEST_LENGTH:
-            raise self.wrong(f"metres, {LONGEST_LENGTH:.0f} at most")
+            raise self.wrong(f"meters, {LONGEST_LENGTH:.0f} at most")
         return length
 
     def degrees(self, limit: int = 180) -> float:

@@ -56,7 +56,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         home=home,
         items=items,
         autopilot=autopilot,
-        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
+        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in meters per second"),
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
@@ -184,7 +184,7 @@ def _home(node: Node) -> Geodetic:
     if altitude.value is None:
         altitude.note("home has no altitude: taken as 0 m AMSL, which heights above home do not depend on")
         return Geodetic(latitude.degrees(90), longitude.degrees(), 0.0)
-    return Geodetic(latitude.degrees(90), longitude.degrees(), altitude.number("an altitude AMSL in metres"))
+    return Geodetic(latitude.degrees(90), longitude.degrees(), altitude.number("an altitude AMSL in meters"))
 
 
 @dataclass(frozen=True)
@@ -296,7 +296,7 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
                 mode.note(f"without an AMSLAltAboveTerrain, {words}")
     if altitude is None or altitude.value is None:
         return
-    if not abs(altitude.number("an altitude in metres") - param7) <= 0.01:
+    if not abs(altitude.number("an altitude in meters") - param7) <= 0.01:
         sent = json.dumps(_tidy(param7))
         message = f"QGroundControl flies {altitude.value:g} m, other software params[6], which is {sent}"
         altitude.note(message, Severity.ERROR)
@@ -329,7 +329,7 @@ def _read_polygon(node: Node) -> FencePolygon:
 def _read_circle(node: Node) -> FenceCircle:
     circle = node["circle"]
     latitude, longitude = circle["center"].array(2, "numbers (latitude, longitude)")
-    radius = circle["radius"].number("a radius in metres")
+    radius = circle["radius"].number("a radius in meters")
     if radius <= 0:
         raise circle["radius"].wrong("a radius above zero")
     return FenceCircle((latitude.degrees(), longitude.degrees()), radius, node["inclusion"].flag())
@@ -340,7 +340,7 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     if points is None:
         return ()
     nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points.array()]
-    return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
+    return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
 
 
 def _landing_ground(node: Node) -> Geodetic:

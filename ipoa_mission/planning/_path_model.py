@@ -90,7 +90,7 @@ def _steps(nodes):
 
 @njit(cache=True, error_model="numpy")
 def _solid(nodes, leg, danger, grid, rules, soft, even, places):
-    """Add the cost of everything solid; write the threat per metre to `danger` (n,)."""
+    """Add the cost of everything solid; write the threat per meter to `danger` (n,)."""
     n, value = len(nodes), 0.0
     raster, listed_from, listed, around = grid.cells, grid.first, grid.listed, grid.around
     kind, shape, edges, heights, low_zones = grid.kind, grid.shape, grid.edges, grid.heights, grid.low_zones

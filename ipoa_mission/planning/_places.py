@@ -97,7 +97,7 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 @njit(inline="always")
 def _look(grid, rules, x, y, z):
-    """Return slack [m] and threat per metre at a place."""
+    """Return slack [m] and threat per meter at a place."""
     cells, first, listed, around = grid.cells, grid.first, grid.listed, grid.around
     kind, shape, edges, raster, heights = grid.kind, grid.shape, grid.edges, grid.ground, grid.heights
     zones, lower, upper, reach = grid.low_zones, grid.lower, grid.upper, grid.reach

@@ -22,7 +22,7 @@ from ipoa_mission.planning.winding import lift, wind
 
 MAX_CONTROL_POINTS = 500
 LOOP_RADIUS = 20.0  # [m]
-LEAST_PRICE = 0.1  # per metre, that divides the price of turns
+LEAST_PRICE = 0.1  # per meter, that divides the price of turns
 LOOP_DISCOUNT = 0.98  # against flying to and fro
 LONG_DETOUR = 0.5  # of a climb's distance
 LOOKS_PER_LEG = 10
@@ -38,7 +38,7 @@ END_NODES, LOOKS_TO_END = 64, 8  # candidates; samples to each
 class Lattice:
     """Nodes in steps of `spacing` (3,) from `corner` (3,), at `places` (nx ny nz, 3).
 
-    `slack` beyond the required clearance [m] and `price` per metre are (nx, ny, nz); the price of negative slack is
+    `slack` beyond the required clearance [m] and `price` per meter are (nx, ny, nz); the price of negative slack is
     infinite.
     """
 
@@ -50,7 +50,7 @@ class Lattice:
     steepest: tuple[float, float]
     """Greatest slopes of climb and descent."""
     winding: float
-    """Extra cost of a metre of loops against a straight metre."""
+    """Extra cost of a meter of loops against a straight meter."""
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:

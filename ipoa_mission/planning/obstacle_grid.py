@@ -23,7 +23,7 @@ RESAMPLED = 400
 
 
 class Raster(NamedTuple):
-    """A regular grid: its south-western corner [m], steps per metre, rows and columns."""
+    """A regular grid: its south-western corner [m], steps per meter, rows and columns."""
 
     east: float
     north: float
@@ -62,19 +62,19 @@ class Rules(NamedTuple):
     descent: float
     radius: float  # hull [m]
     d_safe: float  # [m]
-    length: float  # cost per metre
+    length: float  # cost per meter
     turning: float  # cost per radian
     climbing: float  # cost per radian
-    threat: float  # cost per metre (or node) at one metre
+    threat: float  # cost per meter (or node) at one meter
     per_node: bool
-    collision: float  # and per square metre of depth times length
+    collision: float  # and per square meter of depth times length
     depth: float
 
 
 class Nodes(NamedTuple):
     """A lattice for kernels."""
 
-    price: NDArray[np.float64]  # (nx, ny, nz): per metre, infinite if blocked
+    price: NDArray[np.float64]  # (nx, ny, nz): per meter, infinite if blocked
     slack: NDArray[np.float64]  # (nx, ny, nz) [m]
     places: Points  # (nx ny nz, 3)
 
@@ -87,8 +87,8 @@ class Spans(NamedTuple):
 class Soft(NamedTuple):
     bend: float  # smaller angles count squared [rad]
     reach: float  # at which walls begin to act [m]
-    wall: float  # cost per metre of path at about `reach`
-    stiffness: float  # per metre of path, of a squared metre
+    wall: float  # cost per meter of path at about `reach`
+    stiffness: float  # per meter of path, of a squared meter
     evenness: float
     aside: float  # to the required clearance [m]
     above: float  # to the required height [m]

@@ -82,7 +82,7 @@ class PreparedProblem:
         return cost
 
     def survey(self, points: Points) -> tuple[Vector, Vector]:
-        """Return slack [m] and threat per metre of points (n, 3), (n,) each."""
+        """Return slack [m] and threat per meter of points (n, 3), (n,) each."""
         from ipoa_mission.planning._kernels import survey
 
         return survey(np.ascontiguousarray(points), self.grid, self.rules)  # type: ignore[no-any-return]

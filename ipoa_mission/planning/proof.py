@@ -34,7 +34,7 @@ class Check:
 
     @property
     def holds(self) -> bool:
-        """Return whether the limit is kept, to a millimetre (or 0.001 degree)."""
+        """Return whether the limit is kept, to a millimeter (or 0.001 degree)."""
         return self.slack >= -TOUCHING
 
     @property

@@ -69,8 +69,8 @@ class RouteSection(Section):
     """Waypoints of the curve, and the end of the mission."""
 
     mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
-    """`even`: a waypoint every `spacing` metres. `corridor`: fewest waypoints with legs within `tolerance`. `spline`:
-    spline waypoints every `spacing` metres (ArduPilot). `fastest`: least flight time with the predicted path within
+    """`even`: a waypoint every `spacing` meters. `corridor`: fewest waypoints with legs within `tolerance`. `spline`:
+    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time with the predicted path within
     `tolerance`; of routes within half a per cent, the one with the greatest clearance."""
     spacing: Positive = 10.0
     """Greatest distance between waypoints of `even` and `spline` [m]."""

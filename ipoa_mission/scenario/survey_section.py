@@ -74,10 +74,10 @@ class SurveySection(Section):
     """A map with the area as polygons, holes as inner rings, in a format of `maps`, such as GeoJSON and KML. The path
     is relative to the scenario file. With `width`, its lines are corridors."""
     polygon: Rings | None = None
-    """The area itself: `[[east, north], ...]`, metres from home. In a list of such rings the others are holes; a list
+    """The area itself: `[[east, north], ...]`, meters from home. In a list of such rings the others are holes; a list
     of these is several areas."""
     line: Annotated[tuple[Spot, ...], Field(min_length=2)] | None = None
-    """In place of an area, the center line of a corridor: `[[east, north], ...]`, metres from home."""
+    """In place of an area, the center line of a corridor: `[[east, north], ...]`, meters from home."""
     width: Positive | None = None
     """Width of the corridor [m]."""
     line_spacing: Positive | None = None
@@ -100,13 +100,13 @@ class SurveySection(Section):
     turns_outside: NotNegative = 0.0
     """Greatest distance of turns beyond the area, as commanded [m]."""
     entry: Spot | None = None
-    """Place near the begin of the first line, `[east, north]`, metres from home. Default: home."""
+    """Place near the begin of the first line, `[east, north]`, meters from home. Default: home."""
     exit: Spot | None = None
-    """Place near the end of the last line, `[east, north]`, metres from home. Default: home or the goal."""
+    """Place near the end of the last line, `[east, north]`, meters from home. Default: home or the goal."""
     flights: PositiveInt | None = None
     """Number of flights. Default: the fewest that the battery allows, each with its reserve."""
     starts: Annotated[tuple[Spot, ...], Field(min_length=1)] | None = None
-    """Take-off and landing places on the ground in place of home, `[[east, north], ...]`, metres from home; home itself
+    """Take-off and landing places on the ground in place of home, `[[east, north], ...]`, meters from home; home itself
     is `[0, 0]`. Each flight gets the place with the least total time. Without a battery each place has one flight over
     the nearest part."""
 
@@ -200,7 +200,7 @@ def _expect_here(area: Area, place: str) -> Area:
     farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
     if not farthest < REACH:
         words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
-        raise TooFar(words, hint="places count in metres from home", place=place)
+        raise TooFar(words, hint="places count in meters from home", place=place)
     return area
 
 

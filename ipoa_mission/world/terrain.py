@@ -142,7 +142,7 @@ class Grid:
 
     def __post_init__(self) -> None:
         if not self.spacing > 0:
-            raise BadInput(f"expected a positive number of metres, not {self.spacing:g}", place="terrain.spacing")
+            raise BadInput(f"expected a positive number of meters, not {self.spacing:g}", place="terrain.spacing")
         if self.heights.ndim != 2 or min(self.heights.shape) < 2:
             raise BadInput(f"expected at least 2 x 2 heights, not {self.heights.shape}", place="terrain.heights")
         if not np.isfinite(self.heights).all():

@@ -262,7 +262,7 @@ def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
 
 
 @pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
-def test_a_speed_in_centimetres_is_found_unless_the_vehicle_is_that_fast(autopilot: Autopilot) -> None:
+def test_a_speed_in_centimeters_is_found_unless_the_vehicle_is_that_fast(autopilot: Autopilot) -> None:
     fast = flight(UP, change_speed(800.0), AWAY, DOWN, autopilot=autopilot)
     assert found(check_mission(fast)) == ["error speed 2"]
     assert "8 m/s" in check_mission(fast)[0].message

@@ -165,7 +165,7 @@ def test_a_log_without_a_place_on_the_earth_says_so(samples: Path, run: Run, nam
 
 
 def test_a_shapefile_whose_coordinates_are_none_of_its_system_says_so(samples: Path, tmp_path: Path, run: Run) -> None:
-    """Its .prj says degrees on WGS 84; its coordinates are metres."""
+    """Its .prj says degrees on WGS 84; its coordinates are meters."""
     path = samples / QGC / "Utilities/Geo/polygon.shp"
     (tmp_path / "w.toml").write_text(
         "home = { latitude_deg = 47, longitude_deg = 8 }\nstart = { east = 0, north = 0, up = 5 }\n"

@@ -94,7 +94,7 @@ def test_a_scenario_names_the_place(run: Run, missions: Path) -> None:
 
 
 def test_parameters_are_translated_for_another_autopilot_or_left_out(run: Run, missions: Path) -> None:
-    """By the parameter references: ArduCopter counts centimetres and milliseconds, PX4 SI units."""
+    """By the parameter references: ArduCopter counts centimeters and milliseconds, PX4 SI units."""
     text = (missions / "sitl.toml").read_text().replace('"px4"', '"ardupilot"')
     own = "parameters = { RTL_ALT_M = 65.0, RTL_LOIT_TIME = 3000.0, WPNAV_JERK = 2.0 }"
     Path("x.toml").write_text(text.replace('"ardupilot"', f'"ardupilot"\n{own}'))

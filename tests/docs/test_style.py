@@ -10,10 +10,17 @@ WIDTH = 120
 BRITISH = re.compile(
     r"(?<!ekf3 still )(?<!system not )"
     r"(?:mini|maxi|opti|organ|recogn|summar|normal|initial|lineari|seriali)(?:mis|is)(?:e|ed|es|er|ing|ation)\b"
-    r"|colour|neighbour|behaviour|favour|honour|\bgrey\b|(?<!sports_)centre|modelled|travelled|labelled|\blicence\b"
+    r"|colour|neighbour|behaviour|favour|honour|\bgrey\b|(?<!sports_)centre|modelled|travelled|labelled(?!by)|\blicence\b"
 )
-METERS_IN_NAMES = re.compile(r"\b(?:def|class) \w*metre|\bmetres?_|_metres?\b")
-WRITTEN = {".py", ".md", ".js", ".css", ".html", ".toml"}
+METRE = re.compile(r"(?<![a-z])(?:kilo|centi|milli)?metres?(?![a-z])")
+#: They read the units of others' files.
+READ_UNITS = {
+    *("ipoa_mission/maps/lengths.py", "ipoa_mission/maps/raster.py", "ipoa_mission/maps/tag_heights.py"),
+    *("ipoa_mission/maps/zone_limits.py", "tests/maps/test_maps_elevation.py", "tests/maps/test_maps_heights.py"),
+    "tests/maps/test_wind_files.py",
+}
+QUOTED = re.compile(r'"(?:\d+ )?metres?(?: per second)?"|"[^"]*metres (?:centi|milli|kilo)?meter[^"]*"')
+WRITTEN = {".py", ".md", ".js", ".ts", ".tsx", ".css", ".html", ".toml"}
 
 
 def written() -> list[Path]:
@@ -51,10 +58,16 @@ def test_the_spelling_is_american() -> None:
     assert not found
 
 
-def test_names_in_the_code_say_meter() -> None:
-    for path in FILES:
-        if path.suffix == ".py" and "tests" not in path.parts:
-            assert not METERS_IN_NAMES.search(path.read_text(encoding="utf-8")), path
+def test_a_length_is_in_meters() -> None:
+    """In names, messages and prose; a quoted unit in a file of `READ_UNITS` is an input."""
+    found = [
+        f"{name}:{number}: {match[0]}"
+        for path in FILES
+        if (name := path.relative_to(REPOSITORY).as_posix()) != "CHANGELOG.md"
+        for number, line in enumerate(path.read_text(encoding="utf-8").lower().splitlines(), 1)
+        for match in METRE.finditer(QUOTED.sub("", line) if name in READ_UNITS else line)
+    ]
+    assert not found
 
 
 def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None:

@@ -100,7 +100,7 @@ def test_the_chance_of_a_flight_is_no_more_than_the_sum_of_its_moments(autopilot
             assert max(each) <= near.chance(kept) + 1e-12 <= sum(each) + 2e-12
 
 
-def test_twice_as_long_a_survey_keeps_centimetres_less() -> None:
+def test_twice_as_long_a_survey_keeps_centimeters_less() -> None:
     """Beside a wall for 800 and 1600 s, as beside trees for 100 and 200 legs."""
     flights = [beside_a_wall(Autopilot.PX4, np.arange(0.0, length), np.zeros(int(length))) for length in (800, 1600)]
     short, long = (10.0 - flight.kept(0.01) for flight in flights)

@@ -1,6 +1,6 @@
 """Whole flights of ArduCopter 4.8.0-dev (531699d652, its simulator, calm air) that ended in RTL or LAND.
 
-Both begin with a leg of centimetres of 0 to 2.6 s. The margins come from 87 flights, these among them.
+Both begin with a leg of centimeters of 0 to 2.6 s. The margins come from 87 flights, these among them.
 """
 
 import numpy as np

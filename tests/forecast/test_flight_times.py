@@ -127,7 +127,7 @@ def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
 
 @pytest.mark.parametrize("flight", [*COPTER, *PX4], ids=lambda f: f.name)
 def test_the_flown_path_is_the_predicted_one_within_what_the_autopilot_strays(flight: Recorded) -> None:
-    """ArduCopter's place is known within centimetres in the simulator, PX4's within a metre and more."""
+    """ArduCopter's place is known within centimeters in the simulator, PX4's within a meter and more."""
     trace, found = flight.trace, estimated(flight)
     inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
     frame = LocalFrame(flight.mission.home)

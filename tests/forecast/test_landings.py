@@ -34,10 +34,10 @@ def flown(flight: Recorded) -> np.ndarray:
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_arducopter_takes_off_as_estimated_and_lands_within_two_per_cent_or_what_a_centimetre_takes(
+def test_arducopter_takes_off_as_estimated_and_lands_within_two_per_cent_or_what_a_centimeter_takes(
     flight: Recorded,
 ) -> None:
-    """LAND may begin with a leg of one centimetre, which takes 1.1 s."""
+    """LAND may begin with a leg of one centimeter, which takes 1.1 s."""
     (take_off, landing), ((flown_off, flown_land),) = parts(flight), flown(flight)
     assert take_off == pytest.approx(flown_off, abs=0.1)
     assert landing == pytest.approx(flown_land, abs=max(0.02 * flown_land, 0.85))

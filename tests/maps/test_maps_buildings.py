@@ -23,7 +23,7 @@ At = Callable[[float, float], list[float]]
 
 
 class Rising:
-    """A terrain that rises a metre in ten towards the east."""
+    """A terrain that rises a meter in ten towards the east."""
 
     def height(self, points: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         return np.asarray(points[:, 0] / 10)
@@ -97,7 +97,7 @@ def test_points_are_cylinders(write_map: WriteMap, frame: LocalFrame, at: At) ->
     assert isinstance(mast, Cylinder)
     assert (tree.radius, tree.base, tree.top) == pytest.approx((2.5, 0.75, 1.25 + 15), abs=1e-6)
     assert (oak.radius, oak.north) == pytest.approx((3.5, 50), abs=1e-6)
-    assert mast.top - mast.base == pytest.approx(30.48 + 0.5, abs=1e-6)  # the ground rises by half a metre under it
+    assert mast.top - mast.base == pytest.approx(30.48 + 0.5, abs=1e-6)  # the ground rises by half a meter under it
 
 
 def test_a_wall_is_as_wide_as_it_says(write_map: WriteMap, frame: LocalFrame, at: At) -> None:

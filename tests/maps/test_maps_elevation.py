@@ -30,7 +30,7 @@ def hills(latitude: Any, longitude: Any) -> Any:
 
 
 def tilted(latitude: Any, longitude: Any) -> Any:
-    """Ground that rises evenly by 30 m a kilometre northward."""
+    """Ground that rises evenly by 30 m a kilometer northward."""
     return 500 + (latitude - 47) * 3000 + 0 * longitude
 
 
@@ -79,7 +79,7 @@ def test_the_ground_is_where_the_model_has_it_in_every_coordinate_system(write_m
     rng = np.random.default_rng(1)
     latitude, longitude = 47 + rng.uniform(-0.0017, 0.003, 300), 8 + rng.uniform(-0.0038, 0.005, 300)
     found, expected = ground_at(grid, latitude, longitude, tilted(latitude, longitude))
-    np.testing.assert_allclose(found, expected, atol=5e-3)  # a plane in degrees bends by millimetres between posts
+    np.testing.assert_allclose(found, expected, atol=5e-3)  # a plane in degrees bends by millimeters between posts
 
 
 @pytest.mark.parametrize("crs", SYSTEMS)
@@ -146,12 +146,12 @@ def test_the_antimeridian_is_no_edge(write_model: Write, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("ft", 0.3048), ("metre", 1.0), ("US survey foot", 1200 / 3937)])
-def test_feet_become_metres(write_model: Write, unit: str, factor: float) -> None:
+def test_feet_become_meters(write_model: Write, unit: str, factor: float) -> None:
     grid, _ = read(write_model(lambda lat, lon: 500 / factor + 0 * lat, unit=unit))
     assert grid.height(np.zeros((1, 2)))[0] == pytest.approx(0, abs=1e-6)
 
 
-def test_a_height_in_feet_over_a_plan_in_metres_becomes_metres(write_model: Write) -> None:
+def test_a_height_in_feet_over_a_plan_in_meters_becomes_meters(write_model: Write) -> None:
     """Aurtechmx/openlidarviewer PR #863, OSGeo/gdal #14503: NAVD88 height (ftUS) over UTM."""
     path = write_model(lambda lat, lon: 500 * 3937 / 1200 + 0 * lat, crs="EPSG:32632", name="plan.tif")
     with rasterio.open(path, "r+") as file:

@@ -66,9 +66,9 @@ def test_shapely_reads_every_geometry_as_we_do(write_map: Callable[..., Path]) -
 
 def test_coordinates_in_meters_are_turned_into_degrees(write_map: Callable[..., Path]) -> None:
     to_utm = Transformer.from_crs("EPSG:4326", "EPSG:32632", always_xy=True)
-    metres = [list(to_utm.transform(x, y)) for x, y in RING]
+    meters = [list(to_utm.transform(x, y)) for x, y in RING]
     crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}}
-    (feature,) = read_features(write_map(({"type": "Polygon", "coordinates": [metres]}, {}), crs=crs))
+    (feature,) = read_features(write_map(({"type": "Polygon", "coordinates": [meters]}, {}), crs=crs))
     assert shapely.equals_exact(feature.shape, shapely.Polygon(RING), tolerance=1e-9)
 
 

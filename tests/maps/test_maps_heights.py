@@ -51,7 +51,7 @@ NO_LENGTHS = ["tall", "", "-3", "-5-3", "3 storeys", "nan", "inf", "3e400", "12;
 
 
 @pytest.mark.parametrize(("text", "expected"), LENGTHS.items(), ids=LENGTHS)
-def test_a_length_is_read_in_metres(text: str, expected: float) -> None:
+def test_a_length_is_read_in_meters(text: str, expected: float) -> None:
     assert meters(text, "here") == pytest.approx(expected)
 
 
@@ -60,7 +60,7 @@ def test_what_is_no_length_is_refused_with_its_place(text: str) -> None:
     with pytest.raises(BadInput) as told:
         meters(text, "map.geojson: features[3].properties.height")
     assert str(told.value) == (
-        f'map.geojson: features[3].properties.height: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}'
+        f'map.geojson: features[3].properties.height: expected meters or feet ("23", "23 m", "75 ft"), not {text!r}'
     )
 
 

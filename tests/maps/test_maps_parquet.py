@@ -151,14 +151,14 @@ def test_the_map_of_another_place_is_refused(write: Write) -> None:
 
 def test_meters_become_degrees_and_tags_of_other_writers_are_read(write: Write) -> None:
     shape = house(0)
-    metres = shapely.transform(
+    meters = shapely.transform(
         shape, lambda xy: np.column_stack(Transformer.from_crs("OGC:CRS84", "EPSG:32632").transform(*xy.T))
     )
     geo = json.loads(json.dumps(ABOUT))
     geo["columns"]["geometry"]["crs"] = CRS("EPSG:32632").to_json_dict()
     kinds = {"geometry": pa.large_binary(), "tags": pa.map_(pa.string(), pa.string()), "height": pa.decimal128(9, 2)}
     rows = [{"tags": [("building", "yes"), ("name", "Rose")], "height": Decimal("12.50")}]
-    (feature,) = read_features(write(rows, [metres], geo, kinds))
+    (feature,) = read_features(write(rows, [meters], geo, kinds))
     assert (dict(feature.tags), feature.name) == ({"building": "yes", "name": "Rose", "height": "12.5"}, "Rose")
     assert shapely.equals_exact(feature.shape, shape, tolerance=1e-8)
 

@@ -78,9 +78,9 @@ def test_mistakes_name_the_number_of_the_feature_beyond_the_first_of_those_made_
 
 @pytest.mark.parametrize("behind", [False, True])
 def test_the_coordinate_system_counts_wherever_it_stands(tmp_path: Path, behind: bool) -> None:
-    metres = feature("Polygon", [[[500_000, 5_200_000], [500_010, 5_200_000], [500_010, 5_200_010]]])
+    meters = feature("Polygon", [[[500_000, 5_200_000], [500_010, 5_200_000], [500_010, 5_200_010]]])
     crs = {"crs": {"type": "name", "properties": {"name": "EPSG:32632"}}}
-    features = {"type": "FeatureCollection", "features": [metres]}
+    features = {"type": "FeatureCollection", "features": [meters]}
     path = tmp_path / "map.geojson"
     path.write_text(json.dumps(features | crs if behind else crs | features))
     assert read_features(path)[0].shape.bounds == pytest.approx((9.0, 46.9535, 9.0001, 46.9536), abs=1e-4)

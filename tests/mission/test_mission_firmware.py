@@ -97,7 +97,7 @@ MEASURED = {
         Item(16, 3, (2.9, 1.0, 2.0, 90.0), 39.1, 121.8, 30.0),
         Item(16, 3, (2.0, 0.0, 0.0, 0.0), 39.1, 121.8, 30.0),
     ),
-    "ardupilot cuts altitudes to centimetres": (
+    "ardupilot cuts altitudes to centimeters": (
         Autopilot.ARDUPILOT,
         Item(16, 3, (0.0, 0.0, 0.0, 0.0), 39.1, 121.8, 30.567),
         Item(16, 3, (0.0, 0.0, 0.0, 0.0), 39.1, 121.8, 30.56),

@@ -97,12 +97,12 @@ def test_stored_items_go_before_the_geometry_and_the_file_is_kept(tmp_path: Path
     ("changes", "words"),
     [
         ({"CameraCalc": SCAN["CameraCalc"] | {"AdjustedFootprintFrontal": 0}}, "expected more than 0 m"),  # type: ignore[operator]
-        ({"StructureHeight": 1e308}, "StructureHeight: expected metres, 100000 at most, not 1e+308"),
+        ({"StructureHeight": 1e308}, "StructureHeight: expected meters, 100000 at most, not 1e+308"),
         ({"StructureHeight": 9e4}, "expected a structure of at most 200 layers"),
         ({"polygon": SQUARE[:2]}, "expected 3 corners or more"),
         ({"polygon": [SQUARE[0]] * 4}, "expected a polygon with an area"),
         ({"polygon": [*SQUARE, *NOTCH]}, "expected a round with room for each side at 50 m from the structure"),
-        ({"EntranceAltitude": None}, "EntranceAltitude: expected metres"),
+        ({"EntranceAltitude": None}, "EntranceAltitude: expected meters"),
     ],
 )
 def test_a_geometry_that_says_too_little_is_refused_by_name(

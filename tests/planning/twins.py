@@ -83,7 +83,7 @@ def _wall(slack: Vector, soft: Soft) -> Vector:
 
 
 def survey(points: Points, airspace: Airspace, rules: Rules, limits: Limits, reach: float) -> tuple[Vector, Vector]:
-    """Return for points (n, 3) the spare distance to everything solid [m], and the threat per metre."""
+    """Return for points (n, 3) the spare distance to everything solid [m], and the threat per meter."""
     height = points[:, 2] - airspace.ground(points)
     slack = np.minimum(height - limits.required_height(points), rules.ceiling - height)
     slack = np.minimum(slack, reach - rules.clearance)

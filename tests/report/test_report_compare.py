@@ -77,7 +77,7 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
-def test_the_flown_path_comes_back_to_the_millimetre(bowed: Bowed) -> None:
+def test_the_flown_path_comes_back_to_the_millimeter(bowed: Bowed) -> None:
     _, mission, timed = bowed("campus.toml")
     track = flown_track(mission, flown_as(timed, mission, 1.0, 0.0))
     assert track is not None

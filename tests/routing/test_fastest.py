@@ -36,7 +36,7 @@ RATIO = {Autopilot.ARDUPILOT: 1.25, Autopilot.PX4: 1.35}
 
 @cache
 def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
-    """The curve behind waypoints every five metres, and a scenario with nothing in the way."""
+    """The curve behind waypoints every five meters, and a scenario with nothing in the way."""
     mission = read_mission(FLIGHTS / f"ways_even5-{autopilot}" / "mission.waypoints", autopilot)
     flown = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     latitude, longitude, height = (

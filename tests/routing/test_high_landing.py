@@ -52,7 +52,7 @@ def flight_to_high_ground(autopilot: Autopilot) -> Flight:
 
 
 def sink_at_last(mission: Mission) -> float:
-    """Return the descent rate of the last two metres, without a range finder [m/s]."""
+    """Return the descent rate of the last two meters, without a range finder [m/s]."""
     if mission.autopilot is PX4:
         mission = mission.with_parameters(NO_RANGE_FINDER)
     path = fly(mission).path

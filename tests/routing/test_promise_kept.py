@@ -129,7 +129,7 @@ def straight(scenario: Scenario) -> Mission:
 
 
 @pytest.mark.parametrize(("aside", "errors"), [(2.55, 0), (2.51, 1)])
-def test_too_near_by_a_centimetre_is_an_error_also_where_only_the_predicted_path_counts(
+def test_too_near_by_a_centimeter_is_an_error_also_where_only_the_predicted_path_counts(
     aside: float, errors: int
 ) -> None:
     """The leg itself keeps 2.51 m; the predicted path may be 2 cm from it."""

@@ -57,7 +57,7 @@ def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
 
 @pytest.mark.parametrize("tolerance", [0.4, 4.0])
 def test_a_long_curve_with_short_bends_is_kept_to_as_closely(tolerance: float) -> None:
-    """Six kilometres with a swerve of 12 m every kilometre."""
+    """Six kilometers with a swerve of 12 m every kilometer."""
     east = np.linspace(0.0, 6000.0, 400)
     curve = Spline(np.column_stack([east, 12.0 * np.exp(-(((east + 500) % 1000 - 500) ** 2) / 900.0), 0 * east + 30]))
     beside = (-0.6 * tolerance, 0.0, 0.6 * tolerance)
@@ -74,7 +74,7 @@ def test_a_straight_curve_is_two_waypoints() -> None:
 def test_a_quarter_circle_takes_as_many_legs_as_geometry_says() -> None:
     angle = np.linspace(0, np.pi / 2, 40)
     circle = Spline(100 * np.column_stack([np.sin(angle), 1 - np.cos(angle), 0 * angle]))
-    widest = 2 * np.arccos(1 - 1.0 / 100)  # its chord is a metre from the arc
+    widest = 2 * np.arccos(1 - 1.0 / 100)  # its chord is a meter from the arc
     assert len(corridor(circle, 1.0)) - 1 == int(np.ceil(np.pi / 2 / widest))
 
 

@@ -28,7 +28,7 @@ def box(west: float, south: float, east: float, north: float) -> Ring:
 
 @pytest.fixture
 def read(tmp_path: Path) -> Read:
-    """Read a flight with one map of polygons in local metres, and `keys` of its table."""
+    """Read a flight with one map of polygons in local meters, and `keys` of its table."""
 
     def make(keys: str, *rings: Ring | list[Ring], flight: str = FLIGHT, **tags: Any) -> Scenario:
         features = []

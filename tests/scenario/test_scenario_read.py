@@ -206,7 +206,7 @@ def test_strings_that_never_end_are_read_once() -> None:
         parse_scenario('\\"""' * 200_000, Path("a.toml"))
 
 
-def test_flat_ground_over_kilometres_follows_the_earth() -> None:
+def test_flat_ground_over_kilometers_follows_the_earth() -> None:
     text = SMALLEST.replace(
         "goal = { east = 100, north = 0, up = 10 }", "goal = {east = 3000, north = 0, height_above_ground = 10}"
     )

@@ -34,7 +34,7 @@ def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) ->
 
 @pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT, LANDINGS), ids=lambda flight: flight.name)
 def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight: Recorded) -> None:
-    """Except for the second of a leg of a centimetre before the landing."""
+    """Except for the second of a leg of a centimeter before the landing."""
     done, _ = fly_here(flight, seed=0)
     (run,), land = flight.runs, len(flight.mission.items)
     assert done[flight.first] == pytest.approx(run[flight.first], abs=0.3)

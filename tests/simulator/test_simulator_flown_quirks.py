@@ -140,8 +140,8 @@ def arm_and_start(flown: Flown) -> Flown:
     return flown
 
 
-def north(metres: float) -> Item:
-    return waypoint(Geodetic(47.4 + metres / 111_195.0, 8.5), 10.0)
+def north(meters: float) -> Item:
+    return waypoint(Geodetic(47.4 + meters / 111_195.0, 8.5), 10.0)
 
 
 LEGS = [takeoff(HOME, 10.0), north(60.0), north(120.0), north(180.0), return_to_launch()]

@@ -73,7 +73,7 @@ def area(*changes: Change) -> Any:
 
 
 def on_map(ring: tuple[LngLat, ...]) -> Any:
-    """Convert to metres from the meadow's home, by plain geometry."""
+    """Convert to meters from the meadow's home, by plain geometry."""
     wide, high = 111_412.84 * np.cos(np.radians(47.3)) - 93.5 * np.cos(3 * np.radians(47.3)), 111_170.0
     return shapely.Polygon([((east - 8.5) * wide, (north - 47.3) * high) for east, north in ring])
 

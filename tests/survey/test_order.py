@@ -82,7 +82,7 @@ def test_ways_lead_round_holes_and_are_as_short_as_a_grid_finds_them() -> None:
 
 
 def on_a_grid(shape: shapely.Geometry, places: Points) -> Points:
-    """Return distances from post to post a metre apart, by sixteen directions."""
+    """Return distances from post to post a meter apart, by sixteen directions."""
     posts = np.array([(x, y) for x in range(101) for y in range(101)], float)
     free = shapely.covers(shape, shapely.points(posts))
     starts, ends, lengths = list[int](), list[int](), list[float]()

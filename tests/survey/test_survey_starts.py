@@ -202,7 +202,7 @@ def test_each_flight_begins_and_ends_at_its_own_place_and_comes_home(from_both_e
 
 
 def on_earth(mission: Mission, world: Scenario) -> list[Any]:
-    """Return a mission's legs in plan, in metres from the scenario's home."""
+    """Return a mission's legs in plan, in meters from the scenario's home."""
     items = [item for item in mission.items if item.command == Command.NAV_WAYPOINT]
     places = [world.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, world.frame.home.altitude)) for i in items]
     return [shapely.LineString([a[:2], b[:2]]) for a, b in pairwise(places)]

@@ -6,7 +6,7 @@ from tools.generate import copter_source, px4_source
 from tools.generate.sources import Source, cases, preprocessed
 
 COPTER_H = """
-struct PACKED Speed_Command { uint8_t kind; float metres; float share; };
+struct PACKED Speed_Command { uint8_t kind; float meters; float share; };
 struct PACKED Rope_Command { bool taut; uint16_t length_cm; };
 union Content { Speed_Command speed; Rope_Command rope; };
 """
@@ -29,7 +29,7 @@ R AP_Mission::mavlink_int_to_mission_cmd(P packet, C& cmd) {
   } break;
   case MAV_CMD_DO_CHANGE_SPEED:
     cmd.content.speed.kind = packet.param1;
-    cmd.content.speed.metres = packet.param2;
+    cmd.content.speed.meters = packet.param2;
     break;
   case MAV_CMD_DO_WINCH:
     cmd.content.rope.taut = packet.param1 > 0;
@@ -43,7 +43,7 @@ B AP_Mission::mission_cmd_to_mavlink_int(C cmd, P& packet) {
   case MAV_CMD_NAV_WAYPOINT: packet.param1 = cmd.p1; break;
   case MAV_CMD_DO_CHANGE_SPEED:
     packet.param1 = cmd.content.speed.kind;
-    packet.param2 = cmd.content.speed.metres;
+    packet.param2 = cmd.content.speed.meters;
     break;
   case MAV_CMD_DO_WINCH:
     packet.param1 = cmd.content.rope.taut ? 1 : 0;

@@ -174,8 +174,8 @@ def test_a_courtyard_is_free_and_its_walls_are_near() -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Sphere("s", (0, 0, 0), 0.0), "s.radius: expected a positive number of metres, not 0"),
-        (lambda: Cylinder("c", 0, 0, 1, 5, 5), "c.top - base: expected a positive number of metres, not 0"),
+        (lambda: Sphere("s", (0, 0, 0), 0.0), "s.radius: expected a positive number of meters, not 0"),
+        (lambda: Cylinder("c", 0, 0, 1, 5, 5), "c.top - base: expected a positive number of meters, not 0"),
         (lambda: Prism("p", ((0, 0), (1, 1)), (), 0, 1), "p: a polygon: expected at least 3 corners, not 2"),
         (lambda: Prism("p", ((0, 0), (1, 1), (1, 0), (0, 1)), (), 0, 1), "p: a polygon: expected rings that do not"),
     ],

@@ -163,7 +163,7 @@ def test_an_impossible_grid_is_refused(make: Callable[[], Terrain], place: tuple
 
 @pytest.mark.parametrize("latitude", [-60.0, 0.0, 47.0])
 def test_ground_at_one_height_above_the_sea_is_so_by_proj(latitude: float) -> None:
-    """Two kilometres away it is 0.3 m below home's plane."""
+    """Two kilometers away it is 0.3 m below home's plane."""
     home = Geodetic(latitude, 8.0, 500.0)
     ground = SeaLevel.around(home, 3.0, 20_000.0)
     rng = np.random.default_rng(3)

@@ -6,7 +6,7 @@ import { pathKey } from "./shapes";
 import { KEYS } from "./spots";
 import { isMission, listen, set, studio, type LngLat } from "./store";
 
-const WIDE = 300; // metres of the map's width up to ten times which a step is one metre
+const WIDE = 300; // meters of the map's width up to ten times which a step is one meter
 const HELP = "Arrow keys move the crosshair, with Shift ten times as far; Enter ";
 const TAIL = "; Esc leaves.";
 
@@ -90,7 +90,7 @@ export function useCross(map: MapLibre, hand: Hand): { isShown: () => boolean } 
   return { isShown: () => at !== null };
 }
 
-/** The nearest place that lies whole metres from home. */
+/** The nearest place that lies whole meters from home. */
 function onTheMeter([lng, lat]: LngLat): LngLat {
   const home = studio.world!.spots.find(spot => spot.name === "home")?.place, [wide, high] = studio.world!.degree_m as [number, number];
   if (!home) return [lng, lat];
@@ -112,7 +112,7 @@ const DOES: Record<string, string> = {
   corridor: "puts a corner there, and twice on one place ends it; Backspace takes the last back",
 };
 
-/** How far an arrow key goes [m]: one metre on a map of a few hundred, ten on one of some kilometres. */
+/** How far an arrow key goes [m]: one meter on a map of a few hundred, ten on one of some kilometers. */
 function unit(map: MapLibre, degree: number): number {
   const bounds = map.getBounds(), across = (bounds.getEast() - bounds.getWest()) * degree;
   return 10 ** Math.max(0, Math.floor(Math.log10(across / WIDE)));

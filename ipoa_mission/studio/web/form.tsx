@@ -73,7 +73,7 @@ function isFlownOver(now: Studio, name: string): boolean {
 
 const PLACES = ["home", "start", "goal", "via", "rally"];
 
-/** Where a place is, as its file has it: latitude and longitude in one line, or metres from home. */
+/** Where a place is, as its file has it: latitude and longitude in one line, or meters from home. */
 function Coordinates({ path, table }: { path: Path; table: Record<string, unknown> }) {
   const keys = "latitude_deg" in table ? ["latitude_deg", "longitude_deg"] : ["east", "north"];
   const change = (text: string) => {

@@ -3,7 +3,7 @@ import { toolsOf } from "./bar";
 import type { Studio } from "./store";
 
 const KEYS: [string, string][] = [
-  ["arrow keys", "with a tool: move a crosshair on the map by a metre, with Shift by ten; on a point or a corner: move that"],
+  ["arrow keys", "with a tool: move a crosshair on the map by a meter, with Shift by ten; on a point or a corner: move that"],
   ["c", "the crosshair without a tool: Enter takes hold of what is there, and puts it down"],
   ["Enter", "place a corner or a point; twice on one place, or on the first corner, closes what is drawn"],
   ["Backspace", "take the last corner back"],

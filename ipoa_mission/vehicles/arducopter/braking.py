@@ -11,7 +11,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
+from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 STEP = 0.02  # [s]
 BATCH_SIZE = 8000  # rows in the cache
@@ -73,7 +73,7 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
             law = (asked + math.sqrt(asked * asked + 4.0 * closing * accel / gain)) / 2.0
         ahead = law / gain if law <= accel / gain else linear / 2.0 + law * law / (2.0 * accel)
         inward = ahead * math.sin(aside)
-        flown = (flown + inward + math.sqrt(max(radius**2 - (ahead * math.cos(aside)) ** 2, CENTIMETRE))) / 2.0
+        flown = (flown + inward + math.sqrt(max(radius**2 - (ahead * math.cos(aside)) ** 2, CENTIMETER))) / 2.0
     behind = math.atan2(ahead * math.cos(aside), flown - ahead * math.sin(aside))
     settled = math.acos(min(speed * math.cos(aside) ** 2 / (spin * radius), 1.0))
     if behind - aside < settled:

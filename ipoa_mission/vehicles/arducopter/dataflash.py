@@ -56,7 +56,7 @@ class RecordKind:
     made_by: tuple[Callable[[Any], Any], ...]
 
     def read(self, data: bytes, at: int) -> dict[str, Any]:
-        """In degrees, metres and unscaled units."""
+        """In degrees, meters and unscaled units."""
         values = self.layout.unpack_from(data, at)
         return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
 

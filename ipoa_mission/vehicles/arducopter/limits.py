@@ -17,7 +17,7 @@ ARMING_DELAY_S = 2.0  # motors are off after arming
 LIFT_S = 0.2  # from full spin to lift-off
 THROTTLE_DOWN_S = 0.58  # from touchdown to least throttle
 LAND_DETECTOR_S = 1.0  # at least throttle, before spooling down
-CENTIMETRE = 0.01  # resolution of heights [m]
+CENTIMETER = 0.01  # resolution of heights [m]
 
 BRAKES_CLIMB = (4, 8)
 SENSE_OF_RATE = (4, 7)  # since then CIRCLE_RATE's sign sets every sense

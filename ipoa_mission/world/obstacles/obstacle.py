@@ -157,4 +157,4 @@ def _rectangle(corners: NDArray[np.float64]) -> Plane:
 
 def expect_positive(name: str, what: str, value: float) -> None:
     if not value > 0:
-        raise BadInput(f"expected a positive number of metres, not {value:g}", place=f"{name}.{what}")
+        raise BadInput(f"expected a positive number of meters, not {value:g}", place=f"{name}.{what}")

@@ -11,13 +11,13 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.legs import straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
-from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE
+from ipoa_mission.vehicles.arducopter.limits import CENTIMETER
 
-#: LAND flies to its place at the present height truncated to centimetres, for 0 s or 1 to 1.8 s. 0.8 s are assumed:
+#: LAND flies to its place at the present height truncated to centimeters, for 0 s or 1 to 1.8 s. 0.8 s are assumed:
 #: this share of a 1 cm leg.
 LAND_BELOW = 0.75
 #: RTL's leg to the stopping point is truncated likewise: its mean length [m].
-RETURN_ROUNDING = 0.7 * CENTIMETRE
+RETURN_ROUNDING = 0.7 * CENTIMETER
 PLACED = 0.65  # PAYLOAD_PLACE on the ground [s]
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
@@ -34,7 +34,7 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
         copter.fly_to(Stop((*place[:2], z)))
         yield
     elif place is not None:
-        leg = straight_leg(here, (x, y, z - CENTIMETRE), copter.speeds, copter.limits)
+        leg = straight_leg(here, (x, y, z - CENTIMETER), copter.speeds, copter.limits)
         copter.hold(LAND_BELOW * leg.profile.lasts)
         yield
     copter.descend(0.0 if place is None else place[2])
@@ -91,7 +91,7 @@ def payload_place(copter: Copter, place: Place | None, item: Item) -> Iterator[N
         copter.fly_to(Stop(place if is_planned else (*place[:2], copter.here[2])))
         yield
     top = copter.here[2]
-    if copter.sink(max(math.trunc(100.0 * item.params[0]), 0) * CENTIMETRE):
+    if copter.sink(max(math.trunc(100.0 * item.params[0]), 0) * CENTIMETER):
         yield
         copter.hold(PLACED)
     yield
