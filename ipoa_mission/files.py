@@ -14,6 +14,7 @@ from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
 PIPE_TIMEOUT_S = 5.0  # for the first data [s]
 
 MISSIONS = (".plan", ".waypoints")
+written: dict[Path, None] = {}  # by this process, in order
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -40,6 +41,7 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
             except OSError as error:
                 raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
         for path, target in targets.items():
+            written[path] = None
             try:
                 staged[path].replace(target)
             except OSError as error:

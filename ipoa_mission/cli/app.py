@@ -5,26 +5,19 @@ import logging
 import os
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import entry_points
 from itertools import pairwise
 from typing import Annotated, Any
 
 import typer
 
-from ipoa_mission.cli import (
-    checking,
-    comparing,
-    flying,
-    linking,
-    mocking,
-    output,
-    planning,
-    showing,
-)
+from ipoa_mission.cli import checking, comparing, flying, linking, mocking, output, planning, showing
 from ipoa_mission.cli.groups import grouped
-from ipoa_mission.cli.interrupting import Interrupted
+from ipoa_mission.cli.interrupting import Interrupted, done, interrupted, stopped
 from ipoa_mission.cli.output import print_lines, shown
 from ipoa_mission.errors import MissionError
+from ipoa_mission.files import written
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 
@@ -39,14 +32,7 @@ def print_version(wanted: bool) -> None:
 
 VerboseOption = Annotated[
     int,
-    typer.Option(
-        "--verbose",
-        "-v",
-        count=True,
-        metavar="",
-        show_default=False,
-        help="Log events; twice: all details.",
-    ),
+    typer.Option("--verbose", "-v", count=True, metavar="", show_default=False, help="Log events; twice: all details."),
 ]
 VersionOption = Annotated[
     bool,
@@ -151,10 +137,21 @@ def _take_shell(words: list[str]) -> None:
 def main() -> None:
     output.replace_unencodable()
     _take_shell(sys.argv[1:])
+    done.clear()
+    written.clear()
     try:
-        command()(prog_name="ipoa-mission")
+        try:
+            command()(prog_name="ipoa-mission")
+        except SystemExit as ended:
+            if ended.code == Interrupted.exit_code:  # Typer ends this way
+                raise stopped() from None
+            raise
+        except KeyboardInterrupt:
+            raise stopped() from None
     except MissionError as error:
-        output.print_error(error, as_json="--json" in sys.argv[1:])
+        error = interrupted(error)
+        with suppress(KeyboardInterrupt):
+            output.print_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
     except OSError as error:
         if error.errno != errno.ENOSPC:
@@ -162,10 +159,6 @@ def main() -> None:
         output.discard_output()
         output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
-    except SystemExit as ended:
-        if ended.code == Interrupted.exit_code:  # Typer ends this way
-            output.print_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
-        raise
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.output import progress_bar, shown
 from ipoa_mission.cli.overwriting import expect_folder
-from ipoa_mission.cli.vehicles import connect_to, states_firmware
+from ipoa_mission.cli.vehicles import connect_to, note_flown, states_firmware
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
@@ -80,12 +80,7 @@ def fly(
     air = flown_by.air
     here = partial(_fly_here, seed=search.seed, faults=faults)
     there = partial(
-        _fly_there,
-        source=source,
-        flown_by=flown_by,
-        on_vehicle=on_vehicle,
-        on_link=on_link,
-        as_json=as_json,
+        _fly_there, source=source, flown_by=flown_by, on_vehicle=on_vehicle, on_link=on_link, as_json=as_json
     )
     pilot: Pilot = here if link is None else there
     if is_planned:
@@ -127,8 +122,9 @@ def fly(
 def _fly_here(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "Piloted":
     from ipoa_mission.simulator.fly import fly_forecast
 
-    with reporting_interrupt(f"the flight was stopped; {log} has the part flown"), progress_bar("flying") as bar:
+    with reporting_interrupt(f"{log} has the part flown"), progress_bar("flying") as bar:
         record = fly_forecast(job.forecast, seed, faults, log, flying=bar)
+    note_flown(job.name, record.armed)
     return job, _where_it_landed(job, record), record
 
 
@@ -156,6 +152,7 @@ def _fly_there(
         on_link.system = there.system  # the next flight is this vehicle's, whatever else is heard
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
         remarks, record = fly_there(job, there, begin - 1, on_link.anyway, on_vehicle.set_params)
+        note_flown(job.name, record.armed)
     left = ("the vehicle is no longer watched", there.absence.meanwhile)
     unwatched = ["; ".join(filter(None, left))] if record.armed else []
     return job, (*remarks, *unwatched, *_where_it_landed(job, record)), record

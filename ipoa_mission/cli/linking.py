@@ -82,7 +82,7 @@ def download(
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
-        reporting_interrupt("nothing was written"),
+        reporting_interrupt(f"{file} was not written"),
         connect_to(link, on_link, usual, reading=True) as vehicle,
         progress_bar("download") as show,
     ):
@@ -100,10 +100,8 @@ def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
     """
     from ipoa_mission.link.messages import MissionType
 
-    with (
-        reporting_interrupt("some of the vehicle's lists may be deleted", hint="repeat the command"),
-        connect_to(link, on_link, None) as vehicle,
-    ):
+    words, after = "some of the vehicle's lists may be deleted", "the vehicle's lists are deleted"
+    with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, "repeat the command", after):
         vehicle.clear(MissionType.ALL)
     about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
     _report(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
@@ -121,7 +119,11 @@ def set_current(
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, on_link, None) as vehicle, reporting_interrupt("the vehicle may continue with either item"):
+    words = "the vehicle may continue with either item"
+    with (
+        connect_to(link, on_link, None) as vehicle,
+        reporting_interrupt(words, after=f"item {item} is the current one"),
+    ):
         vehicle.set_current(item - 1)
     state = vehicle.state
     goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
@@ -195,7 +197,8 @@ def scan(
 def _order(
     link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: "Callable[[Vehicle], None]"
 ) -> None:
-    with connect_to(link, on_link, None) as vehicle, reporting_interrupt("the vehicle may have received the order"):
+    words = "the vehicle may have received the order"
+    with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, after=f"the vehicle {done}"):
         order(vehicle)
     about = {"does": done, "mode": vehicle.mode, "written": on_link.written(None)}
     _report(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])

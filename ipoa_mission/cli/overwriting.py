@@ -5,8 +5,7 @@ import sys
 from collections.abc import Iterable
 from pathlib import Path
 
-import typer
-
+from ipoa_mission.cli.interrupting import confirm
 from ipoa_mission.errors import BadInput, Unwritable
 
 
@@ -24,7 +23,7 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
     for path in paths:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
-            if not (may_ask and typer.confirm(f"{path} exists: overwrite it?", err=True)):
+            if not (may_ask and confirm(f"{path} exists: overwrite it?")):
                 words = "the file exists"
                 raise BadInput(words, hint="--force overwrites it", code="already-there", place=path)
 

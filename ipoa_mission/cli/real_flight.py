@@ -7,6 +7,7 @@ from functools import partial
 
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown_output import flight_as_json
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.mission_source import Job
 from ipoa_mission.cli.output import print_json
 from ipoa_mission.cli.vehicles import stages_shown
@@ -57,16 +58,17 @@ def fly_there(
     """Upload, arm, start, watch; `anyway`: continue after failed checks. Raises MissionError with `known` data."""
     remarks, known = list[str](), list[ContingenciesNow]()
     try:
-        record = fly_forecast(
-            vehicle,
-            job.forecast,
-            first=first,
-            anyway=anyway,
-            ignore=job.ignore,
-            set_params=set_params,
-            stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
-            remark=remarks.append,
-        )
+        with reporting_interrupt(""):  # between two stages
+            record = fly_forecast(
+                vehicle,
+                job.forecast,
+                first=first,
+                anyway=anyway,
+                ignore=job.ignore,
+                set_params=set_params,
+                stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
+                remark=remarks.append,
+            )
     except MissionError as error:
         state = vehicle.state
         error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)

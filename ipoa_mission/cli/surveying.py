@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.interrupting import confirm, reporting_interrupt
 from ipoa_mission.cli.options import LogSystemOption
 from ipoa_mission.cli.output import notes, print_json, print_lines, print_table, progress_bar
 from ipoa_mission.errors import NothingThere, OptionConflict
@@ -32,8 +32,7 @@ class SurveyOptions:
     """Options of a survey, which replaces start, goal and via."""
 
     survey: Annotated[
-        Path | None,
-        typer.Option("--survey", metavar="AREA", help="Survey the whole area in this map (GeoJSON, KML)."),
+        Path | None, typer.Option("--survey", metavar="AREA", help="Survey the whole area in this map (GeoJSON, KML).")
     ] = None
     height: Annotated[
         float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; default 40.")
@@ -259,4 +258,4 @@ def _is_ready(survey: "Survey", n: int) -> bool:
     words = (
         f"{landed} has landed. Fly {following}: {position}a charged battery is in, and nobody is near the propellers?"
     )
-    return typer.confirm(words, err=True)
+    return confirm(words)

@@ -3,12 +3,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import LinkOptions
-from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.interrupting import done, reporting_interrupt
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.overwriting import expect_log
@@ -87,25 +88,39 @@ def stages_shown(stage: "Stage") -> "Iterator[Progress]":
     from ipoa_mission.flight.procedure import Stage
     from ipoa_mission.progress import silent
 
-    left = {
-        Stage.POSITION: "nothing was sent",
-        Stage.CHECK: "nothing was sent",
-        Stage.UPLOAD: "the mission on the vehicle may be the old or the new one",
-        Stage.STORED: str(Stage.STORED),
-        Stage.READY: "the vehicle was not armed",
-        Stage.FLIGHT: "the vehicle flies on, unwatched",
-    }
-    if stage is Stage.START:
-        with reporting_interrupt("see the hint", hint="look at it"), progress_bar("starting", is_waiting=True) as show:
-            yield show
-        return
-    waits = stage in (Stage.POSITION, Stage.READY)
-    is_long = waits or stage in (Stage.UPLOAD, Stage.FLIGHT)
+    left, after = {
+        Stage.POSITION: ("the mission was not sent", ""),
+        Stage.PARAMETERS: ("the mission was not sent", ""),
+        Stage.CHECK: ("the mission was not sent", ""),
+        Stage.UPLOAD: ("the mission on the vehicle may be the old or the new one", str(Stage.STORED)),
+        Stage.STORED: (str(Stage.STORED), str(Stage.STORED)),
+        Stage.READY: ("the vehicle was not armed", ""),
+        Stage.START: ("the start was not completed", "the vehicle was started"),
+        Stage.FLIGHT: ("the vehicle flies on, unwatched", ""),
+    }[stage]
+    hint = "look at the vehicle: it may be armed" if stage is Stage.START else None
+    waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
+    is_long = stage not in (Stage.CHECK, Stage.STORED)
+    words = "starting" if stage is Stage.START else stage
     with (
-        reporting_interrupt(left[stage]),
-        progress_bar(stage, is_waiting=waits) if is_long else nullcontext(silent) as show,
+        reporting_interrupt(left, hint, after),
+        progress_bar(words, is_waiting=waits) if is_long else nullcontext(silent) as show,
     ):
-        yield show
+        yield partial(_show_parameters, show) if stage is Stage.PARAMETERS else show
+
+
+def _show_parameters(show: "Progress", share: float, names: str) -> None:
+    done["parameters"] = f"{'parameters were' if share == 1.0 else 'some parameters may be'} written: {names}"
+    show(share, names)
+
+
+def note_flown(name: str, is_armed: bool) -> None:
+    """Replace the state at the start, for Ctrl-C after the flight."""
+    from ipoa_mission.flight.procedure import Stage
+
+    for before in (str(Stage.STORED), "the vehicle was started"):
+        done.pop(before, None)
+    done[name] = f"{name}: the vehicle {'is armed, and no longer watched' if is_armed else 'is disarmed'}"
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:

@@ -10,7 +10,7 @@ from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 class Stage(StrEnum):
     POSITION = "waiting for a position"
+    PARAMETERS = "setting parameters"
     CHECK = "checking the mission against the vehicle"
     UPLOAD = "upload"
     STORED = "the new mission is on the vehicle"
@@ -100,9 +101,13 @@ def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
         (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
     ):
-        with suppress(MissionError):  # the list may be unsupported
+        try:
             if not own and vehicle.download_items(kind):
                 left[kind] = f"the vehicle holds {words}, and that was not checked"
+        except Cancelled:
+            raise
+        except MissionError:  # the list may be unsupported
+            continue
     return left
 
 
@@ -184,10 +189,11 @@ def load_mission(
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)
     if set_params:
-        _set_parameters(vehicle, mission, remark)
-    if not anyway:  # a parameter may be missing or lost
-        expect_slow_landing(vehicle, forecast)
+        with stages(Stage.PARAMETERS) as show:
+            _set_parameters(vehicle, mission, show, remark)
     with stages(Stage.CHECK):
+        if not anyway:  # a parameter may be missing or lost
+            expect_slow_landing(vehicle, forecast)
         remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
@@ -251,7 +257,12 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -
         return None
 
 
-def _set_parameters(vehicle: Vehicle, mission: Mission, remark: Remark) -> None:
-    for other in other_values(vehicle, mission.parameters)[0]:
+def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: Remark) -> None:
+    others = other_values(vehicle, mission.parameters)[0]
+    names = ", ".join(other.name for other in others)
+    for n, other in enumerate(others):
+        show(n / len(others), names)
         vehicle.set_parameter(other.name, other.wanted)
         remark(f"{other.name} set to {other.wanted:g} (it was {other.has:g})")
+    if others:
+        show(1.0, names)

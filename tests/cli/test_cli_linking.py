@@ -6,9 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.item_run import ItemsSent
-from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Planned, Run, Serve
@@ -191,19 +189,6 @@ def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
     assert ended.code == 130
     assert ended.out == ""
     assert ended.err.splitlines()[-2].startswith("error: cancelled: the vehicle keeps the mission it had")
-
-
-def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(
-    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def watch(vehicle: Vehicle, progress: object) -> None:
-        raise Cancelled("cancelled")
-
-    monkeypatch.setattr(Vehicle, "watch", watch)
-    with autopilot() as link:
-        ended = run(f"fly {mission} --out out --link {link}")
-    assert ended.code == 130
-    assert "stopped: the vehicle flies on, unwatched" in ended.err
 
 
 def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run: Run, autopilot: Serve, mission: Path) -> None:

@@ -1,0 +1,188 @@
+"""Ctrl-C at each stage of a verb: exit code 130, and a message that is true of the vehicle and the files."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from ipoa_mission.cli import flown_output, linking
+from ipoa_mission.cli.interrupting import Interrupted, confirm, done, reporting_interrupt
+from ipoa_mission.flight import procedure
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.procedure import Stage
+from ipoa_mission.link.dialogue import Cancelled
+from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.mission_io import read_mission, write_mission
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from tests.cli.conftest import Run, Serve
+from tests.quick_search import search_quickly
+
+WRITTEN = "stopped: parameters were written: MPC_XY_CRUISE, RTL_RETURN_ALT"
+STORED = f"{WRITTEN}; the new mission is on the vehicle"
+#: The function at whose begin or end Ctrl-C comes, the message, the parameters, the items on the vehicle, armed.
+STAGES = {
+    Stage.POSITION: (procedure, "await_home", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
+    Stage.PARAMETERS: (
+        Vehicle,
+        "set_parameter after",
+        "stopped: some parameters may be written: MPC_XY_CRUISE, RTL_RETURN_ALT; the mission was not sent",
+        (6.0, 30.0),
+        0,
+        False,
+    ),
+    Stage.CHECK: (procedure, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
+    Stage.UPLOAD: (
+        Vehicle,
+        "upload",
+        f"{WRITTEN}; the mission on the vehicle may be the old or the new one",
+        (6.0, 41.0),
+        0,
+        False,
+    ),
+    Stage.STORED: (procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
+    Stage.READY: (Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
+    Stage.START: (Vehicle, "start after", f"{STORED}; the start was not completed", (6.0, 41.0), 3, True),
+    Stage.FLIGHT: (
+        Vehicle,
+        "watch",
+        f"{STORED}; the vehicle was started; the vehicle flies on, unwatched",
+        (6.0, 41.0),
+        3,
+        True,
+    ),
+}
+
+
+def press(patch: pytest.MonkeyPatch, owner: object, at: str, raised: type[BaseException] = KeyboardInterrupt) -> None:
+    name, _, after = at.partition(" ")
+    whole: Callable[..., object] = getattr(owner, name)
+
+    def pressed(*given: object, **named: object) -> None:
+        if after:
+            whole(*given, **named)
+        raise raised("cancelled")
+
+    patch.setattr(owner, name, pressed)
+
+
+@pytest.fixture
+def aboard(monkeypatch: pytest.MonkeyPatch) -> list[BuiltInAutopilot]:
+    """Return the autopilots that are served."""
+    served: list[BuiltInAutopilot] = []
+
+    build = BuiltInAutopilot.__init__
+
+    def noted(own: BuiltInAutopilot, *given: Any, **named: Any) -> None:
+        served.append(own)
+        build(own, *given, **named)
+
+    monkeypatch.setattr(BuiltInAutopilot, "__init__", noted)
+    return served
+
+
+@pytest.fixture
+def mission(hop: Path) -> Path:
+    write_mission(replace(read_mission(hop), parameters={"MPC_XY_CRUISE": 6.0, "RTL_RETURN_ALT": 41.0}), hop)
+    return hop
+
+
+def test_every_stage_is_in_the_table() -> None:
+    assert STAGES.keys() == set(Stage)
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, Cancelled])
+@pytest.mark.parametrize("stage", Stage)
+def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
+    run: Run,
+    autopilot: Serve,
+    mission: Path,
+    aboard: list[BuiltInAutopilot],
+    monkeypatch: pytest.MonkeyPatch,
+    stage: Stage,
+    raised: type[BaseException],
+) -> None:
+    owner, at, words, parameters, items, armed = STAGES[stage]
+    press(monkeypatch, owner, at, raised)
+    with autopilot(speedup=20.0) as link:
+        ended = run(f"fly {mission} --link {link} --set-params --json")
+        (there,) = aboard
+        assert there.flight.armed is armed
+    told = json.loads(ended.out)
+    assert (ended.code, told["exit_code"], told["error"]) == (130, 130, words)
+    assert told["hint"] == ("look at the vehicle: it may be armed" if stage is Stage.START else None)
+    assert told["written"] == ["hop.tlog"]
+    assert told["completed"] is False
+    assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
+    assert len(there.transfers.listed(MissionType.MISSION)) == items
+    assert f"error: {words}\n" in ended.err
+
+
+@pytest.mark.parametrize(
+    ("words", "owner", "at", "told", "written"),
+    [
+        ("upload {mission} --link {link}", linking, "_report", "stopped: the new mission is on the vehicle", 1),
+        ("upload {mission} --link {link}", procedure, "left_lists", "stopped: the mission was not sent", 1),
+        ("upload {mission} --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
+        ("clear --link {link}", Vehicle, "clear", "stopped: some of the vehicle's lists may be deleted", 0),
+        ("clear --link {link}", linking, "_report", "stopped: the vehicle's lists are deleted", 0),
+        ("set-current 1 --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
+        ("download back.plan --link {link}", Vehicle, "download", "stopped: back.plan was not written", 1),
+        ("download back.plan --link {link}", linking, "_report", "stopped", 2),
+        ("fly {mission} --link {link}", flown_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
+        ("fly {mission}", flown_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
+        ("demo", Flight, "report", "stopped: campus: the vehicle is disarmed", 5),
+        ("plan campus --report", Flight, "report", "stopped", 4),
+    ],
+)
+def test_ctrl_c_says_what_a_verb_has_done(
+    run: Run,
+    autopilot: Serve,
+    hop: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: str,
+    owner: object,
+    at: str,
+    told: str,
+    written: int,
+) -> None:
+    search_quickly(monkeypatch.setattr)
+    press(monkeypatch, owner, at)
+    with autopilot() as link:
+        ended = run(words.format(mission=hop, link=link))
+    lines = ended.err.splitlines()
+    files = [line.removeprefix("written: ") for line in lines if line.startswith("written: ")]
+    assert (ended.code, [line for line in lines if line.startswith("error: ")]) == (130, [f"error: {told}"])
+    assert len(files) == written
+    assert all(Path(file).is_file() for file in files)
+
+
+def test_ctrl_c_while_the_vehicle_s_other_lists_are_read_sends_nothing(
+    run: Run, autopilot: Serve, hop: Path, aboard: list[BuiltInAutopilot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    press(monkeypatch, Vehicle, "download_items", Cancelled)
+    with autopilot() as link:
+        ended = run(f"upload {hop} --link {link}")
+    assert (ended.code, ended.err.splitlines()[0]) == (130, "error: stopped: the mission was not sent")
+    assert not aboard[0].transfers.listed(MissionType.MISSION)
+
+
+def test_ctrl_c_at_a_question_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    press(monkeypatch, typer, "confirm", typer.Abort)
+    with pytest.raises(KeyboardInterrupt):
+        confirm("hop.plan exists: overwrite it?")
+
+
+def test_the_link_s_more_exact_words_follow_the_earlier_changes() -> None:
+    done.clear()
+    done["parameters"] = "parameters were written: MPC_XY_CRUISE"
+    with pytest.raises(Interrupted) as ended, reporting_interrupt("either mission"):
+        raise Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
+    done.clear()
+    words = "stopped: parameters were written: MPC_XY_CRUISE; cancelled: the vehicle keeps the mission it had"
+    assert str(ended.value) == words
+    assert ended.value.known["holds"] == "old"
