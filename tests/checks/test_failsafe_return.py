@@ -143,3 +143,21 @@ def test_a_return_that_is_not_modeled_is_told_of() -> None:
     (finding,) = check_failsafe_return(Forecast(mission, forecast.world))
     assert (finding.code, finding.seq) == ("return-too-near", None)
     assert "begin during the landing" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("nearer", "verbs"), [(0.01, ["brakes"]), (0.03, ["brakes", "flies"]), (0.3, ["brakes", "flies"])]
+)
+def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
+    monkeypatch: pytest.MonkeyPatch, nearer: float, verbs: list[str]
+) -> None:
+    """Both begin at one place: by the rounding of 2 cm alone the way home is no other finding."""
+    forecast = flight_in(scene(Autopilot.PX4, WALL))
+    ways = forecast.cached(ContingencyPaths)
+    whole = ways.assessments(Contingency.RTL)
+    near, worst = np.full_like(whole.near, np.inf), int(np.argmin(whole.spare))
+    near[worst, :, 0], near[worst, :, RETURNS] = ways.required - 1.0, ways.required - 1.0 - nearer
+    found = replace(whole, near=near)
+    monkeypatch.setattr(ContingencyPaths, "assessments", lambda *_: found)
+    findings = [finding.message for finding in check_failsafe_return(forecast)]
+    assert [next(verb for verb in ("brakes", "flies") if f" {verb} " in words) for words in findings] == verbs

@@ -1,6 +1,7 @@
 import json
 import os
 import signal
+import stat
 import subprocess
 import sys
 import threading
@@ -177,6 +178,17 @@ def test_files_of_one_flight_are_written_together_or_not_at_all(
         write_together({tmp_path / "a": "new", tmp_path / "b": "new", tmp_path / "c": "new"})
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c"]
     assert (tmp_path / "a").read_text() == "before"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no such modes")
+@pytest.mark.parametrize(("mask", "mode"), [(0o022, 0o644), (0o027, 0o640), (0o077, 0o600)])
+def test_a_written_file_is_as_readable_as_the_user_s_other_files(tmp_path: Path, mask: int, mode: int) -> None:
+    before = os.umask(mask)
+    try:
+        write_together({tmp_path / "a": "new"})
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == mode
 
 
 def test_what_a_symbolic_link_leads_to_is_written_and_the_link_stays(tmp_path: Path) -> None:

@@ -10,6 +10,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import way_home
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)
@@ -68,6 +71,24 @@ def test_px4_returns_so_high(parameters: Parameters, above: float, away: float, 
 
 
 @pytest.mark.parametrize(
+    ("parameters", "ground", "wait"),
+    [
+        ({}, 0.0, 10.0),  # RTL_DESCEND_ALT
+        ({"RTL_DESCEND_ALT": 12.0}, 0.0, 12.0),
+        ({"RTL_DESCEND_ALT": 12.0}, 20.0, 32.0),  # it counts from the goal
+        ({"RTL_DESCEND_ALT": 80.0}, 0.0, 30.0),  # rtl_direct.cpp: no higher than the return
+    ],
+)
+def test_px4_waits_before_its_landing_at_its_descend_altitude(
+    parameters: Parameters, ground: float, wait: float
+) -> None:
+    limits = px4_limits({**parameters, "RTL_LAND_DELAY": 9.0})
+    *_, down_to, waiting, landing = way_home(Enu(100.0, 0.0, ground + 20.0), limits, Enu(0.0, 0.0, ground), ground)
+    assert (waiting.holds, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
+    assert down_to.goal == waiting.goal == Enu(0.0, 0.0, wait)
+
+
+@pytest.mark.parametrize(
     ("parameters", "goal"),
     [
         ({}, 0),
@@ -99,7 +120,8 @@ BEHIND = MissionLanding((10.0, 0.0, 0.0), ahead=2, behind=3)
         (3.0, (), BEYOND, ReturnBy.LANDING, None, None),
         (3.0, (), BEHIND, ReturnBy.LANDING, None, None),
         (3.0, ((170.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, None),
-        (3.0, ((209.0, 0.0, 5.0),), BEYOND, ReturnBy.LANDING, None, None),  # nearer by less than 2 m
+        (3.0, ((208.05, 0.0, 5.0),), BEYOND, ReturnBy.LANDING, None, None),  # nearer by 1.95 m: 2 m are required
+        (3.0, ((207.9, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, None),  # by 2.1 m
         (4.0, (), BEYOND, ReturnBy.BACK, None, None),
         (4.0, (), BEHIND, ReturnBy.AHEAD, None, None),
         (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, NEW),  # one at home, where home is none
