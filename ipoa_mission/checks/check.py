@@ -4,10 +4,10 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
-from ipoa_mission.checks.clearance import check_way
 from ipoa_mission.checks.firmware_check import check_firmware, check_version, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
+from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
@@ -67,7 +67,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
         findings += check_way(forecast)
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
-        from ipoa_mission.checks.clearance import check_passing
+        from ipoa_mission.checks.way import check_passing
 
         findings += check_passing(flown)
         if flown.mission.fence:

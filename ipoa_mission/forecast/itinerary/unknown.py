@@ -33,7 +33,7 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     if any(item.command in JUMPS for item in items):
         yield from _past_jumps(mission)
     here: Place | None = None
-    braking = _braking_lengths(mission)
+    braking = _braking_lengths(mission) if splines else []
     for n, item in enumerate(items):
         if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
