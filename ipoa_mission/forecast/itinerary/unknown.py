@@ -88,9 +88,9 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 def _braking_lengths(mission: Mission) -> list[float]:
     """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
     autopilot, items = mission.autopilot, mission.items
-    book, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
-    names = book.meanings["cruise speed"], book.meanings["acceleration"]
-    speed, accel = (values[name] * book.units.get(name, 1.0) for name in names)
+    table, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
+    names = table.meanings["cruise speed"], table.meanings["acceleration"]
+    speed, accel = (values[name] * table.units.get(name, 1.0) for name in names)
     lengths, is_at_rest = list[float](), True
     for item in items:
         lengths.append(0.0 if is_at_rest else speed**2 / accel)
