@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.energy_budget import RETURN_HINT, budget_of
+from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
 LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"

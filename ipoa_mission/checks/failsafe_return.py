@@ -6,10 +6,10 @@ import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.contingencies import lands_by_choice, to_return_instead, who_lands
-from ipoa_mission.forecast.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
+from ipoa_mission.forecast.contingency.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.shortfalls import at_another_height, shortfalls
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.shortfalls import at_another_height, shortfalls
 from ipoa_mission.planning.proof import Check, prove_ground
 
 ROUNDING = 0.02  # [m]

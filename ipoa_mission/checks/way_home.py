@@ -9,10 +9,10 @@ from itertools import takewhile
 
 from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.contingency.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
-from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
 from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 

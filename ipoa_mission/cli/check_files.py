@@ -115,7 +115,7 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
     promise = None if world is None else promise_if_flown(forecast)
     endings: tuple[Any, Any] | None = None
     if how.endings:
-        from ipoa_mission.forecast.contingencies import Contingencies, failsafes_of
+        from ipoa_mission.forecast.contingency.contingencies import Contingencies, failsafes_of
 
         endings = ((), ()) if promise is None else (forecast.cached(Contingencies).all_rows(), failsafes_of(forecast))
     messages = {finding.message for finding in findings}

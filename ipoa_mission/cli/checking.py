@@ -120,7 +120,7 @@ def estimate(
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
     mission, prediction, budget = forecast.mission, forecast.estimate, None
     if forecast.energy is not None:
-        from ipoa_mission.forecast.energy_budget import budget_of
+        from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
         budget = budget_of(forecast)
     remarks = remarks_on(given, forecast)

@@ -8,7 +8,7 @@ from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import Job
 from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.flight.flight_summary import passed_over_as_json
-from ipoa_mission.forecast.energy_budget import ReserveNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.unread import unread_as_json

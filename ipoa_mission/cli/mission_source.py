@@ -14,7 +14,7 @@ from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
-from ipoa_mission.forecast.energy_budget import ReserveNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.vehicle_file import read_vehicle

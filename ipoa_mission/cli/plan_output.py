@@ -3,8 +3,8 @@ from pathlib import Path
 
 from ipoa_mission.cli.output import print_lines, print_table
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.deviation.promise import Promise
-from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.wind import Wind

@@ -14,8 +14,8 @@ from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
 from ipoa_mission.forecast.conformance import Deviation
-from ipoa_mission.forecast.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message

@@ -68,7 +68,7 @@ def show(
             flown = sum(item.length for item in timed.items)
             done = {item.seq: item.done_s for item in timed.items}
             if forecast.energy is not None:
-                from ipoa_mission.forecast.energy_budget import budget_of
+                from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
                 energy = budget.words if (budget := budget_of(forecast)) else []
     except MissionError as error:
@@ -111,7 +111,7 @@ def show(
     if endings:
         from ipoa_mission.checks.sound import promise_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
-        from ipoa_mission.forecast.contingencies import Contingencies
+        from ipoa_mission.forecast.contingency.contingencies import Contingencies
 
         is_flown = promise_if_flown(forecast) is not None
         print_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())

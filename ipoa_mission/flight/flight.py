@@ -25,8 +25,8 @@ from ipoa_mission.flight.flight_summary import (
     route_summary,
 )
 from ipoa_mission.flight.written import write_files
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.deviation.promise import Promise
-from ipoa_mission.forecast.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS

@@ -8,7 +8,7 @@ from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.flight_summary import rounded
 from ipoa_mission.flight.written import as_text, write_files
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
 

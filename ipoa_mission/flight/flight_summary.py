@@ -9,8 +9,8 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
 
     from ipoa_mission.autopilot.energy.consumption import Interval
     from ipoa_mission.finding import Finding
+    from ipoa_mission.forecast.contingency.energy_budget import Budget
     from ipoa_mission.forecast.deviation.promise import Kept, Promise
-    from ipoa_mission.forecast.energy_budget import Budget
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option

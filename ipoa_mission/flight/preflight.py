@@ -101,7 +101,7 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     left = vehicle.state.battery_left
     if forecast.scenario is None or left is None or left >= CHARGED_SHARE:
         return
-    from ipoa_mission.forecast.energy_budget import budget_of
+    from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
     budget = budget_of(forecast)
     if budget is None:

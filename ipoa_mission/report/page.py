@@ -17,7 +17,7 @@ from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Mission

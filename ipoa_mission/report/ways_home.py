@@ -5,9 +5,15 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar, ContingencyRow, bars_of, contingencies_of
+from ipoa_mission.forecast.contingency.contingencies import (
+    Contingencies,
+    ContingencyBar,
+    ContingencyRow,
+    bars_of,
+    contingencies_of,
+)
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.seen import Seen
 
 MAX_WAYS = 150  # each four seconds of ten minutes

@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.forecast.deviation.room import grown, shrunk
-from ipoa_mission.forecast.shortfalls import Shortfall
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.path_problem import PathProblem, PathTask, problem_of
 from ipoa_mission.routing.attempt import Attempt

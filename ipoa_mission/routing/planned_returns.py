@@ -11,16 +11,15 @@ import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.unsafe import Unsafe
-from ipoa_mission.forecast.contingencies import (
+from ipoa_mission.forecast.contingency.contingencies import (
     Contingencies,
     contingencies_of,
     lands_by_choice,
     to_return_instead,
     who_lands,
 )
-from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.shortfalls import (
+from ipoa_mission.forecast.contingency.contingency_paths import RETURNS, ContingencyPaths
+from ipoa_mission.forecast.contingency.shortfalls import (
     Shortfall,
     at_another_height,
     highest_return,
@@ -28,6 +27,7 @@ from ipoa_mission.forecast.shortfalls import (
     returning,
     shortfalls,
 )
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.routing.rally import rally_sets
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.world.frame import Geodetic

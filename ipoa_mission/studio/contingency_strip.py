@@ -5,11 +5,11 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
-from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
-from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar
+from ipoa_mission.forecast.contingency.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
+from ipoa_mission.forecast.contingency.energy_budget import Budget, Taken, budget_of
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.report.ways_home import contingency_bars, stretches
 from ipoa_mission.scenario import Scenario

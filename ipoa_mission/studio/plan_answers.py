@@ -6,8 +6,8 @@ import numpy as np
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.deviation.promise import Promise
-from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.forecast.itinerary.program import as_flown

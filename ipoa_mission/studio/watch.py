@@ -11,8 +11,8 @@ import numpy as np
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
-from ipoa_mission.forecast.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message, Text

@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission import NotEnoughBattery
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.errors import BadInput, Remedy
-from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath

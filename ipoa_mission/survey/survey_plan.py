@@ -10,9 +10,9 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
-from ipoa_mission.forecast.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.contingency.energy_budget import shortage_of
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
-from ipoa_mission.forecast.energy_budget import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points

@@ -18,10 +18,10 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
-from ipoa_mission.forecast.contingency_paths import MAX_SPARE, ContingencyPaths
-from ipoa_mission.forecast.energy_budget import flown_from
-from ipoa_mission.forecast.grades import Grade
+from ipoa_mission.forecast.contingency.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
+from ipoa_mission.forecast.contingency.contingency_paths import MAX_SPARE, ContingencyPaths
+from ipoa_mission.forecast.contingency.energy_budget import flown_from
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from tests.examples import examples
@@ -331,7 +331,7 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 ) -> None:
     times = np.linspace(*sitl.ways.in_air, 50)
     whole = sitl.ways.at(contingency, times)
-    monkeypatch.setattr("ipoa_mission.forecast.contingency_paths.BATCH_SIZE", 7)
+    monkeypatch.setattr("ipoa_mission.forecast.contingency.contingency_paths.BATCH_SIZE", 7)
     parts = ContingencyPaths(sitl.forecast).at(contingency, times)
     for name in ("times", "ways", "taken", "near", "which", "spare"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))

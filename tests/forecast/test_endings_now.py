@@ -11,9 +11,9 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.cli.real_flight import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
-from ipoa_mission.forecast.contingencies import Contingencies
-from ipoa_mission.forecast.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.link.vehicle_state import VehicleState
 from tests.examples import some

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.energy_budget import Budget, budget_of, flown_from
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario

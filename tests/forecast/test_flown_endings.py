@@ -18,7 +18,7 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 
 Row = dict[str, str]

@@ -5,9 +5,9 @@ from html import unescape
 import numpy as np
 import pytest
 
-from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.profile import along_axis

@@ -9,9 +9,9 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.shortfalls import highest_return
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.shortfalls import highest_return
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tests.examples import some
 from tests.quick_search import search_quickly

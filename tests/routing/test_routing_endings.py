@@ -9,8 +9,8 @@ from ipoa_mission import plan_flight
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingencies import Contingencies
-from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from tests.examples import vehicles
 from tests.quick_search import search_quickly

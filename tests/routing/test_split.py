@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.scenario import Scenario

@@ -20,8 +20,8 @@ from ipoa_mission import Forecast, read_mission
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
-from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
-from ipoa_mission.forecast.grades import Grade
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, contingencies_of
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.report.ways_home import LOOK
 from ipoa_mission.scenario import parse_scenario
 from tests.forecast.test_endings_now import BATTERY

@@ -9,7 +9,7 @@ import shapely
 
 from ipoa_mission import plan_survey
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 

@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission

@@ -3,7 +3,7 @@ from html import escape
 
 import numpy as np
 
-from ipoa_mission.forecast.contingencies import ContingencyBar, ContingencyRow
+from ipoa_mission.forecast.contingency.contingencies import ContingencyBar, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
 from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis

@@ -4,8 +4,8 @@ from html import escape
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.contingency.energy_budget import Budget
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
-from ipoa_mission.forecast.energy_budget import Budget
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof

@@ -1,7 +1,7 @@
 from collections.abc import Sequence
 from html import escape
 
-from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.number_format import seconds
 

@@ -1,5 +1,3 @@
-"""Grade how surely a contingency keeps the required distance."""
-
 from enum import StrEnum
 
 import numpy as np

@@ -1,14 +1,12 @@
-"""Report the contingencies at the present time of a flight."""
-
 import math
 from functools import lru_cache
 
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.geometry import Vector
 
 DELAY_CHANGE_S = 12.0  # change between two calls [s]

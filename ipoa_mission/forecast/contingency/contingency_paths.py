@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
+from ipoa_mission.forecast.contingency.stopping_points import StoppingPoints, stopping_points_of
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
-from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
-from ipoa_mission.forecast.stopping_points import StoppingPoints, stopping_points_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground

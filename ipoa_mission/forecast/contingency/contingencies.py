@@ -1,5 +1,3 @@
-"""Compute the contingencies of a flight at each second."""
-
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,11 +12,11 @@ from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
-from ipoa_mission.forecast.energy_budget import Taken, flown_from
+from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.energy_budget import Taken, flown_from
+from ipoa_mission.forecast.contingency.grades import Grade, clear_at_any_time, graded, share_nearer
+from ipoa_mission.forecast.contingency.stopping_points import StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
-from ipoa_mission.forecast.stopping_points import StoppingPoints
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
 

@@ -1,5 +1,3 @@
-"""Compute where a flight would stop if it were aborted."""
-
 from dataclasses import dataclass
 
 import numpy as np

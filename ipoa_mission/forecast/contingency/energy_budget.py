@@ -1,5 +1,3 @@
-"""Compute energy by item, and the point of no return."""
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

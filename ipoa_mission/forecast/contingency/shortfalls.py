@@ -1,5 +1,3 @@
-"""Report shortfalls of contingencies, and clear return altitudes."""
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency_paths import (
+from ipoa_mission.forecast.contingency.contingency_paths import (
     BRAKES,
     CLIMBS,
     GROUND,
