@@ -79,9 +79,8 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
             findings += check_landings(flown)
         if scenario is not None:
-            from ipoa_mission.checks.energy_check import check_energy
+            from ipoa_mission.checks.energy_check import check_energy, check_wind
             from ipoa_mission.checks.failsafe_return import check_failsafe_landing, check_failsafe_return
-            from ipoa_mission.checks.wind_check import check_wind
 
             is_flown = not unsound(positions) and not is_too_long(mission)
             promise = flown.promise_if_known if is_flown else None

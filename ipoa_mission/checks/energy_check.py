@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.wind import CALM, Wind
 
 LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
 
@@ -12,8 +14,7 @@ LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows i
 def check_energy(forecast: Forecast) -> Iterator[Finding]:
     if forecast.world.vehicle.battery is None or not forecast.mission.items:
         return
-    budget = budget_of(forecast)
-    if budget is None or budget.battery is None:
+    if (budget := budget_of(forecast)) is None or budget.battery is None:
         return
     if (short := budget.shortage) is not None:
         left = (item.left for item in budget.items if item.left is not None)
@@ -35,3 +36,22 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
 
 def _of_item(seq: int | None, words: str) -> str:
     return words if seq is None else f"{words}; not enough from item {seq} on"
+
+
+def check_wind(forecast: Forecast) -> Iterator[Finding]:
+    wind = forecast.wind
+    for one in (
+        dict.fromkeys((wind, wind.as_strong_as_may_be())) if forecast.mission.items and wind.strongest > 0 else ()
+    ):
+        if (why := _why_not(forecast, one)) is not None and _why_not(forecast, CALM) is None:
+            words, hint = f"in wind up to {one.strongest:g} m/s: {why}", "fly in less wind, slower, or another way"
+            yield Finding("wind-too-strong", Severity.ERROR, None, words, hint)
+            return
+
+
+def _why_not(forecast: Forecast, wind: Wind) -> str | None:
+    try:
+        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(sure=True)
+    except MissionError as error:
+        return str(error)
+    return None

@@ -1,5 +1,3 @@
-"""Check items that are never reached or may be passed, or after which the flight is unknown."""
-
 import math
 from collections.abc import Iterator
 
@@ -13,7 +11,6 @@ from ipoa_mission.forecast.itinerary.program import as_flown, program_of
 
 
 def check_way(forecast: Forecast) -> Iterator[Finding]:
-    """Report each, and a circle flown in the other direction."""
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:
