@@ -25,7 +25,7 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
     """Write files, text as UTF-8 with LF: all are complete before the first is renamed.
 
     Raises:
-        BadInput: one cannot be written; none was.
+        BadInput: one cannot be written; none was, unless a rename failed.
     """
     staged: dict[Path, Path] = {}
     targets = {path: Path(os.path.realpath(path)) for path in contents}

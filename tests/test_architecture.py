@@ -233,6 +233,10 @@ def test_one_word_is_one_thing() -> None:
     assert not {name for name, places in where.items() if len(places) > 1}
 
 
+def test_no_file_imports_itself() -> None:
+    assert not {path for path in FILES if module(path) in imports(path)}
+
+
 def test_no_files_import_each_other_in_a_circle() -> None:
     """Not even inside a function, or for types only."""
     modules = {module(path): path for path in FILES}

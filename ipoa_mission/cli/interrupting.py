@@ -1,4 +1,4 @@
-"""Handle Ctrl-C: end with exit code 130, and report what was done."""
+"""Handle Ctrl-C: end with 130 and report what was done; a second press ends at once."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

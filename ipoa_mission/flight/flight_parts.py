@@ -58,7 +58,6 @@ def write_parts(
     about = folder / f"{whole.name}.json"
     write_atomically(about, as_text(summary | {"sha256": digests}))
     if report:
-        from ipoa_mission.flight.flight_parts import parts_panel
         from ipoa_mission.report.page import report_html
 
         panel = parts_panel(parts, [path.name for path in names_of(whole, parts, folder)])

@@ -51,7 +51,7 @@ class Silence(MissionError):
 
 
 class Cancelled(Unfinished):
-    """The message reports what the vehicle holds."""
+    """Ctrl-C; the message names the list left, if any."""
 
 
 class TimeUp(Unfinished):

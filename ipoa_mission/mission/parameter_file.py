@@ -58,7 +58,7 @@ def parameter_path(path: Path) -> Path:
 
 
 def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
-    """Never replace a file that is not ours."""
+    """Return the file and its text; raises BadInput rather than replace a foreign one."""
     target = parameter_path(path)
     if not mission.parameters:
         return {}
@@ -74,7 +74,7 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
-    """Write all or none; remove an old parameter file of ours."""
+    """Write all or none, parameters named as the first; remove an old file of ours."""
     path = next(iter(contents))
     write_together({**contents, **parameter_file(mission, path)})
     if not mission.parameters and _is_ours(parameter_path(path)):

@@ -1,4 +1,4 @@
-"""Missions as items on the wire (tables: `vehicles.firmware_tables`).
+"""Missions as items on the wire (tables: `autopilot.firmware_tables`).
 
 Only this module adds and removes ArduPilot's home: without it, ArduPilot loses the take-off.
 """

@@ -7,7 +7,6 @@ Limits, and the end of the threat at d_safe, are logarithmic barriers (Fiacco an
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array, kron
@@ -56,9 +55,6 @@ def spread_of(ways: Matrix, band: int) -> Spread:
     cells = coo_array((weight, (beside * free + first, cell)), ((reach + 1) * free, (band + 1) * size))
     return Spread(spread, csr_array(spread.T), reach, csr_array(cells))
 
-
-if TYPE_CHECKING:
-    from ipoa_mission.planning.polish import Spread
 
 NODES_PER_SPAN = 8
 EARLY_GAIN = 1e-5  # of a step that ends an early stage
@@ -185,8 +181,6 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
     if len(candidate.via_at):
-        from ipoa_mission.planning.polish import spread_of
-
         spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ candidate.curve.control).mean())

@@ -11,10 +11,10 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.ground import Ground
 
-LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # of a line: [spacings], at least [m], at most [spacings]
+LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # [spacings], [m], [spacings]
 MAX_SLANT = 0.25
 MIN_HEIGHT = 0.9  # of the requested height
-MAX_REST = 5.0  # of a line: [spacings], [m], [spacings]
+MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 MIN_LENGTH = 0.01  # [m]
 
 WayBetween = Callable[[Points, Points], Points]

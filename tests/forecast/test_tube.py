@@ -154,10 +154,10 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
     least, deviation_bound = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
     wanted = least + deviation_bound.down + 4.0 * deviation_bound.level
     assert with_room(clearance_task(scenario), 1.0).limits.height_above_ground == pytest.approx(wanted)
-    assert with_room(clearance_task(scenario), 1.0, share=0.5).limits.height_above_ground == pytest.approx(
+    assert with_room(clearance_task(scenario), 1.0, height_factor=0.5).limits.height_above_ground == pytest.approx(
         (least + 12.0) / 2
     )
-    assert with_room(clearance_task(scenario), 1.0, share=0.1).limits.height_above_ground == pytest.approx(
+    assert with_room(clearance_task(scenario), 1.0, height_factor=0.1).limits.height_above_ground == pytest.approx(
         least + deviation_bound.down
     )
 

@@ -14,10 +14,10 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 MIN_GROWTH = 0.01  # [m]
 
 
-def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
+def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
     """Return the path task with room for the deviation bound at `tight` tight places.
 
-    Over steep ground the path is higher, by at most `share` of the spare height of the lowest given place.
+    Over steep ground the path is higher, by at most `height_factor` times the spare height of the lowest given place.
     """
     path, law, chance = task.path, task.law, task.chance
     if chance is None:
@@ -27,7 +27,7 @@ def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, share:
     growth = np.full(len(airspace.obstacles), level)
     bodies = grown(path, path, growth, DeviationBound(level, deviation_bound.down, deviation_bound.up), keep_gaps)
     slope = _usual_slope(airspace) * deviation_bound.level
-    higher = max(deviation_bound.down, min(deviation_bound.down + slope, share * _spare_height(path)))
+    higher = max(deviation_bound.down, min(deviation_bound.down + slope, height_factor * _spare_height(path)))
     world = Airspace(shrunk(airspace.bounds, path.places, deviation_bound), airspace.terrain, bodies)
     return problem_of(path).tightened(higher, deviation_bound.up + slope, world)
 

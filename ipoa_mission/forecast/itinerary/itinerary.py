@@ -49,7 +49,7 @@ class Itinerary:
 
     @property
     def returns_by(self) -> ReturnBy:
-        """Return the kind of an RTL ordered over the mission's landing, which is its goal if it is from anywhere."""
+        """Return how RTL returns when ordered over the mission's landing."""
         landing = self._landing(0, HOME)
         return self._route_of_return(HOME if landing is None else landing.place, landing).by
 

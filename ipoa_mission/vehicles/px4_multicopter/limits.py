@@ -59,7 +59,7 @@ class Px4Return(NamedTuple):
 class Px4Touchdown(NamedTuple):
     """LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], `low_thrust` over hover thrust.
 
-    Each of the `STAGES` takes a part of `trigger_s`, three times as long without ground in range.
+    Each of the `STAGES` takes a part of `trigger_s`, three times as long if the range finder lost the ground.
     """
 
     trigger_s: float

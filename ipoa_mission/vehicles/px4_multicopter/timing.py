@@ -1,7 +1,6 @@
 """Flight times of PX4 1.13 to 1.18 in AUTO.MISSION.
 
-Noisy heights move home for two minutes after take-off. The path is flown once without noise, times and spread often
-with it.
+Noisy height estimates shift home for two minutes: one quiet run gives the path, many noisy ones the mean and spread.
 """
 
 import math
@@ -75,7 +74,7 @@ def fly_px4(
     senses: SensorModel = SIH_SENSES,
     version: Version | None = None,
 ) -> Prediction:
-    """Predict the times of an itinerary, once with `KNOWS` (no noise).
+    """Predict the times of an itinerary, in one run if `senses` is `KNOWS`.
 
     Raises:
         BadInput: an item never ends, or a parameter is invalid.

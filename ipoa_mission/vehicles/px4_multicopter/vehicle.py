@@ -237,7 +237,7 @@ class Px4Multicopter(Autopilot):
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """From 1.18 on stops need a hold, and the default radius is 10 m.
+        """Return a hold and 2 m from 1.18 on, whose own radius is 10 m.
 
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)

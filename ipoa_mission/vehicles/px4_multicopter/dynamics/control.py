@@ -71,7 +71,7 @@ def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: fl
 
 
 def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
-    """It counts drag in a climb as weight."""
+    """Update the learned hover thrust, which counts drag in a climb as weight."""
     fast = level(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt

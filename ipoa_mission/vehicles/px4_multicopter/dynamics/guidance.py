@@ -40,7 +40,7 @@ class Climb(NamedTuple):
 
 
 def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
-    """After a change it returns from its present place."""
+    """Return the guidance, restarted from the present place after a change."""
     if limits.splits_axes:
         return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)

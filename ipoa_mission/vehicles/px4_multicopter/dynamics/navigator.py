@@ -54,7 +54,7 @@ def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
-    """It first flies over the place if beyond the acceptance radius.
+    """Return the orders of a landing, first to over the place if beyond the acceptance radius.
 
     `holds`: on the ground [s].
     """

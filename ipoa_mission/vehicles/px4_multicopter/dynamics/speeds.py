@@ -24,7 +24,7 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
     """Return the level speed before a goal towards `beyond`.
 
     At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
-    It is 0 if the next leg is shorter.
+    It is 0 if the next leg is shorter than that.
     """
     to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
     on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
@@ -56,5 +56,5 @@ def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, li
 
 
 def level(place: Enu) -> float:
-    """Return the level distance."""
+    """Return the level length of a vector."""
     return math.sqrt(place.east * place.east + place.north * place.north)

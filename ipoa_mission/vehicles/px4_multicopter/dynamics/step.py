@@ -91,7 +91,7 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
 
 
 def in_single(axis: Axis) -> Axis:
-    """Lost small steps leave a trace of speed, which decides whether a landing waits for the vehicle."""
+    """Round places as PX4 does: lost steps leave a speed that delays a landing."""
     wide = SPLIT * axis.place
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
