@@ -187,7 +187,8 @@ class _Finder:
                 continue
             if why is None:
                 made = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
-                name = "" if outside else called(feature, shape)
+                far = outside and not any(thing.reach for thing in made)
+                name = "" if far else called(feature, shape)
                 standing += [thing._replace(called=name) for thing in made]
             else:
                 self._pass(feature, shape, why, outside)
