@@ -133,3 +133,18 @@ def test_a_spline_too_short_to_stop_on_has_no_clearance(gap: int, speed: float, 
     assert clearance_is_known(mission) is is_known
     at_once = Mission(HOME, (takeoff(HOME, 20.0), change_speed(speed), last, return_to_launch()), Autopilot.ARDUPILOT)
     assert clearance_is_known(at_once)
+
+
+@pytest.mark.parametrize(
+    ("later", "is_known"),
+    [
+        ((), True),
+        ((Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (2.0, 8.0, -1.0, 0.0)),), True),  # the climb's
+        ((change_speed(8.0), Item(Command.DO_JUMP, Frame.MISSION, (3.0, 1.0, 0.0, 0.0))), False),
+    ],
+)
+def test_the_speed_on_such_a_spline_is_the_greatest_that_may_be(later: tuple[Item, ...], is_known: bool) -> None:
+    """The second pass of a jump flies at the later speed; the speed of climbs does not count."""
+    *way, last = (spline_waypoint(at(0, 10 * n), 20.0, 1.0 if n == 4 else 0.0) for n in range(1, 5))
+    items = (takeoff(HOME, 20.0), change_speed(3.0), *way, last, *later, return_to_launch())
+    assert clearance_is_known(Mission(HOME, items, Autopilot.ARDUPILOT)) is is_known

@@ -31,9 +31,9 @@ from ipoa_mission.world.terrain import Flat
 
 CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]
 FOLLOWING_STEP = 5.0  # [m]
+LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
 MIN_CURVE = 1e-3  # straight below [m]
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
-LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
 HOME_RADIUS = 0.5  # of a take-off at home [m]
 
 

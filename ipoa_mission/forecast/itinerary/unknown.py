@@ -8,6 +8,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
+from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, is_passed, next_navigated, program_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
@@ -91,12 +92,15 @@ def _braking_lengths(mission: Mission) -> list[float]:
     table, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
     names = table.meanings["cruise speed"], table.meanings["acceleration"]
     speed, accel = (values[name] * table.units.get(name, 1.0) for name in names)
+    changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
+    changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
+    if any(item.command in JUMPS for item in items):
+        return [max([speed, *changes.values()]) ** 2 / accel] * len(items)
     lengths, is_at_rest = list[float](), True
-    for item in items:
+    for n, item in enumerate(items):
+        speed = changes.get(n, speed)
         lengths.append(0.0 if is_at_rest else speed**2 / accel)
-        if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0:
-            speed = item.params[1]
-        elif item.command in FLOWN_TO:
+        if item.command in FLOWN_TO:
             is_at_rest = item.command in TAKEOFFS or not is_passed(item)
     return lengths
 
