@@ -276,9 +276,9 @@ def _registered() -> dict[str, Autopilot]:
     """Load the vehicle plug-ins.
 
     Raises:
-        BadInput: one cannot be imported, or is no `Autopilot`.
+        BadInput: one cannot be imported, or is no `Autopilot`; two have one name.
     """
-    found = list[Autopilot]()
+    found = dict[str, Autopilot]()
     for entry in entry_points(group="ipoa_mission.vehicles"):
         try:
             vehicle = entry.load()
@@ -286,10 +286,11 @@ def _registered() -> dict[str, Autopilot]:
             raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which fails: {error}") from error
         if not isinstance(vehicle, Autopilot):
             raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which is no Autopilot")
-        found.append(vehicle)
+        if found.setdefault(vehicle.name, vehicle) is not vehicle:
+            raise BadInput(f"expected one vehicle {vehicle.name}, not another registered as {entry.value}")
     if not found:
         raise BadInput("no vehicle is registered among the entry points", hint="install ipoa-mission again")
-    return {one.name: one for one in sorted(found, key=lambda one: (one.rank, one.name))}
+    return dict(sorted(found.items(), key=lambda named: (named[1].rank, named[0])))
 
 
 def autopilot_names() -> tuple[str, ...]:
@@ -298,7 +299,6 @@ def autopilot_names() -> tuple[str, ...]:
 
 
 def registered() -> tuple[Autopilot, ...]:
-    """Return the registered autopilots, the default first."""
     return tuple(_registered().values())
 
 

@@ -107,7 +107,7 @@ class JumpProfile:
     queues_actions: bool = False
     """Only the first action is looked up before the next navigation item, the others after it.
 
-    The counters of that moment count: an action after a finished jump comes one pass early.
+    The jump counters at that moment apply: an action after a finished jump comes one pass early.
     """
 
 

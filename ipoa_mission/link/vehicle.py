@@ -204,7 +204,7 @@ class Vehicle(RemoteVehicle):
 
         Args:
             first: index of the item of `Mission.items` to begin with.
-            progress: called with what is waited for.
+            progress: called with the reason for the wait.
             permit: raises an error if no flight may begin at this position (default: `check_start`, no scenario).
 
         Raises:

@@ -5,6 +5,7 @@ import math
 import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any, ClassVar, cast
 
@@ -37,6 +38,7 @@ from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
+from tests.refused import refuses
 
 SPEED, RADIUS = 4.0, 0.05  # [m/s], [m]
 MODES = Modes(2, 2, 1, 3, frozenset({3}), frozenset({4}), {1: "WAIT", 2: "GO", 3: "HOME", 4: "DOWN"})
@@ -307,3 +309,17 @@ def test_a_third_vehicle_goes_the_whole_way(toy: Autopilot, tmp_path: Path, run:
 
 def test_it_is_gone_again() -> None:
     assert "toy" not in map(str, registered())
+
+
+def test_two_vehicles_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    entries = [
+        EntryPoint("px4", "ipoa_mission.vehicles.px4_multicopter.vehicle:PX4_MULTICOPTER", "x"),
+        EntryPoint("px4", "ipoa_mission.vehicles.px4_multicopter.vehicle:PX4_MULTICOPTER", "x"),
+    ]
+    monkeypatch.setattr(register, "entry_points", lambda group: entries)
+    assert list(register._registered.__wrapped__()) == ["px4"]
+    other = type(Autopilot.PX4)()
+    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.vehicle.ARDUCOPTER", other)
+    entries.append(EntryPoint("px4", "ipoa_mission.vehicles.arducopter.vehicle:ARDUCOPTER", "x"))
+    with refuses("bad-input", "", "px4"):
+        register._registered.__wrapped__()
