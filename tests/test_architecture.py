@@ -247,6 +247,14 @@ def test_no_files_import_each_other_in_a_circle() -> None:
     assert not onward
 
 
+def test_a_module_runs_as_a_program_after_its_last_definition() -> None:
+    for path in FILES:
+        guards = [
+            n for n, node in enumerate(tree(path).body) if isinstance(node, ast.If) and "__main__" in ast.dump(node)
+        ]
+        assert guards in ([], [len(tree(path).body) - 1]), module(path)
+
+
 def test_no_scripts_of_the_page_import_each_other_in_a_circle() -> None:
     scripts = {path.stem: path.read_text(encoding="utf-8") for path in (PACKAGE / "studio/web").glob("*.ts*")}
     onward = {name: set(re.findall(r'from "\./([\w-]+)"', text)) - {name} for name, text in scripts.items()}

@@ -45,6 +45,7 @@ from ipoa_mission.survey.survey_flight import Survey, plan_survey
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 PROGRESS_INTERVAL_S = 0.1
+PLACE_LIMIT = 1000
 
 
 def look(order: Order, answer: Answer) -> None:
@@ -238,13 +239,6 @@ def _scenario(text: str, path: str) -> Scenario:
     return parse_scenario(text, Path(path))
 
 
-if __name__ == "__main__":
-    work(PlanWorker().jobs)
-
-
-PLACE_LIMIT = 1000
-
-
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     """Compare the log's first flight in mission mode. Raises MissionError."""
     flown = _flights(str(log))
@@ -282,3 +276,7 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
 @lru_cache(maxsize=2)
 def _flights(log: str) -> FlightLog:
     return read_flights(Path(log))
+
+
+if __name__ == "__main__":
+    work(PlanWorker().jobs)

@@ -18,6 +18,8 @@ MISSIONS = Path(__file__).parents[2] / "missions"
 @pytest.fixture
 def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    # The planner that users start, also where the fixture `running` has put the quick one.
+    monkeypatch.setattr("ipoa_mission.studio.session.PLANNER", "ipoa_mission.studio.plan_worker")
     shutil.copy(MISSIONS / "sitl.plan", tmp_path / "sitl.plan")
     sessions = Sessions()
     sessions.add(TOKEN, Lobby(tmp_path, sessions.open_file))
