@@ -84,7 +84,7 @@ class Codec:
         definition, system, component, payload = _parts(frame)
         if self.signer and not self.signer.accepts(frame, system, component) and definition.name != RADIO_STATUS:
             return None
-        if definition.name not in wire.NAMES:
+        if definition.name not in wire.LAYOUTS:
             return Heard(system, component, EVERYONE, None, frame)
         raw = definition.unpack(payload)
         target = Target(getattr(raw, "target_system", 0), getattr(raw, "target_component", 0))

@@ -1,5 +1,5 @@
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import import_module
@@ -11,7 +11,6 @@ from pymavlink.dialects import v20 as dialects
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.message_layout import Fields
 
 NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")
 
@@ -29,7 +28,7 @@ class Definition:
     def seed(self) -> bytes:
         return bytes((self.crc_extra,))
 
-    def pack(self, fields: Fields) -> bytes:
+    def pack(self, fields: Mapping[str, Any]) -> bytes:
         """Return the payload without trailing zeros; raise BadInput."""
         values: list[Any] = []
         for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import PLAIN_FRAME, Frame
+from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, LOCAL_SCALE, coordinate, degrees
+from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, coordinate, degrees, scale
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare
 
-MAX_ITEMS = 65535
 SINGLE_MAX = float(np.finfo(np.float32).max)
 PAYLOAD = np.dtype(
     [
@@ -32,15 +31,9 @@ PAYLOAD = np.dtype(
         ("mission_type", "u1"),
     ]
 )
-PAYLOAD_BYTES = PAYLOAD.itemsize
-_PAYLOAD = struct.Struct("<4f2if2H6B")
-SEQ, TARGET, MISSION_TYPE = (PAYLOAD.fields[name][1] for name in ("seq", "target", "mission_type"))  # type: ignore[index]
 #: Scale of a coordinate by frame, and the frame without its `_INT`.
-_SCALES = np.full(256, float(LOCAL_SCALE))
-_SCALES[[*GLOBAL_FRAMES]] = 1e7
-_SCALES[Frame.MISSION] = 1.0
-_PLAIN = np.arange(256, dtype=np.uint8)
-_PLAIN[[*PLAIN_FRAME]] = [*PLAIN_FRAME.values()]
+_SCALES = np.array([scale(frame) for frame in range(256)], float)
+_PLAIN = np.array([PLAIN_FRAME.get(frame, frame) for frame in range(256)], np.uint8)
 
 Payloads = NDArray[np.void]
 
@@ -50,8 +43,8 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
     packed = np.zeros(len(items), PAYLOAD)
     if not items:
         return packed
-    if len(items) > MAX_ITEMS:
-        raise BadInput(f"expected {MAX_ITEMS} items at most, as many as MAVLink can count, not {len(items)}")
+    if len(items) > 0xFFFF:
+        raise BadInput(f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(items)}")
     if any(not (0 <= item.command <= 65535 and 0 <= item.frame <= 255) for item in items):
         _refuse(items)
     numbers = np.array([(*item.params, item.altitude, item.latitude_deg, item.longitude_deg) for item in items], float)
@@ -92,9 +85,10 @@ def _refuse(items: Sequence[Item]) -> None:
 
 
 def unpack_items(data: bytes) -> tuple[Item, ...]:
+    rows = struct.iter_unpack("<4f2if2H6B", data)  # the fields of PAYLOAD
     return tuple(
         Item(command, frame, (p1, p2, p3, p4), degrees(x, frame), degrees(y, frame), z, bool(autocontinue))
-        for p1, p2, p3, p4, x, y, z, _, command, _, _, frame, _, autocontinue, _ in _PAYLOAD.iter_unpack(data)
+        for p1, p2, p3, p4, x, y, z, _, command, _, _, frame, _, autocontinue, _ in rows
     )
 
 

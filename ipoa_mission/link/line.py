@@ -10,8 +10,7 @@ from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_s
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.item_frames import ItemFrames
-from ipoa_mission.link.item_run import ItemRun
+from ipoa_mission.link.item_run import ItemFrames, ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.no_reply import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.routes import CLAIM_S, Routes

@@ -162,7 +162,7 @@ class MavsdkLine:
     def _read(self, raw: Any) -> Heard:
         target = Target(raw.target_system_id, raw.target_component_id)
         message = None
-        if raw.message_name in wire.NAMES:
+        if raw.message_name in wire.LAYOUTS:
             fields = {key: _from_json(value) for key, value in json.loads(raw.fields_json).items()}
             message = wire.read(raw.message_name, SimpleNamespace(**fields))
         return Heard(raw.system_id, raw.component_id, target, message, b"")

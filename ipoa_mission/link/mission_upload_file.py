@@ -18,7 +18,7 @@ from ipoa_mission.link.file_transfer import (
     read_file,
     write_file,
 )
-from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, pack_items, unpack_items
+from ipoa_mission.link.item_payloads import PAYLOAD, pack_items, unpack_items
 from ipoa_mission.link.mavftp import FileMessage
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
@@ -43,7 +43,7 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
         raise MissionError(words, code="wrong-format", place="mission file")
     count = HEADER.unpack_from(data)[4]
-    if len(data) != HEADER.size + count * PAYLOAD_BYTES:
+    if len(data) != HEADER.size + count * PAYLOAD.itemsize:
         message = f"expected {count} items, but it has {len(data)} bytes"
         raise MissionError(message, code="wrong-format", place="mission file")
     return unpack_items(data[HEADER.size :])

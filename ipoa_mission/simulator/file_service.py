@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.file_transfer import LIST_FILES, MISSION_FILE, file_checksum
-from ipoa_mission.link.item_payloads import PAYLOAD_BYTES
+from ipoa_mission.link.item_payloads import PAYLOAD
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
@@ -36,7 +36,7 @@ class FileService:
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
         self._offered = offered
-        self._longest = HEADER.size + most_items * PAYLOAD_BYTES
+        self._longest = HEADER.size + most_items * PAYLOAD.itemsize
         self._listed = listed
         self._replace = replace
         self._sessions: dict[Target, FileSession] = {}

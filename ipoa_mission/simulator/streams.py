@@ -18,7 +18,7 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
     SystemTime,
 )
-from ipoa_mission.link.telemetry_wire import saturated
+from ipoa_mission.link.wire import saturated
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0

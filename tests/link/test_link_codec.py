@@ -25,7 +25,7 @@ from tests.refused import refuses
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
 UNKNOWN_THERE = {m.Event, telemetry.ProtocolVersion}
-KINDS = sorted({layout.kind for layout in wire._BY_NAME.values()}, key=lambda kind: kind.__name__)
+KINDS = sorted({layout.kind for layout in wire.LAYOUTS.values()}, key=lambda kind: kind.__name__)
 
 
 def example(kind: type[m.Message]) -> m.Message:

@@ -10,9 +10,8 @@ from ipoa_mission.autopilot.commands import plain_frame
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Framer, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.item_frames import ItemFrames
-from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, first_difference, pack_items, unpack_items
-from ipoa_mission.link.item_run import ItemsRead, ItemsSent
+from ipoa_mission.link.item_payloads import PAYLOAD, first_difference, pack_items, unpack_items
+from ipoa_mission.link.item_run import ItemFrames, ItemsRead, ItemsSent
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
@@ -52,7 +51,7 @@ def test_what_is_asked_in_a_row_is_what_the_codec_asks() -> None:
     for seq in range(4):
         assert frames.take(said_by(vehicle, ItemAt(seq, ITEMS[seq])))
         assert frames.reply(NOW) == plain.encode(Request(seq + 1), VEHICLE, NOW)
-    assert [len(one) for one in kept] == [PAYLOAD_BYTES] * 4
+    assert [len(one) for one in kept] == [PAYLOAD.itemsize] * 4
     assert first_difference(ITEMS[:4], pack_items(ITEMS[:4], 0), kept, Autopilot.PX4) is None
 
 
@@ -150,7 +149,7 @@ def test_a_list_is_compared_in_bulk_as_it_is_item_by_item(
     wanted = [one for one, _ in pairs]
     got = [one if other is None else other for one, other in pairs]
     data = pack_items(got, MissionType.MISSION).tobytes()
-    stored: list[Item | bytes] = [data[n : n + PAYLOAD_BYTES] for n in range(0, len(data), PAYLOAD_BYTES)]
+    stored: list[Item | bytes] = [data[n : n + PAYLOAD.itemsize] for n in range(0, len(data), PAYLOAD.itemsize)]
     in_bulk = first_difference(wanted, pack_items(wanted, MissionType.MISSION), stored, autopilot)
     one_by_one = compare(wanted, unpack_items(data), autopilot)
     if one_by_one is None:
@@ -172,7 +171,7 @@ def test_one_item_that_came_back_otherwise_is_found_among_many() -> None:
     packed = pack_items(ITEMS, MissionType.MISSION)
     other = [*ITEMS[:4], replace(ITEMS[4], latitude_deg=ITEMS[4].latitude_deg + 1e-7), *ITEMS[5:]]
     data = pack_items(other, MissionType.MISSION).tobytes()
-    stored: list[Item | bytes] = [data[n : n + PAYLOAD_BYTES] for n in range(0, len(data), PAYLOAD_BYTES)]
+    stored: list[Item | bytes] = [data[n : n + PAYLOAD.itemsize] for n in range(0, len(data), PAYLOAD.itemsize)]
     difference = first_difference(ITEMS, packed, stored, Autopilot.PX4)
     assert difference is not None
     assert (difference.seq, difference.field) == (4, "latitude")
