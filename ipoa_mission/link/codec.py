@@ -15,17 +15,13 @@ from fastcrc.crc16 import mcrf4xx
 from ipoa_mission.link import wire
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, definition_of
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.signing import SIGNED, Signer
 
 MAGIC_1, MAGIC_2 = 0xFE, 0xFD
-SIGNED = 0x01  # incompat_flags bit
 HEADER_BYTES = 10
 SIGNATURE_BYTES = 13
 #: Start of a frame; of the MAVLink 2 flags only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
-RADIO_STATUS = "RADIO_STATUS"
-_HEADER = struct.Struct("<BBBBBBHB")  # after the magic byte
-_MAGIC_2 = bytes((MAGIC_2,))
 
 
 class Target(NamedTuple):
@@ -50,10 +46,6 @@ class Heard:
         return self.target.system in (0, system) and self.target.component in (0, component)
 
 
-def checksum(frame: bytes, crc_extra: int) -> int:
-    return mcrf4xx(frame[1:] + bytes((crc_extra,)))
-
-
 class Codec:
     def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
         self.system = system
@@ -69,24 +61,22 @@ class Codec:
 
     def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
         """`payload` has no trailing zeros."""
-        signer = self.signer
-        flags = SIGNED if signer else 0
-        number = definition.number
-        body = _HEADER.pack(
-            len(payload), flags, 0, self._sequence, self.system, self.component, number & 0xFFFF, number >> 16
-        )
-        body += payload
+        flags, number = SIGNED if self.signer else 0, definition.number
+        sender = (self._sequence, self.system, self.component)
+        body = struct.pack("<6BHB", len(payload), flags, 0, *sender, number & 0xFFFF, number >> 16) + payload
         self._sequence = (self._sequence + 1) % 256
-        frame = _MAGIC_2 + body + mcrf4xx(body + definition.seed).to_bytes(2, "little")
-        return frame if signer is None else frame + signer.signature(frame, unix_s)
+        frame = b"\xfd" + body + mcrf4xx(body + definition.seed).to_bytes(2, "little")
+        return frame if self.signer is None else frame + self.signer.signature(frame, unix_s)
 
     def decode(self, frame: bytes) -> Heard | None:
-        definition, system, component, payload = _parts(frame)
-        if self.signer and not self.signer.accepts(frame, system, component) and definition.name != RADIO_STATUS:
+        definition = DEFINITIONS[number_of(frame)]
+        (system, component), _ = numbered(frame)
+        is_radio = definition.name == "RADIO_STATUS"  # never signed
+        if self.signer and not self.signer.accepts(frame, system, component) and not is_radio:
             return None
         if definition.name not in wire.LAYOUTS:
             return Heard(system, component, EVERYONE, None, frame)
-        raw = definition.unpack(payload)
+        raw = definition.unpack(frame[6:-2] if is_old(frame) else frame[HEADER_BYTES : HEADER_BYTES + frame[1]])
         target = Target(getattr(raw, "target_system", 0), getattr(raw, "target_component", 0))
         return Heard(system, component, target, wire.read(definition.name, raw), frame)
 
@@ -106,8 +96,7 @@ class Framer:
         self._buffer += data
         at = 0
         while (start := next_magic(self._buffer, at)) >= 0:
-            length = _frame_length(self._buffer, start)
-            if length is None or start + length > len(self._buffer):
+            if not _frame_length(self._buffer, start):
                 self._buffer = self._buffer[start:]
                 return
             frame = frame_at(self._buffer, start)
@@ -139,27 +128,24 @@ def frames(data: bytes) -> Iterator[bytes]:
 
 def frame_at(data: bytes, start: int) -> bytes | None:
     """Return a known message's whole frame with the right checksum."""
-    length = _frame_length(data, start)
-    if length is None or start + length > len(data):
+    frame = data[start : start + _frame_length(data, start)]
+    definition = DEFINITIONS.get(number_of(frame)) if frame else None
+    if definition is None or (frame[1] > definition.layout.size if is_old(frame) else frame[2] & ~SIGNED):
         return None
-    is_v2 = data[start] == MAGIC_2
-    number = int.from_bytes(data[start + 7 : start + 10], "little") if is_v2 else data[start + 5]
-    definition = DEFINITIONS.get(number)
-    if definition is None or (data[start + 2] & ~SIGNED if is_v2 else data[start + 1] > definition.layout.size):
-        return None
-    frame = data[start : start + length]
-    end = length - (SIGNATURE_BYTES if is_v2 and frame[2] & SIGNED else 0)
-    is_whole = checksum(frame[: end - 2], definition.crc_extra) == int.from_bytes(frame[end - 2 : end], "little")
+    end = len(frame) - (SIGNATURE_BYTES if is_signed(frame) else 0)
+    is_whole = mcrf4xx(frame[1 : end - 2] + definition.seed) == int.from_bytes(frame[end - 2 : end], "little")
     return frame if is_whole else None
 
 
 def unknown_frame(data: bytes, start: int) -> int:
     """Return the frame's length if its message is unknown, else 0."""
     length = _frame_length(data, start)
-    if length is None or start + length > len(data):
-        return 0
-    number = int.from_bytes(data[start + 7 : start + 10], "little") if data[start] == MAGIC_2 else data[start + 5]
-    return 0 if number in DEFINITIONS else length
+    return length if length and number_of(data[start : start + length]) not in DEFINITIONS else 0
+
+
+def number_of(frame: bytes) -> int:
+    """Return the id of the frame's message."""
+    return frame[5] if is_old(frame) else int.from_bytes(frame[7:10], "little")
 
 
 def numbered(frame: bytes) -> tuple[tuple[int, int], int]:
@@ -172,10 +158,6 @@ def is_old(frame: bytes) -> bool:
     return frame[0] == MAGIC_1
 
 
-def sender_of(frame: bytes) -> int:
-    return frame[3 if is_old(frame) else 5]
-
-
 def is_signed(frame: bytes) -> bool:
     return frame[0] == MAGIC_2 and bool(frame[2] & SIGNED)
 
@@ -185,16 +167,11 @@ def next_magic(data: bytes, at: int) -> int:
     return match.start() if match else -1
 
 
-def _frame_length(data: bytes, start: int) -> int | None:
+def _frame_length(data: bytes, start: int) -> int:
+    """Return 0 unless the header and all its bytes are there."""
     if len(data) < start + 3 or data[start] not in (MAGIC_1, MAGIC_2):
-        return None
-    if data[start] == MAGIC_1:
-        return 6 + data[start + 1] + 2
-    return 10 + data[start + 1] + 2 + (SIGNATURE_BYTES if data[start + 2] & SIGNED else 0)
-
-
-def _parts(frame: bytes) -> tuple[Definition, int, int, bytes]:
-    if frame[0] == MAGIC_1:
-        return DEFINITIONS[frame[5]], frame[3], frame[4], frame[6:-2]
-    number = int.from_bytes(frame[7:10], "little")
-    return DEFINITIONS[number], frame[5], frame[6], frame[10 : 10 + frame[1]]
+        return 0
+    length = data[start + 1] + 2 + (6 if data[start] == MAGIC_1 else HEADER_BYTES)
+    if data[start] == MAGIC_2 and data[start + 2] & SIGNED:
+        length += SIGNATURE_BYTES
+    return length if start + length <= len(data) else 0

@@ -6,7 +6,7 @@ from typing import Any
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec, sender_of
+from ipoa_mission.link.codec import Codec, numbered
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
 from ipoa_mission.link.line import Line
@@ -83,7 +83,7 @@ def connect(
 
 
 def _drop_unanswered(log: Path) -> None:
-    if log.is_file() and all(sender_of(record.frame) == STATION_SYSTEM for record in read_tlog(log)):
+    if log.is_file() and all(numbered(record.frame)[0][0] == STATION_SYSTEM for record in read_tlog(log)):
         log.unlink()
 
 

@@ -1,7 +1,9 @@
+"""MAVLink's messages by number and name: pymavlink's dialects, and newer messages and fields of PX4."""
+
 import struct
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from dataclasses import dataclass
+from functools import cached_property
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType, SimpleNamespace
@@ -11,8 +13,6 @@ from pymavlink.dialects import v20 as dialects
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.errors import BadInput
-
-NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Definition:
     def pack(self, fields: Mapping[str, Any]) -> bytes:
         """Return the payload without trailing zeros; raise BadInput."""
         values: list[Any] = []
-        for name, length, blank in zip(self.names, self.lengths, self._blanks(), strict=True):
+        for name, length, blank in zip(self.names, self.lengths, self._blanks, strict=True):
             value = fields.get(name, blank)
             values.extend(value) if length > 1 else values.append(value)
         try:
@@ -51,14 +51,9 @@ class Definition:
             at += length
         return SimpleNamespace(**fields)
 
+    @cached_property
     def _blanks(self) -> tuple[Any, ...]:
-        return _blanks(self.number)
-
-
-@cache
-def _blanks(number: int) -> tuple[Any, ...]:
-    fields = vars(DEFINITIONS[number].unpack(b""))
-    return tuple(fields.values())
+        return tuple(vars(self.unpack(b"")).values())
 
 
 _PX4_DEFINITIONS = (
@@ -82,31 +77,22 @@ _PX4_DEFINITIONS = (
         160,
     ),
 )
-#: Extension fields newer than the stable dialects: 32-bit numbers.
-_ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
-
-
-def _extended(definition: Definition) -> Definition:
-    new = tuple(name for name in _ADDED.get(definition.name, ()) if name not in definition.names)
-    return replace(
-        definition,
-        layout=struct.Struct(definition.layout.format + "I" * len(new)),
-        names=definition.names + new,
-        lengths=definition.lengths + (1,) * len(new),
-    )
 
 
 def _definitions(dialect: ModuleType) -> Iterator[Definition]:
+    # extension fields newer than the stable dialects: 32-bit numbers
+    added = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
     for kind in dialect.mavlink_map.values():
-        names, kinds = tuple(kind.ordered_fieldnames), dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
-        lengths = tuple(1 if kinds[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
-        layout = struct.Struct(kind.unpacker.format)
-        yield _extended(Definition(kind.id, kind.msgname, layout, names, lengths, kind.crc_extra))
+        names, types = tuple(kind.ordered_fieldnames), dict(zip(kind.fieldnames, kind.fieldtypes, strict=True))
+        lengths = tuple(1 if types[name] == "char" else n for name, n in zip(names, kind.lengths, strict=True))
+        new = tuple(name for name in added.get(kind.msgname, ()) if name not in names)
+        layout = struct.Struct(kind.unpacker.format + "I" * len(new))
+        yield Definition(kind.id, kind.msgname, layout, names + new, lengths + (1,) * len(new), kind.crc_extra)
 
 
-_IN_USE = [ardupilotmega]
-DEFINITIONS = {one.number: one for one in (*_PX4_DEFINITIONS, *_definitions(ardupilotmega))}
-_NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.values()}
+_DIALECTS = [ardupilotmega]
+DEFINITIONS = {definition.number: definition for definition in (*_PX4_DEFINITIONS, *_definitions(ardupilotmega))}
+_BY_NAME = {definition.name: definition for definition in DEFINITIONS.values()}
 
 
 def add_dialect(dialect: str | ModuleType) -> None:
@@ -123,21 +109,21 @@ def add_dialect(dialect: str | ModuleType) -> None:
         >>> add_dialect("storm32")
     """
     module = _dialect(dialect) if isinstance(dialect, str) else dialect
-    new = {one.number: one for one in _definitions(module)}
-    for number, one in new.items():
-        known = DEFINITIONS.get(number)
-        if known is not None and (known.name, known.crc_extra) != (one.name, one.crc_extra):
-            raise BadInput(f"its message {number} is {one.name}, which is {known.name} here", place="dialect")
-    for number, one in new.items():
-        DEFINITIONS.setdefault(number, one)
-        _NUMBERS.setdefault(one.name, number)
-    if module not in _IN_USE:
-        _IN_USE.append(module)
+    new = list(_definitions(module))
+    for message in new:
+        known = DEFINITIONS.get(message.number, message)
+        if (known.name, known.crc_extra) != (message.name, message.crc_extra):
+            words = f"its message {message.number} is {message.name}, which is {known.name} here"
+            raise BadInput(words, place="dialect")
+    for message in new:
+        _BY_NAME.setdefault(message.name, DEFINITIONS.setdefault(message.number, message))
+    if module not in _DIALECTS:
+        _DIALECTS.append(module)
 
 
 def dialect_of(number: int) -> Any:
     """Return pymavlink's module with this message; raise BadInput."""
-    for module in _IN_USE:
+    for module in _DIALECTS:
         if number in module.mavlink_map:
             return module
     raise BadInput("expected one of a dialect that is in use", code="unknown-dialect", place=f"message {number}")
@@ -147,13 +133,13 @@ def _dialect(name: str) -> ModuleType:
     try:
         return import_module(f"pymavlink.dialects.v20.{name}")
     except ImportError:
-        there = sorted(one.name for one in iter_modules(dialects.__path__))
+        names = ", ".join(sorted(module.name for module in iter_modules(dialects.__path__)))
         words = f"expected one of pymavlink's, not {name!r}"
-        raise BadInput(words, hint=", ".join(there), code="unknown-dialect", place="dialect") from None
+        raise BadInput(words, hint=names, code="unknown-dialect", place="dialect") from None
 
 
 def message_number(name: str) -> int:
-    return _NUMBERS[name]
+    return _BY_NAME[name].number
 
 
 def message_name(number: int) -> str | None:
@@ -168,8 +154,9 @@ def params_in_words(command: int) -> dict[int, str]:
     """
     known = ardupilotmega.enums["MAV_CMD"].get(command)
     described = {} if known is None else known.param
-    return {number: words for number, words in sorted(described.items()) if words and not words.startswith(NOT_USED)}
+    unused = ("Empty", "Reserved", "empty", "reserved", "Unused")
+    return {number: words for number, words in sorted(described.items()) if words and not words.startswith(unused)}
 
 
 def definition_of(name: str) -> Definition:
-    return DEFINITIONS[_NUMBERS[name]]
+    return _BY_NAME[name]

@@ -9,10 +9,11 @@ from typing import TypeAlias
 
 from fastcrc.crc16 import mcrf4xx
 
-from ipoa_mission.link.codec import HEADER_BYTES, MAGIC_2, SIGNATURE_BYTES, SIGNED, Codec, Target
+from ipoa_mission.link.codec import HEADER_BYTES, MAGIC_2, SIGNATURE_BYTES, Codec, Target
 from ipoa_mission.link.definitions import definition_of
 from ipoa_mission.link.item_payloads import PAYLOAD, Payloads, pack_items
 from ipoa_mission.link.messages import Message, Request
+from ipoa_mission.link.signing import SIGNED
 from ipoa_mission.mission.items import Item
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime
+from ipoa_mission.link.codec import number_of
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
 from ipoa_mission.link.messages import Message
 
@@ -59,8 +60,7 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
 
 
 def as_pymavlink(frame: bytes) -> Any:
-    number = int.from_bytes(frame[7:10], "little") if frame[0] == 0xFD else frame[5]
-    return dialect_of(number).MAVLink(None).decode(bytearray(frame))
+    return dialect_of(number_of(frame)).MAVLink(None).decode(bytearray(frame))
 
 
 def own_line(line: object) -> "Line":

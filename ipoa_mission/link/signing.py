@@ -10,21 +10,24 @@ import logging
 import os
 import re
 import stat
+import sys
+import weakref
 from enum import StrEnum
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, TooLarge, Unreadable
-from ipoa_mission.link.timestamps import Timestamps, own_timestamps
+from ipoa_mission.errors import BadInput, TooLarge, Unreadable, Unwritable
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
 
 log = logging.getLogger(__name__)
 EPOCH_2015_S = 1_420_070_400
 TICKS_PER_S = 100_000
 NEW_STREAM_TICKS = 60 * TICKS_PER_S  # may be this far behind us
-RESERVE_TICKS = TICKS_PER_S  # the file's lead while in use
-SIGNED_FLAG = 0x01
-KEY_BYTES = 32
+SIGNED = 0x01  # incompat_flags bit
 MAX_SIGNERS = 16
-_HEXADECIMAL = re.compile(rb"\s*([0-9a-fA-F]{64})\s*")
 
 
 def read_key(path: str | Path) -> bytes:
@@ -46,10 +49,10 @@ def key_of(secret: str | bytes) -> bytes:
     `secret`: 64 hexadecimal digits, 32 bytes that are not text, or a passphrase (SHA-256 without its line end).
     """
     raw = secret.encode("utf-8", "surrogateescape") if isinstance(secret, str) else secret
-    if digits := _HEXADECIMAL.fullmatch(raw):
+    if digits := re.fullmatch(rb"\s*([0-9a-fA-F]{64})\s*", raw):
         return bytes.fromhex(digits[1].decode())
     is_text = _is_text(raw)
-    if len(raw) == KEY_BYTES and not is_text:
+    if len(raw) == 32 and not is_text:
         return raw
     words = raw.rstrip(b"\r\n")
     if not is_text or not words.strip():
@@ -69,6 +72,26 @@ class Doubt(StrEnum):
     UNSIGNED = "unsigned"
     FOREIGN = "foreign"  # another key
     STALE = "stale"  # our key, but not newer than the last frame
+
+
+class Timestamps:
+    """Store the last signed timestamp in a file of one process."""
+
+    DIGITS = 20
+
+    def __init__(self, path: Path, file: int, last: int) -> None:
+        self.last = last
+        self._path = path
+        self._file = file
+        self.close = weakref.finalize(self, os.close, file)  # also if the owner forgot to close
+
+    def keep(self, last: int) -> None:
+        """A full disk only warns: it must not end a flight."""
+        try:
+            os.lseek(self._file, 0, os.SEEK_SET)
+            os.write(self._file, b"%0*d\n" % (self.DIGITS, last))
+        except OSError as error:
+            log.warning("%s: cannot be written: %s; signing may be refused next time", self._path, error.strerror)
 
 
 class Signer:
@@ -95,7 +118,7 @@ class Signer:
             )
         self._last = max(self._last + 1, clock)
         if self._timestamps and self._last >= self._mark:
-            self._mark = self._last + RESERVE_TICKS
+            self._mark = self._last + TICKS_PER_S  # one second ahead in use: a crash repeats no timestamp
             self._timestamps.keep(self._mark)
         stamp = bytes((self.link_id,)) + self._last.to_bytes(6, "little")
         return stamp + self._digest(frame + stamp)
@@ -114,7 +137,7 @@ class Signer:
         return doubt is None
 
     def _doubt(self, frame: bytes, system: int, component: int) -> Doubt | None:
-        if frame[0] != 0xFD or not frame[2] & SIGNED_FLAG:
+        if frame[0] != 0xFD or not frame[2] & SIGNED:
             return Doubt.UNSIGNED
         if not hmac.compare_digest(self._digest(frame[:-6]), frame[-6:]):
             return Doubt.FOREIGN
@@ -137,7 +160,37 @@ def persistent_signer(key: bytes, path: str | Path) -> Signer:
     """
     path = Path(path)
     for link_id in range(MAX_SIGNERS):
-        timestamps = own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
+        timestamps = _own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
         if timestamps is not None:
             return Signer(key, link_id, timestamps)
     raise TooLarge(f"expected no more than {MAX_SIGNERS} processes that sign at the same time", place=path)
+
+
+def _own_timestamps(path: Path) -> Timestamps | None:
+    """None while another process owns the file. Raise BadInput."""
+    try:
+        file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
+    except OSError as error:
+        raise Unwritable(f"cannot be opened: {error.strerror}", place=path) from error
+    try:
+        _lock(file)
+        words = os.read(file, Timestamps.DIGITS + 2).strip()
+    except (BlockingIOError, PermissionError):  # on Linux, on Windows
+        os.close(file)
+        return None
+    except OSError as error:
+        os.close(file)
+        raise Unwritable(f"cannot be locked: {error.strerror}", place=path) from error
+    if words and not (words.isdigit() and int(words) < 2**48):  # six bytes on the wire
+        os.close(file)
+        raise BadInput(f"expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}", place=path)
+    return Timestamps(path, file, int(words or b"0"))
+
+
+def _lock(file: int) -> None:
+    if sys.platform == "win32":
+        os.lseek(file, 1_000_000, os.SEEK_SET)  # Windows forbids reading locked bytes
+        msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
+        os.lseek(file, 0, os.SEEK_SET)
+    else:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)

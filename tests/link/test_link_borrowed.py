@@ -75,6 +75,6 @@ def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_a_dialect_is_added_once() -> None:
     add_dialect("ardupilotmega")
-    in_use = list(definitions._IN_USE)
+    in_use = list(definitions._DIALECTS)
     add_dialect(ardupilotmega)
-    assert in_use == definitions._IN_USE
+    assert in_use == definitions._DIALECTS

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.link.codec import sender_of
+from ipoa_mission.link.codec import numbered
 from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
@@ -24,9 +24,9 @@ def bare(kind: type[Any], **fields: Any) -> Any:
     return made
 
 
-def test_the_sender_of_a_frame_is_read_in_both_versions() -> None:
-    assert sender_of(bytes((0xFE, 0, 0, 7, 1, 0))) == 7
-    assert sender_of(bytes((0xFD, 0, 0, 0, 0, 9, 1, 0, 0, 0))) == 9
+def test_the_sender_and_number_of_a_frame_are_read_in_both_versions() -> None:
+    assert numbered(bytes((0xFE, 0, 3, 7, 1, 0))) == ((7, 1), 3)
+    assert numbered(bytes((0xFD, 0, 0, 0, 3, 9, 1, 0, 0, 0))) == ((9, 1), 3)
 
 
 def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(tmp_path: Path) -> None:

@@ -15,11 +15,11 @@ from tests.refused import refuses
 @pytest.fixture
 def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Restore the table after a test."""
-    monkeypatch.setattr(definitions, "_IN_USE", [ardupilotmega])
-    tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
+    monkeypatch.setattr(definitions, "_DIALECTS", [ardupilotmega])
+    tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._BY_NAME]
     before = [dict(table) for table in tables]
     new = {one.number: one for one in (*definitions._PX4_DEFINITIONS, *definitions._definitions(ardupilotmega))}
-    first: tuple[dict[Any, Any], ...] = (new, {one.name: number for number, one in new.items()})
+    first: tuple[dict[Any, Any], ...] = (new, {one.name: one for one in new.values()})
     for table, one in zip(tables, first, strict=True):
         table.clear()
         table.update(one)

@@ -221,7 +221,7 @@ def test_a_timestamp_that_cannot_be_locked_is_bad_input(tmp_path: Path, monkeypa
     def refuse(*_: object) -> None:
         raise OSError(95, "Operation not supported")
 
-    monkeypatch.setattr("ipoa_mission.link.timestamps._lock", refuse)
+    monkeypatch.setattr("ipoa_mission.link.signing._lock", refuse)
     with refuses("unwritable", "stamp"):
         persistent_signer(bytes(32), tmp_path / "stamp")
 
