@@ -26,7 +26,7 @@ from ipoa_mission.forecast.timing.estimate import Estimate as Estimate
 from ipoa_mission.forecast.timing.estimate import ItemTime as ItemTime
 from ipoa_mission.link.channel import LinkDown as LinkDown
 from ipoa_mission.link.connect import connect as connect
-from ipoa_mission.link.consistent_download import KeepsChanging as KeepsChanging
+from ipoa_mission.link.conversations import KeepsChanging as KeepsChanging
 from ipoa_mission.link.conversations import MissionRefused as MissionRefused
 from ipoa_mission.link.definitions import add_dialect as add_dialect
 from ipoa_mission.link.dialogue import Cancelled as Cancelled

@@ -1,15 +1,16 @@
-"""The mission service: `offer` and `fetch` are the two ends of a transfer."""
+"""The mission service: `offer` and `fetch` are the two ends of a transfer; `download` detects changes meanwhile."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TypeVar
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, Tell, TimeUp
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
-from ipoa_mission.link.item_payloads import Payloads
+from ipoa_mission.link.item_payloads import Payloads, as_items
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
+from ipoa_mission.link.mavftp import list_checksum
 from ipoa_mission.link.messages import (
     INFO,
     Ack,
@@ -27,8 +28,6 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
-T = TypeVar("T")
-Answer = TypeVar("Answer", Ack, Count)
 Take = Callable[[int, ItemAt], int]
 
 #: Refusals after which a vehicle may still ask: PX4 answers a second COUNT or a stray item with ERROR, ArduPilot a
@@ -36,10 +35,6 @@ Take = Callable[[int, ItemAt], int]
 DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
 #: Both firmwares repeat their request within a second [s].
 REFUSAL_TIMEOUT_S = 3.0
-#: After it the read-back decides [s].
-FINAL_ACK_TIMEOUT_S = 3.0
-#: For words that explain a refusal [s].
-REASON_TIMEOUT_S = 0.3
 
 
 class MissionRefused(MissionError):
@@ -52,9 +47,8 @@ class MissionRefused(MissionError):
 
 
 def list_name(kind: int) -> str:
-    return {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}.get(
-        MissionType(kind) if kind in set(MissionType) else MissionType.ALL, "lists"
-    )
+    names = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
+    return names.get(MissionType(kind), "lists") if kind in set(MissionType) else "lists"
 
 
 @dataclass
@@ -129,7 +123,7 @@ def offer(
                 step = Tell(ItemAt(seq, items[seq], kind), run if in_order else None)
                 if in_order and seq == last:
                     yield Remark(step.message)
-                    step = Pause(FINAL_ACK_TIMEOUT_S)
+                    step = Pause(3.0)  # after it the read-back decides
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if run.at == last or not in_order:
                     asked(len(items))
@@ -203,8 +197,8 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
     total = yield from open_list(kind)
     idle = 0
 
-    def keep(one: Item | bytes) -> None:
-        stored.append(one)
+    def keep(item: Item | bytes) -> None:
+        stored.append(item)
         count(progress, len(stored), total)
 
     def take(seq: int, heard: ItemAt) -> int:
@@ -233,17 +227,17 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
 def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
     """Raise `silence` if nobody answers, and MissionRefused, as ArduPilot does while another station uploads."""
     try:
-        answer = yield from _answered(RequestList(kind), Count)
+        return (yield from _answered(RequestList(kind)))
     except NoAnswer as still:
         raise silence or still from None
-    return answer.count
 
 
 def clear(kind: int) -> Dialogue[None]:
-    yield from _answered(ClearAll(kind), Ack)
+    yield from _answered(ClearAll(kind))
 
 
-def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogue[Answer]:
+def _answered(question: RequestList | ClearAll) -> Dialogue[int]:
+    """Return the number of items that are left to transfer."""
     step: Step = Ask(question)
     texts = VehicleTexts()
     while True:
@@ -253,14 +247,62 @@ def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogu
             case Ack(result, question.kind) if result not in (Result.ACCEPTED, *DOUBTFUL_REFUSALS):
                 yield from listen_for_words(texts)
                 raise MissionRefused(result, question.kind, words=str(texts))
-            case Ack(Result.ACCEPTED, question.kind) | Count(_, question.kind) if isinstance(heard, answer):
-                return heard
+            case Ack(Result.ACCEPTED, question.kind) if isinstance(question, ClearAll):
+                return 0
+            case Count(total, question.kind) if isinstance(question, RequestList):
+                return total
             case _:
                 texts.note(heard)
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    heard: Message | None = yield Pause(REASON_TIMEOUT_S)
+    heard: Message | None = yield Pause(0.3)
     while heard is not None:
         texts.note(heard)
         heard = yield None
+
+
+READ_ATTEMPTS = 5
+
+
+class KeepsChanging(MissionError):
+    """The vehicle holds what was sent, but keeps reporting another list."""
+
+    def __init__(self, kind: int) -> None:
+        super().__init__(
+            f"the vehicle reports another {list_name(kind)} each time that its list is read",
+            hint="is another station uploading? upload again when it is done",
+        )
+
+
+def read_consistent(
+    kind: int, numbers: Iterator[int] | None, progress: Progress = silent
+) -> Dialogue[tuple[list[Item | bytes], int]]:
+    """Return the list and its checksum (0: none), equal before and after the reading.
+
+    Without `numbers` for the checksum, a change goes unnoticed.
+
+    Raises:
+        KeepsChanging: the list differed each time.
+        MissionRefused, NoAnswer.
+    """
+    before = None
+    if numbers is not None:
+        with suppress(NoAnswer):
+            before = yield from list_checksum(kind, numbers)
+    for _ in range(READ_ATTEMPTS):
+        stored = yield from read_list(kind, progress)
+        if before is None or numbers is None:
+            return stored, 0
+        after = yield from list_checksum(kind, numbers)
+        if after == before:
+            return stored, after
+        before = after
+    raise KeepsChanging(kind)
+
+
+def download(
+    kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
+) -> Dialogue[tuple[Item, ...]]:
+    stored, _ = yield from read_consistent(kind, numbers, progress)
+    return as_items(stored)

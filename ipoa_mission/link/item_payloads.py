@@ -92,6 +92,10 @@ def unpack_items(data: bytes) -> tuple[Item, ...]:
     )
 
 
+def as_items(stored: Sequence[Item | bytes]) -> tuple[Item, ...]:
+    return tuple(item if isinstance(item, Item) else unpack_items(item)[0] for item in stored)
+
+
 def first_difference(
     sent: Sequence[Item], packed: Payloads, stored: Sequence[Item | bytes], autopilot: Autopilot
 ) -> Difference | None:
@@ -107,7 +111,7 @@ def first_difference(
     is_same[payloads] = _same(packed[payloads], got)
     # ArduPilot's home is recognized by index 0
     compared = [n for n in range(len(sent)) if n == 0 or not is_same[n]]
-    others = tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in (stored[n] for n in compared))
+    others = as_items([stored[n] for n in compared])
     difference = compare([sent[n] for n in compared], others, autopilot)
     if difference is None or difference.seq is None:
         return difference

@@ -2,13 +2,13 @@ import logging
 import math
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import Protocol
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, Tempo, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, T, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_run import ItemFrames, ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
@@ -18,7 +18,6 @@ from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.vehicle_state import NotFlown
 
 log = logging.getLogger(__name__)
-T = TypeVar("T")
 HEARTBEAT_S = 1.0
 NOTICE_S = 0.1  # until Ctrl-C is noticed
 MAV_TYPE_GCS = 6

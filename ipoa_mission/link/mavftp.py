@@ -1,8 +1,13 @@
 import struct
+import zlib
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
-from ipoa_mission.link.messages import FileTransfer
+from ipoa_mission.errors import MissionError
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
+from ipoa_mission.link.messages import FileTransfer, Message, MissionType
+from ipoa_mission.progress import Progress, count, silent
 
 HEADER = struct.Struct("<HBBBBBBI")
 LONGEST_DATA = 251 - HEADER.size
@@ -46,12 +51,15 @@ class FileMessage:
     size: int | None = None  # bytes to read, of READ_FILE
     ends_burst: bool = False
 
+    @property
+    def checksum(self) -> int | None:
+        """None if it is unsupported."""
+        return int.from_bytes(self.data[:4], "little") if self.opcode == Opcode.ACK else None
+
     def pack(self) -> FileTransfer:
         size = len(self.data) if self.size is None else self.size
-        head = HEADER.pack(
-            self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0, self.offset
-        )
-        return FileTransfer((head + self.data).ljust(251, b"\0"))
+        numbers = (self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0)
+        return FileTransfer((HEADER.pack(*numbers, self.offset) + self.data).ljust(251, b"\0"))
 
 
 def unpack(message: FileTransfer) -> FileMessage:
@@ -62,6 +70,104 @@ def unpack(message: FileTransfer) -> FileMessage:
 
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:
-    return FileMessage(
-        (question.sequence + 1) & 0xFFFF, Opcode.NAK, question.session, question.opcode, 0, bytes((error,))
-    )
+    sequence = (question.sequence + 1) & 0xFFFF
+    return FileMessage(sequence, Opcode.NAK, question.session, question.opcode, 0, bytes((error,)))
+
+
+MISSION_FILE = "@MISSION/mission.dat"
+LIST_FILES: Mapping[int, str] = {
+    MissionType.MISSION: MISSION_FILE,
+    MissionType.FENCE: "@MISSION/fence.dat",
+    MissionType.RALLY: "@MISSION/rally.dat",
+}
+
+
+class FileRefused(MissionError):
+    pass
+
+
+def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
+    """The returned message closes the file; raise FileRefused or NoAnswer."""
+    session = yield from _open_session(Opcode.CREATE_FILE, path, "create")
+    sequence = 4
+    for at in range(0, len(data), LONGEST_DATA):
+        piece = data[at : at + LONGEST_DATA]
+        question = FileMessage(sequence, Opcode.WRITE_FILE, session, offset=at, data=piece)
+        yield from ask_of_file(question, f"write {path}")
+        sequence = sequence + 2 & 0xFFFF
+        count(progress, at + len(piece), len(data))
+    return FileMessage(sequence, Opcode.TERMINATE_SESSION, session)
+
+
+def _open_session(opcode: Opcode, path: str, verb: str) -> Dialogue[int]:
+    yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
+    opened = yield from ask_of_file(FileMessage(2, opcode, data=path.encode()), f"{verb} {path}")
+    return opened.session
+
+
+def read_file(path: str) -> Dialogue[bytes]:
+    session = yield from _open_session(Opcode.OPEN_FILE_RO, path, "open")
+    data = b""
+    sequence = 4
+    while True:
+        question = FileMessage(sequence, Opcode.READ_FILE, session, offset=len(data), size=LONGEST_DATA)
+        answer = yield from ask_of_file(question, f"read {path}", may_end=True)
+        sequence = sequence + 2 & 0xFFFF
+        if answer.opcode == Opcode.NAK or not answer.data:
+            break
+        data += answer.data
+    yield from ask_of_file(FileMessage(sequence, Opcode.TERMINATE_SESSION, session), f"close {path}")
+    return data
+
+
+def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
+    """Return the checksum of a list with home, None if unsupported; raise NoAnswer.
+
+    Each question takes a new sequence number: a repeated one gets its old answer.
+    """
+    asked: set[int] = set()
+    for seconds in (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8:
+        yield Remark(checksum_question(kind, numbers, asked))
+        heard = yield Pause(seconds)
+        while heard is not None:
+            if (answer := checksum_answer(heard, asked)) is not None:
+                return answer.checksum
+            heard = yield None
+    raise NoAnswer(f"the vehicle does not answer when asked for the checksum of {LIST_FILES[kind]}")
+
+
+def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> FileTransfer:
+    """Add the answer's number to `asked`."""
+    question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=LIST_FILES[kind].encode())
+    asked.add((question.sequence + 1) & 0xFFFF)
+    return question.pack()
+
+
+def checksum_answer(heard: Message, asked: set[int]) -> FileMessage | None:
+    answer = unpack(heard) if isinstance(heard, FileTransfer) else None
+    is_ours = answer is not None and answer.sequence in asked and answer.request == Opcode.CALC_FILE_CRC32
+    return answer if is_ours else None
+
+
+def file_checksum(data: bytes) -> int:
+    """ArduPilot's CRC-32 with initial value 0 and no final XOR."""
+    return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
+    """Raise FileRefused or NoAnswer."""
+    step: Step = Ask(question.pack(), item=True)
+    while True:
+        try:
+            heard = yield step
+        except NoAnswer:
+            raise NoAnswer(f"the vehicle does not answer when asked to {what}") from None
+        step = None
+        if not isinstance(heard, FileTransfer):
+            continue
+        answer = unpack(heard)
+        if answer.sequence != (question.sequence + 1) & 0xFFFF or answer.request != question.opcode:
+            continue
+        if answer.opcode == Opcode.ACK or (may_end and answer.data[:1] == bytes((FileError.END_OF_FILE,))):
+            return answer
+        raise FileRefused(f"the vehicle would not {what} (error {answer.data[0] if answer.data else 0})")

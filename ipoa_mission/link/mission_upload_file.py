@@ -7,10 +7,12 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging
+from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
-from ipoa_mission.link.file_transfer import (
+from ipoa_mission.link.item_payloads import PAYLOAD, pack_items, unpack_items
+from ipoa_mission.link.mavftp import (
     MISSION_FILE,
+    FileMessage,
     FileRefused,
     ask_of_file,
     file_checksum,
@@ -18,8 +20,6 @@ from ipoa_mission.link.file_transfer import (
     read_file,
     write_file,
 )
-from ipoa_mission.link.item_payloads import PAYLOAD, pack_items, unpack_items
-from ipoa_mission.link.mavftp import FileMessage
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.mission.items import Item
@@ -27,13 +27,12 @@ from ipoa_mission.progress import Progress, count, silent
 
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
-TARGET = (1, 1)
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
     """Wire form: home first. Raise BadInput."""
     packed = pack_items(items, kind)
-    packed["target"] = TARGET
+    packed["target"] = (1, 1)
     return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + packed.tobytes()
 
 

@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import KeepsChanging, read_consistent
-from ipoa_mission.link.conversations import MissionRefused, list_name, open_list
+from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Remark, until
-from ipoa_mission.link.file_transfer import checksum_in, checksum_question, list_checksum
+from ipoa_mission.link.mavftp import checksum_answer, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
@@ -104,9 +103,10 @@ class ListWatcher:
         holding, numbers = self._holding, self._holding.job.numbers
         if holding.changed or numbers is None:
             return
-        if (checksum := checksum_in(heard, self._asked)) is not None:
+        answer = checksum_answer(heard, self._asked)
+        if answer is not None and answer.checksum is not None:
             self._asked.clear()
-            if checksum != holding.list_id:
+            if answer.checksum != holding.list_id:
                 yield from self._read_again()
         elif now_s >= self._due_s:
             self._due_s = now_s + CHECK_INTERVAL_S

@@ -1,19 +1,17 @@
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, Self, TypeVar
+from typing import Any, Self
 
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, Tempo
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
-
-T = TypeVar("T")
 
 
 class RemoteVehicle:

@@ -1,8 +1,7 @@
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.file_transfer import MISSION_FILE
-from ipoa_mission.link.mavftp import Opcode, unpack
+from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,

@@ -5,14 +5,16 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
     DOUBTFUL_REFUSALS,
+    READ_ATTEMPTS,
+    KeepsChanging,
     MissionRefused,
     VehicleTexts,
     list_name,
     observed,
     offer,
+    read_consistent,
     read_list,
 )
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait

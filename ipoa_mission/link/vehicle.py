@@ -13,7 +13,7 @@ from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link import consistent_download, conversations, orders
+from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.departure import (
@@ -28,11 +28,11 @@ from ipoa_mission.link.departure import (
 )
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, await_booted
-from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.flight_order import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import FlightRecord, Logbook, Observer, watch
+from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.mode_watch import ModeWatch
@@ -162,7 +162,7 @@ class Vehicle(RemoteVehicle):
         """Return the list of MAV_MISSION_TYPE `kind` in wire form."""
         with self._in_time():
             self._await_ready()
-            return self._hold(consistent_download.download(kind, progress, self._checksum_numbers()))
+            return self._hold(conversations.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Clear a list; 255: each one, because ArduPilot does not support "all"."""

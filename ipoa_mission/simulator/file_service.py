@@ -5,9 +5,18 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.file_transfer import LIST_FILES, MISSION_FILE, file_checksum
 from ipoa_mission.link.item_payloads import PAYLOAD
-from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
+from ipoa_mission.link.mavftp import (
+    LIST_FILES,
+    LONGEST_DATA,
+    MISSION_FILE,
+    FileError,
+    FileMessage,
+    Opcode,
+    file_checksum,
+    nak,
+    unpack,
+)
 from ipoa_mission.link.messages import FileTransfer, MissionType
 from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
 from ipoa_mission.mission.items import Item

@@ -16,8 +16,7 @@ from typing import Any
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Target
-from ipoa_mission.link.consistent_download import download
-from ipoa_mission.link.conversations import clear, offer
+from ipoa_mission.link.conversations import clear, download, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file

@@ -5,13 +5,13 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import (
     REFUSAL_TIMEOUT_S,
     MissionRefused,
     RequestStyle,
     VehicleTexts,
     clear,
+    download,
     fetch,
     list_name,
     offer,

@@ -12,18 +12,22 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.consistent_download import KeepsChanging
+from ipoa_mission.link.conversations import KeepsChanging
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
-from ipoa_mission.link.file_transfer import (
+from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.mavftp import (
+    LONGEST_DATA,
     MISSION_FILE,
+    FileError,
+    FileMessage,
+    Opcode,
     file_checksum,
     list_checksum,
     read_file,
+    unpack,
     write_file,
 )
-from ipoa_mission.link.line import Line, converse
-from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.mission_upload_file import pack_mission, unpack_mission, upload_by_file
 from ipoa_mission.link.onboard_list import prove

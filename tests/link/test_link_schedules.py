@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import download
-from ipoa_mission.link.conversations import offer
+from ipoa_mission.link.conversations import download, offer
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload

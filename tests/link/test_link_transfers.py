@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.link.file_transfer import MISSION_FILE
-from ipoa_mission.link.mavftp import FileMessage, Opcode
+from ipoa_mission.link.mavftp import MISSION_FILE, FileMessage, Opcode
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
 from ipoa_mission.link.mission_upload_file import pack_mission
 from ipoa_mission.link.transfers import Items, Transfers

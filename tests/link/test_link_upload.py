@@ -2,7 +2,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import download
+from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     Ack,

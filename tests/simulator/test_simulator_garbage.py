@@ -23,13 +23,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
-from ipoa_mission.link.consistent_download import download
-from ipoa_mission.link.conversations import clear
+from ipoa_mission.link.conversations import clear, download
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.events import event_number
-from ipoa_mission.link.file_transfer import read_file
-from ipoa_mission.link.mavftp import FileMessage, Opcode
+from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
 from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.orders import parameters, set_current
 from ipoa_mission.link.signing import Signer
