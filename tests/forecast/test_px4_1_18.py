@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.px4_multicopter.timing import Flights
+from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 
@@ -61,10 +61,9 @@ def test_without_a_hold_it_flies_away_and_the_model_says_so() -> None:
 
 
 def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:
-    mission = forecast(FLIGHTS[0]).mission
+    mission = replace(forecast(FLIGHTS[0]).mission, parameters={})
     items = (replace(item, params=(*item.params[:1], 0.0, *item.params[2:])) for item in mission.items)
     itinerary = Forecast(replace(mission, items=tuple(items)), None).itinerary
-    radii = [
-        {order.radius for order in Flights(itinerary, {}, version=v).orders[2:4]} for v in (VERSION, Version(1, 17))
-    ]
+    missions = (replace(mission, firmware_version=version) for version in (VERSION, Version(1, 17)))
+    radii = [{order.radius for order in Flights(itinerary, one).orders[2:4]} for one in missions]
     assert radii == [{10.0}, {2.0}]

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.vehicles.px4_multicopter.timing import Flights
+from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 
 FOLDER = Path(__file__).parents[1] / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]
@@ -24,7 +24,7 @@ PLACE = 245.0  # east of home, 24 m past the crest [m]
 @pytest.fixture(scope="module")
 def flights() -> Flights:
     mission = replace(read_mission(FOLDER / "mission.plan", Autopilot.PX4), firmware_version=Version(1, 17))
-    return Flights(Forecast(mission, None).itinerary, mission.parameters, version=Version(1, 17))
+    return Flights(Forecast(mission, None).itinerary, mission)
 
 
 def slowest(track: Points) -> float:

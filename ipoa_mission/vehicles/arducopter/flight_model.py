@@ -1,16 +1,45 @@
-from collections.abc import Mapping
+"""Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics; and its deviation law."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
+from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
-from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
+from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
-from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.forecast.timing.prediction import Prediction, corner_deg, slow_because
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
-from ipoa_mission.vehicles.arducopter.limits import CopterLimits, copter_limits
-from ipoa_mission.vehicles.arducopter.timing import fly_aborted, fly_arducopter
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
+from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT, STRAIGHT
+from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
+    LANDINGS,
+    circle,
+    land,
+    landing_place,
+    loiter_to_alt,
+    payload_place,
+    return_home,
+)
+from ipoa_mission.vehicles.arducopter.limits import (
+    ARMING_DELAY_S,
+    LAND_DETECTOR_S,
+    LIFT_S,
+    THROTTLE_DOWN_S,
+    copter_limits,
+)
+from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
 
 LAW = DeviationLaw(
@@ -30,6 +59,30 @@ LAW = DeviationLaw(
 )
 
 
+@dataclass(frozen=True)
+class TimeUncertainty:
+    """Half widths of the 90 % interval of times, as flown."""
+
+    flight_s: float = 0.12
+    flight_share: float = 0.0065  # of the time
+    abort_s: float = 0.4  # of a contingency
+    abort_share: float = 0.018
+    landing_leg_s: float = 0.9  # of the leg before LAND (`procedures.LAND_BELOW`)
+    return_leg_early_s: float = 0.3  # of the leg before RTL: its clock waits for a drifting vehicle
+    return_leg_late_s: float = 1.5
+
+    def first_leg(self, item: Item) -> tuple[float, float]:
+        """Return how much shorter and longer the first leg of a landing or RTL may be [s]."""
+        if item.command == Command.NAV_RETURN_TO_LAUNCH:
+            return self.return_leg_early_s, self.return_leg_late_s
+        if item.command in LANDINGS and item.latitude_deg != 0.0:
+            return self.landing_leg_s, self.landing_leg_s
+        return 0.0, 0.0
+
+
+UNCERTAINTY = TimeUncertainty()
+
+
 class ArduCopterModel(FlightModel):
     """ArduCopter 4.x in SITL."""
 
@@ -43,12 +96,43 @@ class ArduCopterModel(FlightModel):
     }
 
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        return fly_arducopter(route, _limits(mission), wind, fast, airframe)
+        flight, times, reasons = _Flight(route, mission, wind, fast), list[float](), list[str]()
+        for n, visit in enumerate(route.visits):
+            try:
+                reasons.append(flight.visit(n))
+            except BadInput:
+                raise
+            except MissionError as lost:
+                raise lost.at(f"item {visit.seq}") from None
+            times.append(flight.copter.state.time)
+        track = Track.joined(flight.tracks)
+        done = np.array(times, dtype=np.float64)
+        first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in route.visits]).reshape(-1, 2)
+        early, late = np.maximum.accumulate(first_legs).T
+        doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
+        low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
+        return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        return fly_aborted(route, _limits(mission), wind, fast, airframe, order)
+        """Predict the time with an abort and its contingency; the track has a sample at the abort."""
+        flight = _Flight(route, mission, wind, fast)
+        flight.until = order.time
+        for n in range(len(route.visits)):
+            if flight.is_broken_off:
+                break
+            flight.visit(n)
+        flight.until, copter = math.inf, flight.copter
+        returns = order.contingency is Contingency.RTL
+        if returns and copter.limits.rtl_final > 0.0:
+            words = "with an RTL_ALT_FINAL above 0 it waits over its goal and does not land"
+            raise MissionError(words, code="endless-flight")
+        flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
+        done = np.array([copter.state.time])
+        doubt = UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (done - order.time)
+        touched, off = flight.touched, UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (flight.touched - order.time)
+        track = Track.joined(flight.tracks)
+        between = touched - off, touched, touched + off
+        return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = copter_limits(parameters)
@@ -59,8 +143,126 @@ class ArduCopterModel(FlightModel):
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
 
 
-def _limits(mission: Mission) -> CopterLimits:
-    return copter_limits(mission.parameters, mission.firmware_version)
+class _Flight:
+    def __init__(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None) -> None:
+        self.route, self.wind, self.limits = route, wind, copter_limits(mission.parameters, mission.firmware_version)
+        self.airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
+        height = flying_already(route)
+        self.copter = Copter(self.limits, wind, self.airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+        self.airborne, self.until, self.touched = height is not None, math.inf, math.nan
+        self.remarks: list[str] = []
+        self.tracks: list[Track] = []
+        self.note()
+
+    @property
+    def is_broken_off(self) -> bool:
+        return self.copter.state.time >= self.until or not self.copter.passed
+
+    def visit(self, n: int) -> str:
+        visit = self.route.visits[n]
+        command, params = visit.item.command, visit.item.params
+        if command in TAKEOFFS:
+            self.take_off(self.target(n)[2])
+        elif command == Command.NAV_LOITER_UNLIM:
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"item {visit.seq}")
+        elif command == Command.NAV_LOITER_TURNS:
+            self.go(circle(self.copter, self.target(n), visit.item))
+            return "circle"
+        elif command == Command.NAV_LOITER_TO_ALT:
+            if visit.seq in self.route.over_terrain:
+                self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
+            self.go(loiter_to_alt(self.copter, self.target(n)))
+        elif command == Command.NAV_DELAY:
+            self.hold(self.copter.wait_at(visit.item))
+            return "hold"
+        elif command == Command.DO_CHANGE_SPEED:
+            self.copter.change_speed(int(params[0]), params[1])
+        elif command == Command.NAV_RETURN_TO_LAUNCH:
+            self.come_down(return_home(self.copter, self.route.goal_of_return(self.copter.here)))
+        elif command in LANDINGS:
+            self.come_down(land(self.copter, landing_place(self.route.program, visit.item)))
+        elif command == Command.NAV_PAYLOAD_PLACE:
+            self.go(payload_place(self.copter, self.target(n) if visit.item.has_position else None, visit.item))
+        elif command in ARDUCOPTER.guidance.flown_on_into:
+            return self.fly_to(n)
+        elif command <= LAST_NAV or command in UNTIMED:
+            self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
+        return ""
+
+    def target(self, n: int) -> Place:
+        return self.route.program.place(n, self.here(n))
+
+    def here(self, n: int) -> Place:
+        """Return the stopping place if visit n leaves its place open; slow."""
+        return self.copter.here if self.route.program.leaves_open(n) else (math.nan,) * 3
+
+    def fly_to(self, n: int) -> str:
+        """Fly to visit n and hold; return why it was slow."""
+        program, visit, copter = self.route.program, self.route.visits[n], self.copter
+        onward, stop = program.onward(n), stop_at(program, n, self.here(n))
+        copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
+        this, following = copter.this, copter.following
+        flown_speed = self.run()
+        if self.is_broken_off:
+            return ""
+        is_straight = this.kind == STRAIGHT
+        why = slow_because(
+            planned=this.profile.peak if is_straight and this.length > 1.0 else None,
+            allowed=limits_along(this.origin, this.target, copter.speeds, self.limits).speed,
+            asked=copter.speeds.level,
+            top=self.airframe.top_speed(self.limits.lean) + self.wind.along(this.direction[0], this.direction[1]),
+            flown=flown_speed,
+            corner=corner_deg(this.origin, this.target, following.target) if following.kind == STRAIGHT else 0.0,
+            stops=onward is None,
+            curved=not is_straight,
+        )
+        if onward is None and (seconds := copter.wait_at(visit.item)) > 0:
+            self.hold(seconds)
+            return "hold"
+        return why
+
+    def hold(self, seconds: float) -> None:
+        if self.airborne:
+            self.copter.hold(seconds)
+            self.run()
+        else:
+            self.stand(seconds)
+
+    def stand(self, seconds: float) -> None:
+        self.copter.stand(seconds)
+        self.note()
+
+    def take_off(self, height: float) -> None:
+        if not self.airborne:
+            self.stand(max(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S + self.airframe.lift_delay, 0.0))
+            self.airborne = True
+        if height > self.copter.here[2]:
+            self.copter.take_off(height)
+            self.run()
+
+    def go(self, legs: Iterator[None]) -> None:
+        for _ in legs:
+            self.run()
+            if self.is_broken_off:
+                return
+
+    def come_down(self, legs: Iterator[None]) -> None:
+        self.go(legs)
+        if self.copter.this.kind == DESCENT and not self.is_broken_off:
+            self.touched, delay = self.copter.state.time, self.airframe.landing_delay
+            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
+            self.airborne = False
+
+    def run(self) -> float:
+        """Fly the leg; return its highest level speed [m/s]."""
+        flown = self.copter.run(self.until)
+        self.tracks.append(Track.of(flown))
+        self.note()
+        return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
+
+    def note(self) -> None:
+        state = self.copter.state
+        self.tracks.append(Track.of(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]])))
 
 
 MODEL = ArduCopterModel()

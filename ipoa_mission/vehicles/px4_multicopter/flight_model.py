@@ -1,20 +1,46 @@
-from collections.abc import Mapping
-from typing import ClassVar
+"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION, and its deviation law.
+
+Noisy height estimates shift home for two minutes: one quiet run gives the path, many noisy ones the mean and spread.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.returning import Contingency, ReturnBy
+from ipoa_mission.compiled import jit_if_faster
+from ipoa_mission.compiled.records import records
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
-from ipoa_mission.forecast.itinerary.itinerary import Itinerary
+from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
-from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.geometry import Vector
+from ipoa_mission.forecast.timing.prediction import Missed, Prediction, corner_deg, slow_because
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, SensorModel, airframe_of
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
+    FLOWN_TO,
+    law,
+    plan,
+    stopping_place,
+    way_down,
+    way_home,
+    with_another_end,
+)
+from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_aborted, fly_px4
-from ipoa_mission.wind import Wind
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
+from ipoa_mission.wind import CALM, Wind
 
 LAW = DeviationLaw(
     level=Quantiles(
@@ -35,7 +61,27 @@ LAW = DeviationLaw(
 )
 
 
-MEDIAN_RUNS = 8  # with noise; always the same seeds
+@dataclass(frozen=True)
+class NoisyRuns:
+    """Runs with sensor noise, and the uncertainty of their mean and of the model."""
+
+    most: int = 90
+    of_median: int = 8  # always the same seeds
+    step_s: float = 0.04
+    sample_steps: int = 3  # between samples
+    batch: int = 6  # runs between checks
+    known_share: float = 0.003  # relative standard error of the mean
+    broken_off_share: float = 0.008  # for a contingency
+    doubt_s: float = 0.8  # standard deviation of the model, its constant part
+    doubt_share: float = 0.0125  # and its part by time
+    landing_s: float = 1.6  # more for landings, as recorded
+    interval_deviations: float = 1.645  # half width of the 90 % interval
+    late_quantile: float = 0.93
+    broken_off_deviations: float = 2.3  # for contingencies, as flown
+    missed_s: float = 3.0  # later than the median: missed
+
+
+RUNS = NoisyRuns()
 
 
 class Px4Model(FlightModel):
@@ -45,15 +91,67 @@ class Px4Model(FlightModel):
     simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
 
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        senses = KNOWS if sure else SIH_SENSES
-        return fly_px4(
-            route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses, mission.firmware_version
-        )
+        flights = Flights(route, mission, wind, KNOWS if sure else SIH_SENSES)
+        smooth, samples = flights.prepared(False, fast)(0)
+        once = flights.prepared(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
+        remarks = list(flights.plan.remarks)
+        times: list[Vector] = []
+        for seed in range(1, RUNS.most + 1 if route.visits and not sure else 1):
+            if (seed - 1) % RUNS.batch == 0 and _known(times):
+                break
+            try:
+                times.append(once(seed)[0])
+            except MissionError as lost:  # it circles a waypoint
+                if seed > 2 * len(times) + RUNS.batch:
+                    raise
+                remarks.append(f"some flights did not end: {lost}")
+        runs = np.array(times or [smooth])
+        done = runs.mean(axis=0)
+        landings = {Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH}
+        lands = np.array([visit.item.command in landings for visit in route.visits], dtype=bool)
+        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
+        below = RUNS.interval_deviations * runs.std(axis=0)
+        above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)
+        unsure = RUNS.interval_deviations**2 * doubt
+        warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
+        warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
+        track = Track.of(samples, warped)
+        clock = np.ascontiguousarray(samples[:, 0])
+        reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
+        low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
+        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(route, runs))
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        return fly_aborted(
-            route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order, mission.firmware_version
-        )
+        flights = Flights(route, mission, wind)
+        if order.contingency is Contingency.RTL:
+            if flights.limits.land_delay < 0.0:
+                words = "with an RTL_LAND_DELAY below 0 it waits over its goal forever"
+                raise MissionError(words, code="endless-flight")
+            if (by := route.returns_by) is not ReturnBy.DIRECT:
+                raise NotModeled(f"the duration of returns {by} is not modeled well enough")
+        quiet = flights.flown(False, fast)(0).done
+        steps = np.diff(quiet)
+        lasted, stood, when = list[float](), list[float](), list[float]()
+        for seed in range(1, RUNS.most + 1):
+            if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
+                break
+            with suppress(MissionError):
+                run, begun = flights.broken_off(order.contingency, order.time, seed, fast)
+                lasted.append(float(run.done[-1]) - order.time)
+                stood.append(float(run.done[-1]) - run.touched)
+                when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
+        then = float(np.mean(when)) if when else order.time
+        last, _ = flights.broken_off(order.contingency, then, None, fast)
+        lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
+        mean = float(np.mean(lasted))
+        doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
+        half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
+        touched = order.time + mean - float(np.mean(stood))
+        off = RUNS.broken_off_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
+        samples = last.samples
+        track = Track.of(samples, samples[:, 0] + order.time - then)
+        end = np.array([order.time + mean])
+        return Prediction(end, end - half, end + half, ("",), track, touched=(touched - off, touched, touched + off))
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
@@ -64,12 +162,146 @@ class Px4Model(FlightModel):
         return SIH
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        flights = Flights(
-            route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version
-        )
-        steps = MEDIAN_RUNS * sum(order.patience for order in flights.plan.orders) / STEP
+        flights = Flights(route, mission)
+        steps = RUNS.of_median * sum(order.patience for order in flights.plan.orders) / RUNS.step_s
         once = flights.prepared(True, True, steps)
-        return np.asarray(np.median([once(seed)[0] for seed in range(1, MEDIAN_RUNS + 1)], axis=0))
+        return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS.of_median + 1)], axis=0))
+
+
+def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
+    ends = np.array([run[-1] for run in times])
+    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
+
+
+def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
+    """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
+    lasted = np.diff(runs, axis=1, prepend=0.0)
+    longer = lasted - np.median(lasted, axis=0)
+    flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
+    missed = (longer > RUNS.missed_s) & flown_to
+    share = missed.mean(axis=0)
+    cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
+    return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
+
+
+class FlownOnce(NamedTuple):
+    """Times [s] at the start and after each order (n + 1,), samples (m, 7), touchdown [s].
+
+    A sample is time, place and velocity.
+    """
+
+    done: Vector
+    samples: Points
+    touched: float
+
+
+class Flights:
+    def __init__(self, route: Itinerary, mission: Mission, wind: Wind = CALM, senses: SensorModel = SIH_SENSES) -> None:
+        self.route, self.airframe, self.wind = route, airframe_of(mission.vehicle), wind
+        limits = px4_limits(mission.parameters, mission.firmware_version)
+        self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
+        self.plan = plan(route, self.limits, self.airframe.landing_delay)
+        self.orders = self.plan.orders
+        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
+        with_noise = law(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        self.quiet = with_noise._replace(noisy=False, turns=turns)
+
+    def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
+        """Return a function of a seed: end of each visit (n,) [s], and samples (m, 7) without noise.
+
+        `steps`: expected number. It raises MissionError without progress.
+        """
+        flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
+
+        def once(seed: int) -> tuple[Vector, Points]:
+            run = flown(seed)
+            return run.done[ends], run.samples
+
+        return once
+
+    def broken_off(
+        self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
+    ) -> tuple[FlownOnce, int]:
+        """Fly up to a time [s], with a seed's noise or none, then the contingency.
+
+        Returns also the number of orders begun by then.
+        """
+        self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
+        until = self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
+        begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
+        self.orders = with_another_end(
+            self.orders[:begun],
+            self.orders_of(contingency, until.samples[-1]),
+            self.limits,
+            self.airframe.landing_delay,
+        )
+        return self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s)(seed or 0), begun
+
+    def orders_of(self, contingency: Contingency, at: Vector) -> list[Order]:
+        here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
+        if contingency is Contingency.RTL:
+            goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
+            return way_home(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
+        stop = stopping_place(here, speed, self.limits)
+        down = stop._replace(up=ground.at(stop.east, stop.north))
+        return way_down(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
+
+    def flown(
+        self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
+    ) -> Callable[[int], FlownOnce]:
+        """Return `prepared`'s function, by order; raises as it does."""
+        orders, height = self.orders, flying_already(self.route) or 0.0
+        machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
+        given: Any = orders
+        if machine is not fly:
+            given, laws = records(orders, Order), records(laws, Law)
+
+        def once(seed: int) -> FlownOnce:
+            one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
+            done, samples, touched = machine(
+                given, laws, height, (one, two), RUNS.sample_steps if sampled or not noisy else 0
+            )
+            if len(done) > len(orders):
+                return FlownOnce(np.asarray(done), np.asarray(samples).reshape(-1, 7), touched)
+            goal = orders[len(done) - 1].goal
+            raise MissionError(
+                f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
+                hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
+                "Other causes: too strong a wind, or too small an acceptance radius",
+                code="unreachable",
+            )
+
+        return once
+
+    def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
+        """Return why visit n was slow, by samples at these times (m,) [s]."""
+        command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
+        if command == Command.NAV_DELAY:
+            return "hold" if params[0] > 0 else ""
+        if command not in FLOWN_TO:
+            return ""
+        order = self.plan.orders[self.plan.done[n] - 1]
+        if order.holds > LEAST_HOLD:
+            return "hold"
+        rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
+        length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits
+        stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
+        wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
+        return slow_because(
+            planned=min(stop, order.cruise) if length > 1.0 else None,
+            allowed=self.allowed(order),
+            asked=order.cruise,
+            top=self.airframe.top_speed(limits.lean) + wind,
+            flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
+            corner=corner_deg(order.start, order.goal, order.beyond),
+            stops=order.beyond == order.goal,
+        )
+
+    def allowed(self, order: Order) -> float:
+        """Return the level speed that climb or descent allows [m/s]."""
+        length, rise = math.dist(order.start[:2], order.goal[:2]), order.goal.up - order.start.up
+        rate = self.limits.climb if rise > 0 else self.limits.descent
+        return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise
 
 
 MODEL = Px4Model()
