@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
-from ipoa_mission.vehicles.arducopter import dataflash
+from ipoa_mission.vehicles.arducopter.log import read_records
 from ipoa_mission.vehicles.px4_multicopter import log as px4_log
 
 LOGS = Path(__file__).parents[1] / "logs"
@@ -72,7 +72,7 @@ def test_a_ulog_with_corruption_or_dropouts_is_named(tmp_path: Path) -> None:
 def test_records_of_another_layout_are_counted(tmp_path: Path) -> None:
     path, torn = tmp_path / "a.bin", Counter[str]()
     path.write_bytes(struct.pack("<2sBBB4s16s64s", b"\xa3\x95", 128, 129, 10, b"GPS", b"BI", b"Status,TimeUS"))
-    assert list(dataflash.read_records(path, frozenset({"GPS"}), torn)) == []
+    assert list(read_records(path, frozenset({"GPS"}), torn)) == []
     assert torn["GPS"] == 1
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
+from ipoa_mission.vehicles.px4_multicopter.log import items_begun
 
 COLUMNS = ("timestamp", "sequence_current", "nav_cmd", "altitude_is_relative", "latitude", "longitude", "altitude")
 #: Two steps each of take-off and landing, a speed, a waypoint; at the end PX4 reports item 5.

@@ -22,7 +22,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.link.conversations import MissionRefused
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.arducopter.log import read_records
 from ipoa_mission.wind import Wind
 
 BOOTS_S = 60.0

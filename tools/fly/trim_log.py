@@ -16,8 +16,7 @@ from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Current, ParamValue
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.vehicles.arducopter.dataflash import FMT, HEAD
-from ipoa_mission.vehicles.arducopter.log import BATTERIES, KINDS
+from ipoa_mission.vehicles.arducopter.log import BATTERIES, FMT, HEAD, KINDS
 from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
 from tools import command_line
 

@@ -1,43 +1,128 @@
-"""ArduPilot's own log (`.bin`)."""
+"""ArduPilot's own log (`.bin`), by the layouts of its FMT records.
+
+pymavlink's reader takes a second per megabyte, and hours for a file of zeros.
+"""
 
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Frame
-from ipoa_mission.errors import BadInput
+from ipoa_mission.autopilot.parameters import REAL32
+from ipoa_mission.errors import BadInput, Unreadable, WrongFormat
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Begun, Fixes, Held, Log, LogFormat, item_begun, presence
 from ipoa_mission.logs.logged_measurements import Battery, Measured
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.arducopter.dataflash import BYTES, read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, before 4.1
-HOME = 1  # ORGN.Type
-FLOAT = 9  # MAV_PARAM_TYPE_REAL32
+HEAD = b"\xa3\x95"
+FMT = 0x80
 #: Battery number by record name: BAT has an instance since 4.0; CURR before 3.7.
 BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
-#: BATTn_MONITOR that repeats other batteries (ESCs, sum) or measures fuel.
-SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
 KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
-NEEDED = {
-    "PARM": "its parameters are unknown",
-    "MODE": "its modes are unknown",
-    "XKF1 NKF1": "speeds are derived from positions",
-}
-#: As in "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
-NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
+
+
+def _text(raw: bytes) -> str:
+    return raw.split(b"\0")[0].decode("utf-8", "replace")
+
+
+def _hundredths(value: float) -> float:
+    return value / 100
+
+
+def _unchanged(value: Any) -> Any:
+    return value
+
+
+#: By format letter: struct's code and the conversion.
+_LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
+    **{letter: (letter, _unchanged) for letter in "bBhHiIfdqQ"},
+    "g": ("e", _unchanged), "M": ("B", _unchanged), "a": ("64s", _unchanged),
+    "n": ("4s", _text), "N": ("16s", _text), "Z": ("64s", _text),
+    "c": ("h", _hundredths), "C": ("H", _hundredths), "e": ("i", _hundredths), "E": ("I", _hundredths),
+    "L": ("i", lambda value: value / 1e7),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class RecordKind:
+    """A record kind: name, struct layout, columns and their conversions."""
+
+    name: str
+    layout: Struct
+    columns: tuple[str, ...]
+    made_by: tuple[Callable[[Any], Any], ...]
+
+    def read(self, data: bytes, at: int) -> dict[str, Any]:
+        """In degrees, meters and unscaled units."""
+        values = self.layout.unpack_from(data, at)
+        return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
+
+
+def read_records(
+    path: Path, wanted: frozenset[str], torn: Counter[str] | None = None
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Read the wanted kinds of records in order, as (kind, values by column).
+
+    Damaged bytes are skipped; `torn` counts them, by kind or as "bytes".
+
+    Raises:
+        BadInput: the file cannot be read, or is no log.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise Unreadable(f"cannot be read as an ArduPilot log: {error.strerror}", place=path) from error
+    if not data.startswith(HEAD + bytes((FMT,))):
+        raise WrongFormat("expected an ArduPilot log, but it does not start like one", place=path)
+    described = Struct("<BB4s16s64s")  # kind, size, name, letters, columns
+    lengths: dict[int, int] = {FMT: 3 + described.size}
+    kinds: dict[int, RecordKind] = {}
+    torn = Counter() if torn is None else torn
+    at = ends = 0
+    while (at := data.find(HEAD, at)) >= 0 and at + 3 <= len(data):
+        number = data[at + 2]
+        length = lengths.get(number)
+        if length is None or at + length > len(data):
+            at += 1
+            continue
+        torn["bytes"] += at - ends
+        ends = at + length
+        if number == FMT:
+            number, size, *texts = described.unpack_from(data, at + 3)
+            name, letters, columns = map(_text, texts)
+            kind = _kind(name, letters, columns)
+            if size >= 3 and number != FMT:
+                lengths[number] = size
+                kinds.pop(number, None)
+                if kind is not None and name in wanted and kind.layout.size == size - 3:
+                    kinds[number] = kind
+                elif name in wanted:
+                    torn[name] += 1
+        elif number in kinds:
+            yield kinds[number].name, kinds[number].read(data, at + 3)
+        at += length
+    torn["bytes"] += len(data) - ends
+
+
+def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
+    names = tuple(columns.split(","))
+    if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
+        return None
+    codes, conversions = zip(*(_LETTERS[letter] for letter in letters), strict=True)
+    return RecordKind(name, Struct("<" + "".join(codes)), names, conversions)
 
 
 @dataclass
@@ -85,11 +170,16 @@ def read_copter_log(path: Path) -> Log:
 
 
 def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
-    if count := torn.pop(BYTES, 0):
+    if count := torn.pop("bytes", 0):
         yield f"{count} bytes of the log are not whole records: it is damaged or truncated"
     for kind, count in sorted(torn.items()):
         yield f"{count} records {kind} do not have ArduPilot's layout and are not read"
-    for kinds, lacks in NEEDED.items():
+    needed = {
+        "PARM": "its parameters are unknown",
+        "MODE": "its modes are unknown",
+        "XKF1 NKF1": "speeds are derived from positions",
+    }
+    for kinds, lacks in needed.items():
         if not gathered.kinds & set(kinds.split()):
             yield f"the log has no records {kinds.replace(' ', ' or ')}: {lacks}"
     if not gathered.vehicle:
@@ -121,34 +211,36 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
             gathered.modes.append((time, values["ModeNum"]))
         case "ARM":
             gathered.arming.append((time, bool(values["ArmState"])))
-        case "EV" if values["Id"] in (ARMED_EVENT, DISARMED_EVENT):
-            gathered.arming.append((time, values["Id"] == ARMED_EVENT))
+        case "EV" if values["Id"] in (10, 11):  # armed, disarmed: before 4.1
+            gathered.arming.append((time, values["Id"] == 10))
         case "MISE":
             begins = Begun(values["CNum"], values["CTot"], _item(values))
             messages = [begins, Current(begins.seq, begins.total)]
         case "CMD":
             messages = _list(gathered.items, values)
-        case "ORGN" if values["Type"] == HOME:
+        case "ORGN" if values["Type"] == 1:  # home
             messages = [HomePosition(values["Lat"], values["Lng"], values["Alt"])]
         case "PARM":
-            messages = [ParamValue(values["Name"], values["Value"], FLOAT, 0, 0)]
+            messages = [ParamValue(values["Name"], values["Value"], REAL32, 0, 0)]
             if values["Name"] == "LOG_DISARMED":
                 gathered.opened_by_arming = values["Value"] == 0
         case "MSG":
             text = values["Message"]
-            begun, named = item_begun(text), NAMED.match(text)
+            begun = item_begun(text)
             messages = [*([begun] if begun else []), Text(INFO, text)]
-            if named:
-                gathered.vehicle, gathered.version = named.groups()
+            # as in "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7"
+            if firmware := re.match(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)", text):
+                gathered.vehicle, gathered.version = firmware.groups()
     gathered.events += [(time, message) for message in messages]
 
 
 def _batteries(gathered: _Gathered) -> list[list[Battery]]:
     """Return those measured directly; all if there is none."""
+    secondhand = {9, 10, 11, 12, 18, 24, 27}  # BATTn_MONITOR of other batteries (ESCs, sum), or of fuel
     monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
     names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
-    itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
-    return itself or list(gathered.batteries.values())
+    direct = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in secondhand]
+    return direct or list(gathered.batteries.values())
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:

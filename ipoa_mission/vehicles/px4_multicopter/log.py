@@ -1,5 +1,10 @@
-"""PX4's own log (`.ulg`), read by pyulog (extra `logs`); since 1.12 with `logged_items`."""
+"""PX4's own log (`.ulg`), read by pyulog (extra `logs`); since 1.12 with its mission's items.
 
+navigator_mission_item has each item when the flight reaches it, perhaps in steps, as NAV_TAKEOFF and NAV_WAYPOINT.
+Places are in single precision: 0.4 m.
+"""
+
+import math
 from collections.abc import Iterator, Set
 from contextlib import redirect_stdout
 from io import StringIO
@@ -9,31 +14,29 @@ from typing import Any
 
 import numpy as np
 
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFFS, Command, Frame
 from ipoa_mission.autopilot.guidance_profile import mode_number
+from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.telemetry import HomePosition
-from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_name
+from ipoa_mission.logs.logged import Begun, Fixes, Log, LogFormat, presence, version_name
 from ipoa_mission.logs.logged_measurements import Battery, Measured
-from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.frame import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state to HEARTBEAT.custom_mode.
 MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
-ROTARY_WING = 1  # vehicle_status.vehicle_type
-FLOAT = 9  # MAV_PARAM_TYPE_REAL32
 POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
 
 HEADER, MESSAGE = 16, Struct("<HB")  # bytes before messages; head: size and kind
-DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"
-MESSAGES = DEFINES + BEGINS_DATA + b"DRSO"
 
 Event = tuple[float, Message]
 
@@ -63,7 +66,8 @@ def _log(path: Path, log: Any) -> Log:
         raise BadInput(wrong, code="log-incomplete", place=path)
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # before 1.9
-    if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
+    rotary_wing = 1
+    if kinds is not None and not (np.asarray(kinds) == rotary_wing).all():
         wrong = "expected the log of a multicopter, not of another kind of vehicle"
         raise BadInput(wrong, code="other-vehicle", place=path)
     fixes = _fixes(topics)
@@ -86,13 +90,21 @@ def _log(path: Path, log: Any) -> Log:
     return Log(PX4_MULTICOPTER, fixes, tuple(events), version, tuple(_remarks(path, log, topics.keys())), measured)
 
 
+def _messages(data: bytes) -> Iterator[tuple[int, int]]:
+    """Yield the kind and the end of each message; the last one may end beyond the data."""
+    end = HEADER
+    while end + MESSAGE.size <= len(data):
+        size, kind = MESSAGE.unpack_from(data, end)
+        end += MESSAGE.size + size
+        yield kind, end
+
+
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
     data, at = read_bytes(path), HEADER
-    while at + MESSAGE.size <= len(data):
-        size, kind = MESSAGE.unpack_from(data, at)
-        if kind not in MESSAGES or at + MESSAGE.size + size > len(data):
+    for kind, end in _messages(data):
+        if kind not in b"BFIMPQALCDRSO" or end > len(data):
             break
-        at += MESSAGE.size + size
+        at = end
     if at < len(data):
         yield f"the log is damaged or truncated from byte {at} of {len(data)} on"
     elif log.file_corruption:
@@ -119,13 +131,10 @@ def _open(path: Path) -> Any:
 
 def _expect_definitions(path: Path) -> None:
     """Refuse damaged definitions, in which pyulog would search forever."""
-    data, at = read_bytes(path), HEADER
-    while at + MESSAGE.size <= len(data):
-        size, kind = MESSAGE.unpack_from(data, at)
-        if kind in BEGINS_DATA:
+    for kind, _ in _messages(read_bytes(path)):
+        if kind in b"ALC":  # data begins
             return
-        at += MESSAGE.size + size
-        if kind not in DEFINES:
+        if kind not in b"BFIMPQ":
             break
     raise WrongFormat("cannot be read as a PX4 log: its definitions are incomplete", place=path)
 
@@ -134,7 +143,7 @@ def _parameters(log: Any, begins: float) -> Iterator[Event]:
     changed = [(time / 1e6, name, value) for time, name, value in log.changed_parameters]
     for time, name, value in [*((begins, *pair) for pair in log.initial_parameters.items()), *changed]:
         if isinstance(value, int | float):
-            yield time, ParamValue(name, float(value), FLOAT, 0, 0)
+            yield time, ParamValue(name, float(value), REAL32, 0, 0)
 
 
 def _homes(home: Any | None) -> Iterator[Event]:
@@ -243,6 +252,49 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
     sound = np.isfinite(speed)
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
+
+
+def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
+    """Return each item at its first time [s], steps joined."""
+    if topic is None or result is None:
+        return
+    rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))
+    for instance in np.unique(rounds):
+        first_seen: dict[int, tuple[float, Item]] = {}
+        for n in np.flatnonzero(rounds == instance):
+            item, seq = _item(topic, int(n)), int(topic["sequence_current"][n])
+            time = float(topic["timestamp"][n]) / 1e6
+            if item.command:
+                since, before = first_seen.get(seq, (time, item))
+                first_seen[seq] = since, _joined(before, item)
+        for seq, (time, item) in first_seen.items():
+            total = _total(result, time)
+            if seq < total:
+                yield time, Begun(seq, total, item)
+
+
+def _joined(before: Item, item: Item) -> Item:
+    if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
+        place = (item.latitude_deg, item.longitude_deg, item.altitude)
+        return Item(before.command, item.frame, before.params, *place)
+    return before if item.command == Command.NAV_WAYPOINT else item
+
+
+def _item(topic: Any, n: int) -> Item:
+    command = int(topic["nav_cmd"][n])
+    hold, radius, third, yaw, latitude, longitude, altitude = (
+        float(topic[name][n])
+        for name in ("time_inside", "acceptance_radius", "loiter_radius", "yaw", "latitude", "longitude", "altitude")
+    )
+    if command not in FLOWN_TO:
+        return Item(command, Frame.MISSION, (hold, radius, third, math.nan))
+    frame = Frame.GLOBAL_RELATIVE_ALT if topic["altitude_is_relative"][n] else Frame.GLOBAL
+    return Item(command, frame, (hold, radius, third, math.degrees(yaw)), latitude, longitude, altitude)
+
+
+def _total(result: Any, time: float) -> int:
+    at = np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right")
+    return int(result["seq_total"][min(max(int(at), 0), len(result["seq_total"]) - 1)])
 
 
 FORMAT = LogFormat(".ulg", read_ulog, "PX4 logs only the items that the flight reached, and these are not all")
