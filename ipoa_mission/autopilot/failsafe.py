@@ -1,14 +1,27 @@
+"""Failsafes as rules: a parameter's value selects a contingency and its fallbacks for each cause of a failure."""
+
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
 
 Series = tuple[int, int]
-STATION_LOST = "ground station lost"
-BY_HAND = "by hand"
-"""An order by a pilot or station; the vehicle refuses a mode that it cannot enter."""
+
+
+class Cause(StrEnum):
+    LOW_BATTERY = "low battery"
+    CRITICAL_BATTERY = "critical battery"
+    FENCE_BREACHED = "fence breached"
+    STATION_LOST = "ground station lost"
+    POSITION_LOST = "position lost (EKF)"
+    POSITION_INACCURATE = "position inaccurate"
+    TERRAIN_UNKNOWN = "terrain data missing"
+    TRAFFIC_NEAR = "traffic near"
+    BY_HAND = "by hand"
+    """An order by a pilot or station; the vehicle refuses a mode that it cannot enter."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +46,6 @@ class FailsafeAction:
 
 
 GOES_ON = FailsafeAction(Contingency.CONTINUE)
-NO_NUMBER = FailsafeAction(Contingency.UNKNOWN, words="the value is not a number")
 
 
 @dataclass(frozen=True)
@@ -63,16 +75,20 @@ class FailsafeRule:
         if not self.looks(parameters):
             return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
         value = self.value(parameters)
-        if not self.parameter or not math.isfinite(value):
-            return NO_NUMBER if self.parameter else self.other
-        found = self.actions.get(int(value), self.other)
-        return found if found.since <= series else self.other
+        if not self.parameter:
+            return self.other
+        if not math.isfinite(value):
+            return FailsafeAction(Contingency.UNKNOWN, words="the value is not a number")
+        action = self.actions.get(int(value), self.other)
+        return action if action.since <= series else self.other
 
-    def returns_at(self, series: Series) -> int | None:
-        values = (
-            value for value, one in self.actions.items() if one.contingency is Contingency.RTL and one.since <= series
-        )
-        return next(values, None)
+    def failsafe(
+        self, parameters: Parameters, series: Series, route: FailsafeAction, at: FlightStage, there: FailsafeAction
+    ) -> "Failsafe":
+        """Return the failsafe with the action `route`, and the action `there` at one stage."""
+        returns = (n for n, one in self.actions.items() if one.contingency is Contingency.RTL and one.since <= series)
+        differs = {} if there == route else {at: there}
+        return Failsafe(self.cause, self.parameter, self.value(parameters), route, differs, next(returns, None))
 
 
 @dataclass(frozen=True)
@@ -114,7 +130,7 @@ class StationLoss:
 
     def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
         """Return the action for a station's id in words; empty if unknown."""
-        lost = next((one for one in failsafes if one.cause == STATION_LOST), None)
+        lost = next((one for one in failsafes if one.cause == Cause.STATION_LOST), None)
         if lost is None or lost.parameter not in parameters:
             return ""
         by = f"{lost.parameter} {lost.value:g}"
@@ -129,7 +145,16 @@ class StationLoss:
 
 
 def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
-    return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(contingency)) for contingency in contingencies)
+    return tuple(always(Cause.BY_HAND, FailsafeAction(contingency)) for contingency in contingencies)
+
+
+def always(cause: str, action: FailsafeAction, needs: Mapping[str, float] | None = None) -> FailsafeRule:
+    return FailsafeRule(cause, "", math.nan, {}, action, needs or {})
+
+
+def parameters_of(rules: Iterable[FailsafeRule], *others: str) -> tuple[str, ...]:
+    names = (name for rule in rules for name in (rule.parameter, *rule.needs) if name)
+    return tuple(dict.fromkeys((*names, *others)))
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,7 @@ def known_names() -> frozenset[str]:
 
 
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
-    """Unknown names pass.
-
-    Raises:
-        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`.
-    """
+    """Raise BadInput for names of another autopilot; unknown names pass."""
     for name in names:
         other = None if name in autopilot.parameter_names else firmware_of([name])
         if other is not None:

@@ -140,11 +140,7 @@ def consumption(
 def by_curve(
     curve: PowerCurve, times: Vector, points: Points, speeds: Vector, wind: Wind = CALM, head_wind: float = 0.0
 ) -> Consumption:
-    """Compute the consumption by a measured curve.
-
-    Raises:
-        BadInput: as `consumption`.
-    """
+    """Compute the consumption by a measured curve; raise as `consumption`."""
     times, points, speeds = _lasting(times, points, speeds)
     airspeed, climb = _through_air(times, points, speeds, wind)
     drawn = curve.power(airspeed + head_wind, climb) * _flies(points)
@@ -157,9 +153,6 @@ def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> C
     >>> east = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [40.0, 0.0, 0.0]])
     >>> hovering(180.0, np.array([0.0, 4.0, 24.0]), east, np.zeros(3)).energy_wh
     1.0
-
-    Raises:
-        BadInput: as `consumption`.
     """
     return by_curve(PowerCurve(hover_w), times, points, speeds)
 

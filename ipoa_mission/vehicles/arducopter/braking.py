@@ -1,4 +1,4 @@
-"""ArduCopter's braking path.
+"""ArduCopter's braking path in LAND and BRAKE, and its pursuit of a circle's moving point.
 
 Read in 4.8.0-dev (AC_PosControl::input_vel_accel_NE_m, shape_vel_accel_xy, ModeLand, ModeBrake) and flown. LAND starts
 with the path's speed and acceleration, BRAKE with the vehicle's speed.
@@ -14,10 +14,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
 STEP = 0.02  # [s]
-BATCH_SIZE = 8000  # rows in the cache
-BRAKING_LIMIT_S = 12.0  # [s]
-BRAKE_ACCEL = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-LAND_LEAD_S = 0.25  # lead of the target's speed, as flown [s]
+BATCH_SIZE = 8000  # rows that fit into the CPU's cache
 
 
 class Shaping(NamedTuple):
@@ -26,7 +23,7 @@ class Shaping(NamedTuple):
     accel: float
     jerk: float
 
-    def wanted(self, speed: Vector) -> Vector:
+    def deceleration(self, speed: Vector) -> Vector:
         gain = self.jerk / self.accel
         near = self.jerk / gain**2
         root = np.sqrt(2.0 * self.jerk * np.maximum(speed - near / 2.0, 0.0))
@@ -40,37 +37,36 @@ class Shaping(NamedTuple):
 
     def _way(self, velocity: Points, accel: Points) -> Points:
         """`way` with axes first (2, n): faster."""
-        way, most = np.zeros_like(velocity), self.jerk * STEP
-        for _ in range(math.ceil(BRAKING_LIMIT_S / STEP)):
+        way, max_change = np.zeros_like(velocity), self.jerk * STEP
+        for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
             speed = np.hypot(*velocity)
-            slowed = -velocity * (self.wanted(speed) / np.maximum(speed, 1e-9)) - accel
-            accel = accel + slowed * np.minimum(most / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
+            slowed = -velocity * (self.deceleration(speed) / np.maximum(speed, 1e-9)) - accel
+            accel = accel + slowed * np.minimum(max_change / np.maximum(np.hypot(*slowed), 1e-9), 1.0)
             way = way + velocity * STEP
             velocity = velocity + accel * STEP
         return way
 
 
-CIRCLE_SHARE = 0.5  # of the acceleration limit
-ITERATIONS = 60
-
-
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
-    """Return the point's turn rate [rad/s]."""
-    fastest = min(speed, math.sqrt(CIRCLE_SHARE * limits.accel * radius))
+    """Return the point's turn rate [rad/s], with half of the acceleration limit."""
+    fastest = min(speed, math.sqrt(0.5 * limits.accel * radius))
     return min(limits.circle_rate, fastest / radius)
 
 
 def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
-    """`radius` > 0 [m], level speed limit [m/s], `turn` [rad]."""
+    """Return the circle on which the vehicle lags behind a point of `radius` > 0 [m], by fixed-point iteration.
+
+    Level speed limit [m/s], `turn` [rad].
+    """
     spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
     linear, flown, ahead = accel / gain**2, radius, 0.0
-    for _ in range(ITERATIONS):
+    for _ in range(60):
         pace = spin * flown
-        asked, closing = min(pace / math.cos(aside), speed), pace * math.cos(aside)
-        law = asked + closing
+        setpoint, closing = min(pace / math.cos(aside), speed), pace * math.cos(aside)
+        law = setpoint + closing
         if law > accel / gain:
-            law = (asked + math.sqrt(asked * asked + 4.0 * closing * accel / gain)) / 2.0
+            law = (setpoint + math.sqrt(setpoint * setpoint + 4.0 * closing * accel / gain)) / 2.0
         ahead = law / gain if law <= accel / gain else linear / 2.0 + law * law / (2.0 * accel)
         inward = ahead * math.sin(aside)
         flown = (flown + inward + math.sqrt(max(radius**2 - (ahead * math.cos(aside)) ** 2, CENTIMETER))) / 2.0

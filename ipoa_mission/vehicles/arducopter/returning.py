@@ -1,21 +1,41 @@
-"""Goal and height of ArduCopter's RTL (4.x).
-
-It flies to the nearest rally point inside its own fence, at least at that height. Home counts if nearer and
-RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and OA_TYPE.
-"""
+"""ArduCopter's own fence, and the height of its RTL (4.x), which the fence limits."""
 
 import math
-from collections.abc import Sequence
+from enum import IntEnum
 from typing import NamedTuple
 
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, OverTerrain, Place, level_distance
-from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 
-LEAST_CONE = 0.5  # RTL_CONE_SLOPE below is ignored
-LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
-ABOVE_TERRAIN = 1.0  # RTL_ALT_TYPE
+#: These enable the fence, always or from arming or take-off.
+FENCE_SWITCHES = {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 0.0}
+
+
+class FenceType(IntEnum):
+    """Bits of FENCE_TYPE."""
+
+    CEILING = 1
+    CIRCLE = 2
+    POLYGONS = 4
+    FLOOR = 8
+
+
+def fence_limits(parameters: Parameters) -> OwnFence | None:
+    """Return the limits that FENCE_TYPE enables; None: the fence is off."""
+    if not any(parameters.get(name, default) for name, default in FENCE_SWITCHES.items()):
+        return None
+    defaults = {"FENCE_TYPE": 7.0, "FENCE_RADIUS": 300.0, "FENCE_ALT_MAX": 100.0, "FENCE_ALT_MIN": -10.0}
+    p = {**defaults, **parameters}
+
+    def limit(name: str, bit: FenceType, none: float) -> FenceLimit:
+        return FenceLimit(name, p[name] if int(p["FENCE_TYPE"]) & bit else none)
+
+    return OwnFence(
+        limit("FENCE_RADIUS", FenceType.CIRCLE, math.inf),
+        limit("FENCE_ALT_MAX", FenceType.CEILING, math.inf),
+        limit("FENCE_ALT_MIN", FenceType.FLOOR, -math.inf),
+    )
 
 
 class CopterReturn(NamedTuple):
@@ -28,41 +48,17 @@ class CopterReturn(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "CopterReturn":
-        p = {**PARAMETER_TABLE.moving, **parameters}
-        climb = max(p["RTL_CLIMB_MIN"] / 100, 0.0)
-        return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
+        p, fence = {**PARAMETER_TABLE.moving, **parameters}, fence_limits(parameters)
+        ceiling = math.inf if fence is None else fence.ceiling.value - p.get("FENCE_MARGIN", 2.0)
+        return cls(p["RTL_ALT"] / 100, max(p["RTL_CLIMB_MIN"] / 100, 0.0), p["RTL_CONE_SLOPE"], ceiling)
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
         """Return the height above home [m], from `above` home over a level distance to `goal_up`.
 
-        Near the goal the cone limits it, and FENCE_MARGIN below a ceiling. It never descends for a limit.
+        Near the goal a cone of at least 0.5 limits it, and FENCE_MARGIN below a ceiling. It never descends for a limit.
         """
-        least = max(LEAST_HEIGHT, above + self.climb)
+        least = max(0.3, above + self.climb)  # RTL_ALT_MIN
         top = max(self.altitude, goal_up, least)
-        if self.cone >= LEAST_CONE:
+        if self.cone >= 0.5:
             top = min(top, max(distance * self.cone, least))
         return max(min(top, self.ceiling), above)
-
-
-def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-    """Return the index of RTL's rally point; None: home."""
-    ways = {n: level_distance(here, place) for n, place in enumerate(rally) if is_within(parameters, place)}
-    if not ways:
-        return None
-    nearest = min(ways, key=ways.__getitem__)
-    limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
-    too_far = limit > 0.0 and ways[nearest] > limit
-    home_is_nearer = parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and ways[nearest] >= level_distance(here, HOME)
-    return None if too_far or home_is_nearer else nearest
-
-
-def over_terrain(parameters: Parameters) -> OverTerrain | None:
-    """RTL_ALT_TYPE 1 needs a range finder or terrain data.
-
-    While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
-    """
-    seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
-    knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0
-    if not (knows and math.isclose(parameters.get("RTL_ALT_TYPE", 0.0), ABOVE_TERRAIN)):
-        return None
-    return OverTerrain(max(parameters.get("WPNAV_TER_MARGIN", 10.0), 0.1), not seen)

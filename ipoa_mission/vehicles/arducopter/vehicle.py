@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
-from ipoa_mission.autopilot.failsafe import Failsafe, OwnFence
+from ipoa_mission.autopilot.failsafe import Failsafe, OwnFence, parameters_of
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
 from ipoa_mission.autopilot.guidance_profile import (
     EQUIPMENT,
@@ -23,126 +23,22 @@ from ipoa_mission.autopilot.guidance_profile import (
 )
 from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency, OverTerrain, Place
+from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, Place, level_distance
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.vehicles.arducopter import failsafes, returning
-from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, limits_on
+from ipoa_mission.vehicles.arducopter import failsafes
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
+from ipoa_mission.vehicles.arducopter.returning import FENCE_SWITCHES, CopterReturn, fence_limits
 
-#: Stored, and skipped.
-SKIPPED_COMMANDS = frozenset(
-    {Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED}
-)
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Points, Vector
+
 #: Cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
 QUIET_FUNCTIONS = frozenset({
     0, 9, 15, 19, 27, 28, 29, 30, 34, 35, 36, 44, 45, 66, 67, 78, 79, 94, 102, 113, 163, 164, 166, 167, 168, 169, 172,
     174, 175, 177, 185, 186, 212, 213, 214, 215, 216, 217,
 })  # fmt: skip
-PARACHUTE_RELEASE = 2  # of DO_PARACHUTE
-
-WAY_KNOWN = WayKnown(
-    flown=SIMPLE | {
-        Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
-        Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,
-    },
-    still=EQUIPMENT | SKIPPED_COMMANDS | {
-        Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.CONDITION_YAW, Command.DO_FENCE_ENABLE,
-        Command.DO_GUIDED_LIMITS, Command.DO_SET_RESUME_REPEAT_DIST, Command.DO_GO_AROUND, Command.DO_PAUSE_CONTINUE,
-        Command.DO_SET_REVERSE, Command.DO_INVERTED_FLIGHT, Command.DO_AUTOTUNE_ENABLE, Command.DO_ENGINE_CONTROL,
-        Command.DO_VTOL_TRANSITION,
-    },
-    why={
-        Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
-        Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
-        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, which is not modeled",
-        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
-        Command.DO_PARACHUTE: "a parachute may be released",
-        Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
-    },
-    unless={
-        Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,
-        Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != PARACHUTE_RELEASE,
-        Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
-    },
-)  # fmt: skip
-
-
-if TYPE_CHECKING:
-    from ipoa_mission.geometry import Points, Vector
-
-REPORT_ONLY = 0.0  # FENCE_ACTION
-
-FIRMWARE = Firmware(
-    autopilot="ardupilot",
-    name="ArduPilot",
-    home_is_item_0=True,
-    keeps_autocontinue=False,
-    fence=rows(
-        {
-            "w---dd-": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
-            ".---dd-": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
-            "----dd-": "NAV_FENCE_RETURN_POINT",
-        }
-    ),
-    rally=rows({"----ddm": "NAV_RALLY_POINT"}),
-    fence_is_union=False,  # unless by bit 1 of FENCE_OPTIONS
-    max_items=650,
-    max_fence_items=70,
-    max_rally_points=46,
-    highest_altitude=83_000.0,
-    longest_hold=65_535.0,
-    holds_whole_seconds=True,
-    frame_2_is_amsl=True,
-    jumps=JumpProfile(
-        most=100,
-        most_small=15,  # below 500 kB of memory
-        at_once=64,
-        most_repeats=32_767,
-        repeats_without_end=True,
-        kept_by=("MIS_OPTIONS", 3),
-        looks_past_jumps=True,
-        queues_actions=True,
-    ),
-)
-
-MODES = Modes(
-    mission=3,
-    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0)
-    hold=17,  # LOITER follows the throttle stick
-    returning=6,
-    returns=frozenset({6, 21, 27}),
-    lands=frozenset({9}),
-    names={
-        0: "STABILIZE",
-        1: "ACRO",
-        2: "ALT_HOLD",
-        3: "AUTO",
-        4: "GUIDED",
-        5: "LOITER",
-        6: "RTL",
-        7: "CIRCLE",
-        9: "LAND",
-        16: "POSHOLD",
-        17: "BRAKE",
-        21: "SMART_RTL",
-        27: "AUTO_RTL",
-    },
-)
-
-#: AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
-ARMING_WORDS = ArmingWords(
-    re.compile(r"(Pre)?Arm: "),
-    re.compile(
-        r"initialis|waiting|starting|not started|unhealthy|not healthy|not calibrated$|inconsistent \d"
-        r"|(Gyros|Accels) inconsistent|(calibration|cal) running|heater temp|(position|alt) estimate"
-        r"|(without|requires) position|attitude is bad|variance|vel error|yaw error|not using configured AHRS"
-        r"|Altitude disparity|no terrain data|Main loop slow|GCS failsafe|HDOP|GPS \d+: Bad fix|yaw not available"
-        r"|GPS (glitching|drift|numsats|\w+ (error|speed)|speed error|and AHRS differ|positions differ)",
-        re.IGNORECASE,
-    ),
-)
 
 
 class ArduCopter(Autopilot):
@@ -154,9 +50,54 @@ class ArduCopter(Autopilot):
     mav_autopilot = 3
     mav_types = MULTICOPTERS
     measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
-    modes = MODES
+    modes = Modes(
+        mission=3,
+        arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0)
+        hold=17,  # LOITER follows the throttle stick
+        returning=6,
+        returns=frozenset({6, 21, 27}),
+        lands=frozenset({9}),
+        names={
+            0: "STABILIZE", 1: "ACRO", 2: "ALT_HOLD", 3: "AUTO", 4: "GUIDED", 5: "LOITER", 6: "RTL", 7: "CIRCLE",
+            9: "LAND", 16: "POSHOLD", 17: "BRAKE", 21: "SMART_RTL", 27: "AUTO_RTL",
+        },
+    )  # fmt: skip
     parameter_table = PARAMETER_TABLE
-    tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
+    tables = FirmwareTables(
+        Firmware(
+            autopilot="ardupilot",
+            name="ArduPilot",
+            home_is_item_0=True,
+            keeps_autocontinue=False,
+            fence=rows(
+                {
+                    "w---dd-": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
+                    ".---dd-": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
+                    "----dd-": "NAV_FENCE_RETURN_POINT",
+                }
+            ),
+            rally=rows({"----ddm": "NAV_RALLY_POINT"}),
+            fence_is_union=False,  # unless by bit 1 of FENCE_OPTIONS
+            max_items=650,
+            max_fence_items=70,
+            max_rally_points=46,
+            highest_altitude=83_000.0,
+            longest_hold=65_535.0,
+            holds_whole_seconds=True,
+            frame_2_is_amsl=True,
+            jumps=JumpProfile(
+                most=100,
+                most_small=15,  # below 500 kB of memory
+                at_once=64,
+                most_repeats=32_767,
+                repeats_without_end=True,
+                kept_by=("MIS_OPTIONS", 3),
+                looks_past_jumps=True,
+                queues_actions=True,
+            ),
+        ),
+        Path(__file__).with_name("firmware_tables.json"),
+    )
     guidance = GuidanceProfile(
         flown_on_into=frozenset(
             {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
@@ -177,7 +118,32 @@ class ArduCopter(Autopilot):
         home_is_where_armed=True,
         brakes_after=0.1,
     )
-    way_known = WAY_KNOWN
+    way_known = WayKnown(
+        flown=SIMPLE | {
+            Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
+            Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,
+        },
+        still=EQUIPMENT | {
+            Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED,  # skipped
+            Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.CONDITION_YAW, Command.DO_FENCE_ENABLE,
+            Command.DO_GUIDED_LIMITS, Command.DO_SET_RESUME_REPEAT_DIST, Command.DO_GO_AROUND, Command.DO_SET_REVERSE,
+            Command.DO_PAUSE_CONTINUE, Command.DO_INVERTED_FLIGHT, Command.DO_AUTOTUNE_ENABLE,
+            Command.DO_ENGINE_CONTROL, Command.DO_VTOL_TRANSITION,
+        },
+        why={
+            Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
+            Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
+            Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, which is not modeled",
+            Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+            Command.DO_PARACHUTE: "a parachute may be released",
+            Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
+        },
+        unless={
+            Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,
+            Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != 2,  # release
+            Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
+        },
+    )  # fmt: skip
     protocol_profile = ProtocolProfile(
         forgets_at_count=True,
         starts_by_command=True,
@@ -185,7 +151,18 @@ class ArduCopter(Autopilot):
         takes_mission_file=True,
         boots_slowly=True,
         tells_items=True,
-        arming_words=ARMING_WORDS,
+        arming_words=ArmingWords(  # AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7
+            re.compile(r"(Pre)?Arm: "),
+            re.compile(
+                r"initialis|waiting|starting|not started|unhealthy|not healthy|not calibrated$|inconsistent \d"
+                r"|(Gyros|Accels) inconsistent|(calibration|cal) running|heater temp|(position|alt) estimate"
+                r"|(without|requires) position|attitude is bad|variance|vel error|yaw error|not using configured AHRS"
+                r"|Altitude disparity|no terrain data|Main loop slow|GCS failsafe|HDOP|GPS \d+: Bad fix"
+                r"|yaw not available"
+                r"|GPS (glitching|drift|numsats|\w+ (error|speed)|speed error|and AHRS differ|positions differ)",
+                re.IGNORECASE,
+            ),
+        ),
         parameters_by_name=True,
         limits_are_bits="FENCE_TYPE",
         widen_fence="give the vehicle a wider fence, or remove that limit from its FENCE_TYPE (4: only the mission's "
@@ -207,7 +184,7 @@ class ArduCopter(Autopilot):
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
-    failsafe_by = failsafes.DECIDED_BY
+    failsafe_by = parameters_of(failsafes.RULES, "FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE")
     failsafe_rules = failsafes.RULES
     station_loss = failsafes.STATION_LOSS
 
@@ -237,13 +214,13 @@ class ArduCopter(Autopilot):
         """
         if contingency not in (Contingency.LAND, Contingency.HOLD):
             return super().braking_way(parameters, velocity, accel, contingency)
-        from ipoa_mission.vehicles.arducopter import braking
+        from ipoa_mission.vehicles.arducopter.braking import Shaping
 
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
-            return braking.Shaping(braking.BRAKE_ACCEL, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
-        asked = velocity + braking.LAND_LEAD_S * accel
-        return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
+            return Shaping(7.5, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)  # BRAKE_MODE_DECEL_RATE
+        lead_s = 0.25  # of the target's speed, as flown
+        return Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(velocity + lead_s * accel, accel)
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
@@ -275,14 +252,33 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
-        return None if parameters.get("FENCE_ACTION", 1.0) <= REPORT_ONLY else limits_on(parameters)
+        return fence_limits(parameters) if parameters.get("FENCE_ACTION", 1.0) > 0.0 else None
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return RTL's rally point.
+        """Return RTL's rally point: the nearest inside the own fence; None: home.
+
+        Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
+        OA_TYPE.
 
         >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
-        return returning.goal_of_return(parameters, here, rally)
+        fence = fence_limits(parameters)
+        distances = {
+            n: level_distance(here, place)
+            for n, place in enumerate(rally)
+            if fence is None
+            or (
+                (level_distance(place, HOME) <= fence.radius.value)
+                and fence.floor.value <= place[2] <= fence.ceiling.value
+            )
+        }
+        if not distances:
+            return None
+        nearest = min(distances, key=distances.__getitem__)
+        limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
+        too_far = limit > 0.0 and distances[nearest] > limit
+        counts_home = parameters.get("RALLY_INCL_HOME", 1.0) != 0.0
+        return None if too_far or (counts_home and distances[nearest] >= level_distance(here, HOME)) else nearest
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """Return RTL_ALT, lowered by the cone and the fence.
@@ -290,15 +286,22 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
         48.0
         """
-        return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
+        return CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """Return RTL_ALT_TYPE's effect.
+        """Return the effect of RTL_ALT_TYPE 1, which needs a range finder or terrain data.
+
+        While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
         """
-        return returning.over_terrain(self.parameter_table.by_old_names(parameters))
+        p = self.parameter_table.by_old_names(parameters)
+        sees_ground = p.get("RNGFND1_TYPE", 0.0) > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
+        follows = math.isclose(p.get("RTL_ALT_TYPE", 0.0), 1.0)
+        if not (follows and (sees_ground or p.get("TERRAIN_ENABLE", 1.0) > 0.0)):
+            return None
+        return OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Read in the source.

@@ -3,12 +3,13 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
+from enum import IntEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
-from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence
+from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence, parameters_of
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
 from ipoa_mission.autopilot.guidance_profile import (
     ArmingWords,
@@ -22,10 +23,18 @@ from ipoa_mission.autopilot.guidance_profile import (
 )
 from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import Contingency, MissionLanding, Place, ReturnRoute
+from ipoa_mission.autopilot.returning import (
+    HOME,
+    Contingency,
+    MissionLanding,
+    Place,
+    ReturnBy,
+    ReturnRoute,
+    level_distance,
+)
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
+from ipoa_mission.vehicles.px4_multicopter import failsafes
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,
     LEAST_HOLD,
@@ -36,80 +45,19 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
 )
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 
-WAY_KNOWN = WayKnown(
-    why={
-        Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
-        Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
-        Command.NAV_VTOL_LAND: "it is for a VTOL vehicle",
-        Command.DO_VTOL_TRANSITION: "a multicopter waits forever for a transition to fixed wing",
-        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
-        Command.COMPONENT_ARM_DISARM: "it may stop the motors",
-        Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
-        Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
-    },
-)
-
-
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
-STOP_DEFAULTS = WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
-WARN_ONLY = 1.0  # GF_ACTION; 0 does nothing
 
-FIRMWARE = Firmware(
-    autopilot="px4",
-    name="PX4",
-    home_is_item_0=False,
-    keeps_autocontinue=True,
-    fence=rows(
-        {
-            "w---dd.": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
-            ".---dd.": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
-            "----dd.": "NAV_FENCE_RETURN_POINT",
-        }
-    ),
-    rally=rows({"----dd.": "NAV_RALLY_POINT"}),
-    fence_is_union=True,
-    max_items=10_000,
-    max_fence_items=64,
-    max_rally_points=32,
-    highest_altitude=math.inf,
-    nan_holds=True,
-    photo_looks_s=0.05,  # camera_trigger
-    jumps=JumpProfile(at_once=9),
-)
+class ReturnType(IntEnum):
+    """Values of RTL_TYPE; unknown ones are as 0."""
 
-MODES = Modes(
-    mission=mode_number(4, 4),
-    arming=mode_number(4, 4),  # takes off once armed
-    hold=mode_number(4, 3),
-    returning=mode_number(4, 5),
-    returns=frozenset({mode_number(4, 5)}),  # of an RTL item
-    lands=frozenset({mode_number(4, 6)}),
-    names={
-        mode_number(1): "MANUAL",
-        mode_number(2): "ALTCTL",
-        mode_number(3): "POSCTL",
-        mode_number(4, 2): "AUTO.TAKEOFF",
-        mode_number(4, 3): "AUTO.LOITER",
-        mode_number(4, 4): "AUTO.MISSION",
-        mode_number(4, 5): "AUTO.RTL",
-        mode_number(4, 6): "AUTO.LAND",
-        mode_number(6): "OFFBOARD",
-        mode_number(7): "STABILIZED",
-    },
-    has_sub_modes=True,
-)
-
-#: The commander's checks in 1.17, sent when arming is refused.
-ARMING_WORDS = ArmingWords(
-    re.compile(r"Arming denied: |Preflight Fail: "),
-    re.compile(
-        r"Resolve system health|^calibrating|No valid data|missing data|(Accel|Gyro|Compass) Sensor \d+ missing"
-        r"|barometer \d+ missing|unstable|not stable|estimate required|Home position required|requires valid home"
-        r"|GPS(?! signal spoofed)|High (Gyro|Accelerometer) Bias|CPU|No connection to the GCS|system power unavailable"
-    ),
-)
+    HOME_OR_RALLY = 0
+    HOME_LAST = 1
+    LANDING_OR_BACK = 2
+    NEAREST = 3
+    SHORTER_WAY = 4
+    RALLY_ONLY = 5  # since 1.18
 
 
 class Px4Multicopter(Autopilot):
@@ -119,9 +67,47 @@ class Px4Multicopter(Autopilot):
     mav_autopilot = 12
     mav_types = MULTICOPTERS
     measured = MEASURED
-    modes = MODES
+    modes = Modes(
+        mission=mode_number(4, 4),
+        arming=mode_number(4, 4),  # takes off once armed
+        hold=mode_number(4, 3),
+        returning=mode_number(4, 5),
+        returns=frozenset({mode_number(4, 5)}),  # of an RTL item
+        lands=frozenset({mode_number(4, 6)}),
+        names={
+            mode_number(1): "MANUAL", mode_number(2): "ALTCTL", mode_number(3): "POSCTL",
+            mode_number(4, 2): "AUTO.TAKEOFF", mode_number(4, 3): "AUTO.LOITER", mode_number(4, 4): "AUTO.MISSION",
+            mode_number(4, 5): "AUTO.RTL", mode_number(4, 6): "AUTO.LAND", mode_number(6): "OFFBOARD",
+            mode_number(7): "STABILIZED",
+        },
+        has_sub_modes=True,
+    )  # fmt: skip
     parameter_table = PARAMETER_TABLE
-    tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
+    tables = FirmwareTables(
+        Firmware(
+            autopilot="px4",
+            name="PX4",
+            home_is_item_0=False,
+            keeps_autocontinue=True,
+            fence=rows(
+                {
+                    "w---dd.": "NAV_FENCE_POLYGON_VERTEX_INCLUSION NAV_FENCE_POLYGON_VERTEX_EXCLUSION",
+                    ".---dd.": "NAV_FENCE_CIRCLE_INCLUSION NAV_FENCE_CIRCLE_EXCLUSION",
+                    "----dd.": "NAV_FENCE_RETURN_POINT",
+                }
+            ),
+            rally=rows({"----dd.": "NAV_RALLY_POINT"}),
+            fence_is_union=True,
+            max_items=10_000,
+            max_fence_items=64,
+            max_rally_points=32,
+            highest_altitude=math.inf,
+            nan_holds=True,
+            photo_looks_s=0.05,  # camera_trigger
+            jumps=JumpProfile(at_once=9),
+        ),
+        Path(__file__).with_name("firmware_tables.json"),
+    )
     guidance = GuidanceProfile(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
@@ -131,10 +117,29 @@ class Px4Multicopter(Autopilot):
         climbs_coming_back=True,
         brakes_after=0.6,
     )
-    way_known = WAY_KNOWN
+    way_known = WayKnown(
+        why={
+            Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
+            Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
+            Command.NAV_VTOL_LAND: "it is for a VTOL vehicle",
+            Command.DO_VTOL_TRANSITION: "a multicopter waits forever for a transition to fixed wing",
+            Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+            Command.COMPONENT_ARM_DISARM: "it may stop the motors",
+            Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
+            Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
+        },
+    )
     protocol_profile = ProtocolProfile(
         judges_later=True,
-        arming_words=ARMING_WORDS,
+        arming_words=ArmingWords(  # the commander's checks in 1.17, sent when arming is refused
+            re.compile(r"Arming denied: |Preflight Fail: "),
+            re.compile(
+                r"Resolve system health|^calibrating|No valid data|missing data|(Accel|Gyro|Compass) Sensor \d+ missing"
+                r"|barometer \d+ missing|unstable|not stable|estimate required|Home position required"
+                r"|requires valid home|GPS(?! signal spoofed)|High (Gyro|Accelerometer) Bias|CPU"
+                r"|No connection to the GCS|system power unavailable"
+            ),
+        ),
         keeps_types=True,
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
@@ -153,7 +158,9 @@ class Px4Multicopter(Autopilot):
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
-    failsafe_by = failsafes.DECIDED_BY
+    failsafe_by = parameters_of(
+        failsafes.RULES, *failsafes.EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE"
+    )
     failsafe_rules = failsafes.RULES
     station_loss = failsafes.STATION_LOSS
 
@@ -200,7 +207,7 @@ class Px4Multicopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
-        if parameters.get("GF_ACTION", 0.0) <= WARN_ONLY:
+        if parameters.get("GF_ACTION", 0.0) <= 1.0:
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
         return OwnFence(
@@ -225,12 +232,31 @@ class Px4Multicopter(Autopilot):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """Return RTL_TYPE's route.
+        """Return RTL_TYPE's route, to the nearest of home, rally points and the mission's landing.
+
+        A rally point must be over 10 m from home, and it or a landing 2 m nearer than home. Read in 1.17.0 (d6f12ad1),
+        release/1.18 (05deebf313) and main (bb59c637).
 
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
         """
-        return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
+        kind = parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
+        if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
+            ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
+            return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)
+        rally_only = kind == ReturnType.RALLY_ONLY and (version or self.newest).series >= (1, 18)
+        best = ReturnRoute(ReturnBy.HERE if rally_only else ReturnBy.DIRECT)
+        nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else level_distance(here, HOME)
+        advantage = 2.0  # [m]
+        if landing is not None and kind in {ReturnType.HOME_LAST, ReturnType.NEAREST}:
+            distance = level_distance(here, landing.place)
+            if distance + advantage < nearest:
+                best, nearest = ReturnRoute(ReturnBy.LANDING), distance
+        for n, place in enumerate(rally):
+            distance = level_distance(here, place)
+            if (rally_only or level_distance(HOME, place) > 10.0) and distance + advantage < nearest:
+                best, nearest = ReturnRoute(ReturnBy.DIRECT, n), distance
+        return best
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """NAV_ACC_RAD is 10 m from 1.18 on."""
@@ -242,18 +268,24 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
-        return STOP_DEFAULTS if (version or self.newest).series >= SPLITS_AXES else WaypointDefaults()
+        if (version or self.newest).series < SPLITS_AXES:
+            return WaypointDefaults()
+        return WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        return returning.return_height(parameters, height, distance, goal_up)
+        from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
+
+        return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """Return the distance, from 1.19 on.
+        """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled.
 
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
         """
-        return returning.room_to_fences(parameters, (version or self.newest).series)
+        if (version or self.newest).series < (1, 19):
+            return None
+        return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"])
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Read in the source.
