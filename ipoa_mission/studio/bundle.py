@@ -22,7 +22,7 @@ DIGEST = "sources.sha256"
 
 
 def built_page(tell: Callable[[str], None]) -> Path:
-    """Return the page's folder; build it first if needed. Raises MissionError."""
+    """Return the page's folder; build it first if needed."""
     wanted, kept = sources_digest(WEB), _cache() / "studio" / "web"
     for web in (WEB, kept, *copies("studio/web")):
         if _digest(web) == wanted:
@@ -57,7 +57,7 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
 
 
 def npm() -> str:
-    """Return npm on the path, or of a package in this Python. Raises MissionError."""
+    """Return npm on the path, or of a package in this Python."""
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
     found = shutil.which("npm", path=folders)
     if found is None:

@@ -22,7 +22,7 @@ PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
 def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT_SUFFIXES) -> Path:
-    """Write a dropped file next to the scenario, never over another. Raises BadInput."""
+    """Write a dropped file next to the scenario, never over another."""
     plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
     if not plain or plain.startswith(".") or suffix not in suffixes:
@@ -37,20 +37,18 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
 
 
 def log_named(name: str) -> str:
-    """Return the bare name of a kept log. Raises BadInput."""
     if Path(name).suffix.lower() not in LOGS:
         raise WrongSuffix(f"expected a log of a flight: {', '.join(LOGS)}", place=Path(name).name)
     return Path(name).name
 
 
 def _plain(name: str) -> str:
-    """Return the bare name, valid on any system."""
     path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
     return path.stem.encode()[:LONGEST].decode(errors="ignore") + path.suffix
 
 
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
-    """Return a `map`, `elevation` model, `log`, or `mission` with its `changes`. Raises BadInput."""
+    """Return a `map`, `elevation` model, `log`, or `mission` with its `changes`."""
     suffix = file.suffix.lower()
     if suffix in MISSIONS:
         changes = changes_of(read_mission(file), scenario)
@@ -60,7 +58,7 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
 
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:
-    """Return changes to a mission's home, places and fence; obstacles stay. Raises BadInput."""
+    """Return changes to a mission's home, places and fence; obstacles stay."""
     items = [item for item in mission.items if item.has_position and item.command in PLACES]
     if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
         items.pop()

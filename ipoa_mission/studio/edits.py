@@ -37,7 +37,7 @@ def parse_table(text: str) -> tomlkit.TOMLDocument:
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:
-    """Return the text with these changes. Raises BadInput.
+    """Return the text with these changes.
 
     >>> from ipoa_mission.studio.requests import Put
     >>> changed("safety_distance = 2.0  # of the hull\\n", [Put(path=("safety_distance",), value=3.0)])
@@ -49,7 +49,7 @@ def changed(text: str, changes: Iterable[Change]) -> str:
 
 
 def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change]) -> None:
-    """Apply changes to a table in place, formatted or plain. Raises BadInput."""
+    """Apply changes to a table in place, formatted or plain."""
     for change in changes:
         try:
             _apply(document, change)
@@ -140,7 +140,6 @@ def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:
 
 
 def _uses_degrees(document: Any) -> bool:
-    """Return whether the goal is in degrees, as added places should be then."""
     return "latitude_deg" in document.get("goal", {})
 
 

@@ -32,21 +32,20 @@ class FlightDesk:
         self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # readable by this user only
 
     def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
-        """Upload the plan (first step); `hand_over` writes it to a file. Raises MissionError."""
+        """Upload the plan (first step); `hand_over` writes it to a file."""
         if self.is_busy:
             raise MissionError("a flight is under way", hint="let it end, or stop watching it", code="flight-under-way")
         self._loaded, self._is_over = None, False
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
-        """Report the systems heard. Raises MissionError."""
         if self.is_busy:
             words = "a flight is under way: no other link can be heard"
             raise MissionError(words, hint="let it end", code="flight-under-way")
         self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
-        """Arm and fly (second step), if nothing has changed. Raises MissionError."""
+        """Arm and fly (second step), if nothing has changed."""
         if self._loaded is None:
             raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
         if self._loaded["revision"] != self._document.revision:

@@ -53,7 +53,6 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
 
 
 def proof_digest(flight: Flight) -> str:
-    """Return ten hexadecimal digits of mission, proof and promise."""
     return _digest(flight.mission, flight.summary())
 
 

@@ -66,7 +66,6 @@ class Journal:
         return journal
 
     def write(self, text: str, label: str) -> bool:
-        """Set the text; return whether it changed."""
         if text == self.text:
             return False
         self._splice(splice := splice_between(self.text, text, label))

@@ -144,7 +144,6 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    """Return the scenario's map with the mission's home, else an empty one."""
     mission, scenario = forecast.given, forecast.scenario
     home = mission.home
     here = round(home.longitude_deg, 7), round(home.latitude_deg, 7)

@@ -22,7 +22,7 @@ Placed = TypeVar("Placed", Item, Geodetic)
 
 
 def mission_changed(text: str, path: Path, changes: Iterable[Change], autopilot: str | None = None) -> str:
-    """Return the text with these changes. Raises BadInput."""
+    """Return the text with these changes."""
     file = parse_mission(path, text, None if autopilot is None else autopilot_named(autopilot))
     mission = file.mission
     for change in changes:

@@ -11,14 +11,10 @@ EXPECTED = "expected degrees (47.3977, 8.5456), MGRS (32TMT6569649438) or a whol
 
 
 def place_of(words: str) -> tuple[float, float]:
-    """Return latitude and longitude [deg]. Raises BadInput, MissionError.
+    """Return latitude and longitude [deg].
 
     >>> place_of("47.397742, 8.545594"), place_of("47.4 S 8.5 W")
     ((47.397742, 8.545594), (-47.4, -8.5))
-
-    Raises:
-        BadInput: it is in none of these forms.
-        MissionError: the library for MGRS or plus codes is not installed.
     """
     told = words.strip()
     if found := DEGREES.fullmatch(told):

@@ -103,7 +103,7 @@ def end_mission(order: Order, answer: Answer) -> None:
 
 
 def hand_over_mission(order: Order, answer: Answer) -> None:
-    """Write the mission for the pilot process, if the check has no errors. Raises MissionError."""
+    """Write the mission for the pilot process, if the check has no errors."""
     file, forecast = _mission(order)
     warnings = refuse_errors(_findings(file, forecast))
     refuse_unsound(forecast.given)
@@ -111,8 +111,6 @@ def hand_over_mission(order: Order, answer: Answer) -> None:
 
 
 class PlanWorker:
-    """Keeps the last plan for its files and its flight."""
-
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
 
@@ -194,7 +192,7 @@ class PlanWorker:
 def _survey(
     scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
-    """Plan a survey without the parts flown in valid logs; return it with these. Raises MissionError."""
+    """Plan a survey without the parts flown in valid logs; return it with these."""
     logs = tuple(Path(log) for log in order["flown"])
     try:
         return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs
@@ -240,7 +238,7 @@ def _scenario(text: str, path: str) -> Scenario:
 
 
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
-    """Compare the log's first flight in mission mode. Raises MissionError."""
+    """Compare the log's first flight in mission mode."""
     flown = _flights(str(log))
     flight = next((one for one in flown.flights if one.in_mission), None)
     if flight is None:

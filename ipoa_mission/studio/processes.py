@@ -35,7 +35,7 @@ class Process:
         return self._process
 
     async def ask(self, order: dict[str, Any], hear: Hear) -> None:
-        """Send a job, and call `hear` with every answer; pass on cancellation. Raises ProcessDied."""
+        """Send a job, and call `hear` with every answer; pass on cancellation."""
         async with self._one_at_a_time:
             process = await self.start()
             self._number += 1

@@ -101,7 +101,6 @@ def _heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield a place that is too low raised above the highest obstacle there."""
     points = {"start": scenario.start_point, "goal": scenario.goal_point}
     points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
     if error.code != "place-blocked" or error.place not in points or scenario.survey is not None:

@@ -39,7 +39,7 @@ class Document:
         return self._journal.text
 
     def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
-        """Apply changes made on revision `seen`; return whether the text changed. Raises Stale, BadInput."""
+        """Apply changes made on revision `seen`; return whether the text changed."""
         changes = tuple(changes)
         if seen < self._numbered_anew:
             raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="review it, and repeat the change")
@@ -50,7 +50,7 @@ class Document:
         return different
 
     def rewrite(self, text: str, seen: int) -> bool:
-        """Replace the text of revision `seen`. Raises Stale."""
+        """Replace the text of revision `seen`."""
         if seen != self.revision:
             words = f"{self.path.name} was changed elsewhere while its text was edited here"
             raise Stale(words, hint="copy your text, and reload")
@@ -68,7 +68,7 @@ class Document:
         return self._renumbered(self._journal.redo())
 
     def save(self, over: bool = False) -> None:
-        """Write the file; `over` replaces changes by another program. Raises Stale, BadInput."""
+        """Write the file; `over` replaces changes by another program."""
         if not over and self.path.exists() and self._on_disk() != self._journal.saved:
             self.changed_outside = True
             raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
@@ -79,7 +79,7 @@ class Document:
         self.changed_outside = False
 
     def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
-        """Write the mission next to its file; return it and losses of its format. Raises BadInput."""
+        """Write the mission next to its file; return it and losses of its format."""
         if not self.is_mission:
             raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
         file, target = self._mission(), unused(self.path.with_suffix(suffix))

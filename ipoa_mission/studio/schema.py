@@ -12,7 +12,6 @@ from ipoa_mission.studio.requests import Request
 
 
 def schema() -> dict[str, Any]:
-    """Return each message, the unions `Answer` and `Request`, and `Scenario`."""
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
     _, definitions = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]

@@ -50,7 +50,6 @@ class Sessions:
             host.tell_all(message)
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
-        """Open a file; return its token. Raises BadInput."""
         known = memory.address_of(path.resolve())
         known = replace(known, world=str((world or Path(known.world)).resolve()) if world or known.world else "")
         known = replace(known, log=str(log.resolve()) if log else known.log)

@@ -83,7 +83,6 @@ def studio(
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
-    """Write a new scenario with a goal north of home. Raises BadInput."""
     from ipoa_mission.studio.lobby import begin_scenario
 
     if home is None:

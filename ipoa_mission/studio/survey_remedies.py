@@ -19,7 +19,6 @@ MARGIN = 5.0  # beyond the survey [m]
 
 
 def survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """Yield remedies; the next plan checks them."""
     if scenario.survey is None or scenario.survey_area is None:
         return
     if error.known.get("limit") == "bounds":

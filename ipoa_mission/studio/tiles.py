@@ -35,7 +35,7 @@ class TileSource:
 
 
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
-    """Return the requested tiles and remember them; else the remembered ones. Raises BadInput."""
+    """Return the requested tiles and remember them; else the remembered ones."""
     if asked == NONE:
         memory.keep_tiles(None)
         return None
@@ -53,7 +53,7 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:
-    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file. Raises BadInput."""
+    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file."""
     if "://" in source:
         return _of_server(source, attribution)
     path = Path(source)

@@ -37,7 +37,6 @@ POLICY = (
 
 
 def policy_for(origin: str | None) -> str:
-    """Return the policy, with images of the user's tile server."""
     if origin is None:
         return POLICY
     return POLICY.replace("img-src 'self'", f"img-src 'self' {origin}").replace(
@@ -194,7 +193,7 @@ def serve(
     tiles: TileSource | None = None,
     world: Path | None = None,
 ) -> None:
-    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address. Raises BadInput.
+    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address.
 
     A known file keeps its address, so that its old page reconnects. A log is opened with its mission.
     """
@@ -214,7 +213,7 @@ def serve(
 
 
 def _listen(asked: int, before: int) -> socket.socket:
-    """Return a socket at the requested port, else the one before, else any. Raises BadInput."""
+    """Return a socket at the requested port, else the one before, else any."""
     if asked:
         try:
             return socket.create_server(("127.0.0.1", asked))
