@@ -1,26 +1,23 @@
+"""Write a mission in formats of other programs; `export_lines` has what all maps draw."""
+
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.report.exports.csv_export import to_csv
 from ipoa_mission.report.exports.geojson_export import to_geojson
-from ipoa_mission.report.exports.gpx_export import to_gpx
-from ipoa_mission.report.exports.kml_export import to_kml
+from ipoa_mission.report.exports.table import to_csv
+from ipoa_mission.report.exports.xml_exports import to_gpx, to_kml
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-EXPORTS: dict[str, Callable[[Forecast, str], str]] = {
-    ".kml": to_kml,
-    ".geojson": to_geojson,
-    ".csv": to_csv,
-    ".gpx": to_gpx,
-}
+Export: TypeAlias = Callable[[Forecast, str], str]
+EXPORTS: dict[str, Export] = {".kml": to_kml, ".geojson": to_geojson, ".csv": to_csv, ".gpx": to_gpx}
 
 
 def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None" = None) -> None:

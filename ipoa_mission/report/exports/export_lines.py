@@ -1,24 +1,33 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
-from ipoa_mission.mission.items import FenceCircle, FencePolygon
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+Place: TypeAlias = tuple[float, float, float]
+"""Longitude [deg], latitude [deg], altitude [m]."""
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """Points (longitude [deg], latitude [deg], altitude [m]) that do not cross the antimeridian.
+    """Points that do not cross the antimeridian; AMSL, or above the ground if `over_terrain`."""
 
-    Altitudes are AMSL, or above the ground if `over_terrain`.
-    """
-
-    points: tuple[tuple[float, float, float], ...]
+    points: tuple[Place, ...]
     over_terrain: bool
+
+
+def marks_of(mission: Mission) -> Iterator[tuple[str, Place]]:
+    """Yield home and the rally points with their names, AMSL."""
+    home = mission.home
+    yield "home", (home.longitude_deg, home.latitude_deg, home.altitude)
+    for n, place in enumerate(mission.rally, start=1):
+        yield f"rally {n}", (place.longitude_deg, place.latitude_deg, home.altitude + place.altitude)
 
 
 def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
@@ -38,9 +47,8 @@ def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
 
 def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Iterator[Stretch]:
     latitude, longitude, altitude = frame.to_geodetic(leg.points)
-    over_terrain = False
-    if leg.over_terrain and unknown_ground is not None:
-        over_terrain, altitude = True, altitude - unknown_ground
+    over_terrain = leg.over_terrain and unknown_ground is not None
+    altitude = altitude - (unknown_ground or 0.0) if over_terrain else altitude
     places = [
         (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
         for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
@@ -48,7 +56,7 @@ def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Ite
     yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
 
 
-def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
+def _cut_at_antimeridian(places: list[Place]) -> list[list[Place]]:
     """Cut a line at longitude 180: RFC 7946, 3.1.9."""
     lines = [[places[0]]]
     for place in places[1:]:
@@ -64,14 +72,14 @@ def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[
     return lines
 
 
-CIRCLE_CORNERS = 72  # inside the circle, by at most a thousandth of the radius
-
-
 def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
-    """Return (longitude, latitude), closed and counterclockwise as in GeoJSON and KML."""
+    """Return (longitude, latitude), closed and counterclockwise as in GeoJSON and KML.
+
+    A circle's 72 corners cut off at most a thousandth of its radius.
+    """
     if isinstance(part, FenceCircle):
-        angles = np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS, endpoint=False)
-        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CIRCLE_CORNERS)])
+        angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
         latitude, longitude, _ = LocalFrame(Geodetic(*part.center)).to_geodetic(circle)
         corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
     else:

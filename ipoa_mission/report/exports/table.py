@@ -1,6 +1,9 @@
+"""A row for home and each item, also as CSV."""
+
+import csv
+import io
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -20,7 +23,6 @@ from ipoa_mission.world.frame import Geodetic
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 MIN_HEADING_LENGTH = 0.5  # horizontal [m]
 
 
@@ -48,7 +50,7 @@ class Row:
     passes: int = 1  # of its leg by jumps
 
 
-def shown(value: float | None, form: str = "z.1f") -> str:
+def shown(value: float | str | None, form: str = "z.1f") -> str:
     return "" if value is None else format(value, form)
 
 
@@ -73,23 +75,43 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
 def rows_of(forecast: Forecast) -> tuple[Row, ...]:
     mission, scenario = forecast.mission, forecast.scenario
-    legs: dict[int, list[Leg]] = defaultdict(list)
-    for leg in forecast.legs if not refusals(mission) else ():
-        if not leg.alternative:
-            legs[leg.seq].append(leg)
+    legs, passes = defaultdict[int, list[Leg]](list), Counter[int]()
+    if not refusals(mission):
+        for leg in forecast.legs:
+            if not leg.alternative:
+                legs[leg.seq].append(leg)
+        if any(item.command in JUMPS for item in mission.items):
+            with suppress(BadInput):  # endless jumps
+                passes.update(visit.seq for visit in forecast.itinerary.visits)
     home = Row(0, "home", mission.home.latitude_deg, mission.home.longitude_deg, mission.home.altitude, 0.0)
-    items = (_row(seq, item, mission, legs[seq], scenario) for seq, item in enumerate(mission.items, start=1))
-    return (home, *_repeated(items, forecast))
+    rows = (_row(seq, item, mission, legs[seq], scenario) for seq, item in enumerate(mission.items, start=1))
+    return (home, *(replace(row, passes=max(passes[row.seq], 1)) for row in rows))
 
 
-def _repeated(rows: Iterable[Row], forecast: Forecast) -> Iterator[Row]:
-    mission = forecast.mission
-    passes = Counter[int]()
-    if any(item.command in JUMPS for item in mission.items) and not refusals(mission):
-        with suppress(BadInput):  # endless jumps
-            passes.update(visit.seq for visit in forecast.itinerary.visits)
-    for row in rows:
-        yield replace(row, passes=max(passes[row.seq], 1))
+def to_csv(forecast: Forecast, name: str) -> str:
+    """RFC 4180, but LF; `name` is unused."""
+    columns = {
+        "seq": ("seq", ""),
+        "command": ("command", ""),
+        "latitude_deg": ("latitude_deg", ".9f"),
+        "longitude_deg": ("longitude_deg", ".9f"),
+        "altitude_amsl_m": ("altitude_amsl", ".3f"),
+        "height_above_home_m": ("height", ".3f"),
+        "height_above_ground_m": ("height_above_ground", ".3f"),
+        "leg_m": ("length", ".2f"),
+        "heading_deg": ("heading_deg", ".1f"),
+        "climb_m": ("climb", ".2f"),
+        "hold_s": ("hold_s", ".1f"),
+        "speed_m_s": ("speed", ".2f"),
+        "detail": ("detail", ""),
+        "passes": ("passes", ""),
+    }
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns)
+    for row in rows_of(forecast):
+        writer.writerow([shown(getattr(row, attribute), form) for attribute, form in columns.values()])
+    return out.getvalue()
 
 
 def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:
@@ -97,7 +119,7 @@ def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Sce
     on_map = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
     height = mission.altitude_above_home(item) if placed else math.nan
     points = np.vstack([leg.points for leg in legs]) if legs else None
-    if scenario is not None and points is not None and item.command in LANDINGS:  # to the ground there
+    if scenario is not None and points is not None and item.command in {Command.NAV_LAND, Command.NAV_VTOL_LAND}:
         height = scenario.frame.geodetic(points[-1]).altitude - mission.home.altitude
     return Row(
         seq=seq,
