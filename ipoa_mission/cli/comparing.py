@@ -65,7 +65,7 @@ def compare(
     from ipoa_mission.flight.landed import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
     from ipoa_mission.logs.vehicle_file import read_vehicle
-    from ipoa_mission.report.compare import compare_logged
+    from ipoa_mission.report.compare import Assumptions, compare_logged
     from ipoa_mission.wind import CALM
 
     if len(files) > 2:
@@ -90,11 +90,11 @@ def compare(
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
     world = read_world(scenario, air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
+    assumed = Assumptions(given, learned, air or CALM, version)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        asked = (flight, mission, given, learned, air or CALM, version)
-        held = compare_logged(*asked) if flight.in_mission else None
+        held = compare_logged(flight, mission, assumed) if flight.in_mission else None
         record = flight.record() if held is None else held.record
         flown_mission = None if held is None else held.forecast.mission
         clearance = None if world is None else flown_clearance(record, world, flown_mission)
@@ -172,8 +172,7 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
 
     try:
-        from ipoa_mission.report.comparison_plot import draw_comparison
-        from ipoa_mission.report.plots import write_picture
+        from ipoa_mission.report.plots import draw_comparison, write_picture
     except ImportError:
         hint = "pip install 'ipoa-mission[pictures]'"
         words = "--picture needs matplotlib, which is not installed"

@@ -4,11 +4,11 @@ A leg is between two items that both have: not every item is reported.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.commands import HOLDING, Command
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
@@ -21,11 +21,6 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
-
-ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
-
-#: [m]
-HOME_RADIUS = 5.0
 
 
 @dataclass(frozen=True)
@@ -90,24 +85,33 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
         >>> abs(compare_flight(estimate(mission), fly(mission)).route_error) < 0.05
         True
     """
-    legs, before = [], (0.0, 0.0)
-    met: set[int] = set()
+    legs = dict[int, LegTime]()
+    estimated = flown = 0.0
     for item in estimate.items:
-        flown = flight.item_reached_s.get(item.seq - 1)
-        if flown is None or item.seq in met:
-            continue
-        met.add(item.seq)
-        done = (item.done_s, flown)
-        legs.append(LegTime(item.seq, item.command, *done, done[0] - before[0], done[1] - before[1]))
-        before = done
-    route = [leg for leg in legs if leg.command in ROUTE]
+        done = flight.item_reached_s.get(item.seq - 1)
+        if done is not None and item.seq not in legs:
+            takes = item.done_s - estimated, done - flown
+            legs[item.seq] = LegTime(item.seq, item.command, item.done_s, done, *takes)
+            estimated, flown = item.done_s, done
+    on_route = HOLDING | {Command.NAV_TAKEOFF}
+    route = [leg for leg in legs.values() if leg.command in on_route]
     return Comparison(
-        legs=tuple(legs),
+        legs=tuple(legs.values()),
         estimated_total_s=estimate.total_s,
         flown_total_s=flight.total_s if flight.completed else math.nan,
         estimated_route_s=route[-1].estimated_done_s - route[0].estimated_done_s if route else math.nan,
         flown_route_s=route[-1].flown_done_s - route[0].flown_done_s if route else math.nan,
     )
+
+
+@dataclass(frozen=True)
+class Assumptions:
+    """About a logged flight; `parameters` and `version` replace the log's."""
+
+    parameters: Parameters = field(default_factory=dict)
+    vehicle: LearnedVehicle | None = None
+    wind: Wind = CALM
+    version: Version | None = None
 
 
 @dataclass(frozen=True)
@@ -122,27 +126,19 @@ class ComparedFlight:
 
 
 def compare_logged(
-    flight: LoggedFlight,
-    mission: Mission | None,
-    parameters: Parameters,
-    vehicle: LearnedVehicle | None = None,
-    wind: Wind = CALM,
-    version: Version | None = None,
+    flight: LoggedFlight, mission: Mission | None = None, assumed: Assumptions | None = None
 ) -> ComparedFlight | None:
-    """Compare with the estimate of `mission`, or of the logged mission, if known.
-
-    `parameters` and `version` replace the log's.
-    """
-    flown = mission or flight.mission
+    """Compare with the estimate of `mission`, or of the logged mission, if known."""
+    flown, assumed = mission or flight.mission, assumed or Assumptions()
     if flown is None:
         return None
-    flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind).on(version or flight.firmware_version)
+    flown = flown.with_parameters(flight.parameters).with_parameters(assumed.parameters)
+    version = assumed.version or flight.firmware_version
+    forecast = Forecast(replace(flown, vehicle=assumed.vehicle), wind=assumed.wind).on(version)
     record = flight.record(flown)
-    comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
-    changed = _changed(forecast.mission)
-    return ComparedFlight(forecast, record, comparison, changed, remarks)
+    comparison = compare_flight(forecast.estimate, record)
+    return ComparedFlight(forecast, record, comparison, _changed(forecast.mission), remarks)
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
@@ -152,21 +148,16 @@ def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
     if difference is None:
         return ()
     if difference.seq is None:  # without ArduPilot's home
-        what = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
+        words = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
     else:
-        what = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
-    return (f"another mission was flown: {what}",)
+        words = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
+    return (f"another mission was flown: {words}",)
 
 
 def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     track = flown_track(mission, record)
-    if track is None:
-        return ()
-    east, north, _ = track.points[0]
-    away = math.hypot(east, north)
-    return (
-        (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > HOME_RADIUS else ()
-    )
+    away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
+    return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > 5.0 else ()
 
 
 def _begun_later(record: FlightRecord) -> tuple[str, ...]:
@@ -189,12 +180,7 @@ def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
     """In home's local frame."""
     if len(flight.path) < 2:
         return None
-    latitude, longitude, height = (
-        np.array([getattr(sample, name) for sample in flight.path])
-        for name in ("latitude_deg", "longitude_deg", "height")
-    )
-    return Track(
-        times=np.array([sample.time_s for sample in flight.path]),
-        points=LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height),
-        speeds=np.array([sample.speed for sample in flight.path]),
-    )
+    positions = [(s.time_s, s.latitude_deg, s.longitude_deg, s.height, s.speed) for s in flight.path]
+    times, latitude, longitude, height, speeds = np.array(positions).T
+    points = LocalFrame(mission.home).to_local(latitude, longitude, mission.home.altitude + height)
+    return Track(times=times, points=points, speeds=speeds)

@@ -66,13 +66,13 @@ class Lobby:
             window.tell(Trouble(of="file", message=str(error), hint=error.hint).model_dump(mode="json"))
 
     def opened(self, path: Path, world: Path | None = None) -> str:
-        """Open a scenario, a mission, or a log with its mission; return its token. Raises BadInput, MissionError."""
+        """Open a scenario, a mission, or a log with its mission; return its token."""
         if path.suffix.lower() in LOGS:
             return self._open_file(_mission_of(path), world, path)
         return self._open_file(path, world, None)
 
     def take(self, name: str, content: bytes) -> str:
-        """Keep a dropped file and open it; return its relative address. Raises BadInput."""
+        """Keep a dropped file and open it; return its relative address."""
         path = keep(name, content, self._folder, (SCENARIO, *MISSIONS, *LOGS))
         return f"../{self.opened(path)}/"
 
@@ -103,7 +103,7 @@ class Lobby:
 
 
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
-    """Write a new scenario with a goal north of home. Raises BadInput."""
+    """Write a new scenario with a goal north of home."""
     latitude, longitude, altitude = home
     rounded = round(latitude, 7), round(longitude, 7), round(altitude, 1)
     write_atomically(target, new_scenario(target, rounded).text)
@@ -124,7 +124,7 @@ def _sort(path: Path) -> str:
 def _mission_of(log: Path) -> Path:
     read = read_flights(log)
     for flight in read.flights:
-        held = compare_logged(flight, None, {}) if flight.in_mission else None
+        held = compare_logged(flight) if flight.in_mission else None
         if held is not None:
             mission = replace(held.forecast.given, parameters=held.parameters)
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
