@@ -172,9 +172,10 @@ class Flight:
         Raises:
             BadInput: the file cannot be written.
         """
-        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.page import PageNotes, report_html
 
-        write_atomically(Path(path), report_html(self.forecast, self.plan, record, self.remarks, self.findings))
+        notes = PageNotes(self.remarks, self.findings)
+        write_atomically(Path(path), report_html(self.forecast, self.plan, record, notes))
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:

@@ -58,10 +58,10 @@ def write_parts(
     about = folder / f"{whole.name}.json"
     write_atomically(about, as_text(summary | {"sha256": digests}))
     if report:
-        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.page import PageNotes, report_html
 
         panel = parts_panel(parts, [path.name for path in names_of(whole, parts, folder)])
-        page = report_html(whole.forecast, whole.plan, None, whole.remarks, whole.findings, panel)
+        page = report_html(whole.forecast, whole.plan, notes=PageNotes(whole.remarks, whole.findings, panel))
         written.append(folder / f"{whole.name}.html")
         write_atomically(written[-1], page)
     return (*written, about)

@@ -13,17 +13,17 @@ from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report import palette
+from ipoa_mission.report.palette import Color
 
 #: distinct with color blindness
 COLORS = {
-    "ipoa": palette.VERMILLION,
-    "dbo": palette.BLUE,
-    "poa": palette.BLUISH_GREEN,
-    "ssa": palette.ORANGE,
-    "mpoa": palette.REDDISH_PURPLE,
-    "hho": palette.SKY_BLUE,
-    "adaptive-pelican": palette.BLACK,
+    "ipoa": Color.VERMILLION,
+    "dbo": Color.BLUE,
+    "poa": Color.BLUISH_GREEN,
+    "ssa": Color.ORANGE,
+    "mpoa": Color.REDDISH_PURPLE,
+    "hho": Color.SKY_BLUE,
+    "adaptive-pelican": Color.BLACK,
 }
 
 

@@ -1,1 +1,4 @@
-"""Pages, plots, tables and exports of flights."""
+"""Show a flight: `page` writes one HTML file of `panels`, `exports` other formats, `plots` pictures for papers.
+
+Read `drawn_flight` first: it computes what is drawn. `compare` compares a flight with its estimate.
+"""

@@ -1,7 +1,4 @@
-"""Charts as SVG without its own aspect ratio, below plain text.
-
-Text keeps its size on a phone and on paper, without a script. Curves are given in the chart's own units.
-"""
+"""Charts as SVG stretched to their box, below HTML labels that keep their size on a phone and on paper."""
 
 import math
 from collections.abc import Sequence
@@ -11,53 +8,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.obstacles import Obstacle
-
-
-@dataclass(frozen=True)
-class Framing:
-    least_room: float = 15.0  # [m]
-    room: float = 0.18  # of the longer side
-    slenderest: float = 0.62  # shorter side over longer side
-
-
-FRAMING = Framing()
-
-
-@dataclass(frozen=True)
-class Extent:
-    """Corners (east, north) [m]."""
-
-    lower: tuple[float, float]
-    upper: tuple[float, float]
-
-    def obstacles(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        return tuple(
-            body
-            for body in airspace.obstacles
-            if (body.bounds[1, :2] > self.lower).all() and (body.bounds[0, :2] < self.upper).all()
-        )
-
-    def buildings(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        """Leave zones out."""
-        return tuple(body for body in self.obstacles(airspace) if body.solid)
-
-
-def extent_of(*paths: Points) -> Extent:
-    """Paths are (n, 3); margins and proportions are limited."""
-    points = np.vstack(paths)[:, :2]
-    low, high = points.min(axis=0), points.max(axis=0)
-    room = max(FRAMING.least_room, FRAMING.room * float((high - low).max()))
-    half = (high - low) / 2 + room
-    half = np.maximum(half, FRAMING.slenderest * half.max())
-    middle = (low + high) / 2
-    lower, upper = middle - half, middle + half
-    return Extent((float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))
-
-
-SIDE = 1000.0  # in its own units
+from ipoa_mission.geometry import Vector
 
 
 @dataclass(frozen=True)
@@ -90,21 +41,21 @@ def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | No
 
 @dataclass(frozen=True)
 class Graph:
-    """Two axes and layers of SVG, the lowest first."""
+    """Two axes that draw layers of SVG, in classes of the page's style sheet."""
 
     x: GraphAxis
     y: GraphAxis
 
     def curve(self, x: Vector, y: Vector, look: str) -> str:
-        """Draw a line of CSS class `look`, broken at values that are not finite."""
+        """Return a line, broken at values that are not finite."""
         return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
 
     def steps(self, x: Vector, y: Vector, look: str) -> str:
         return self.curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], look)
 
     def band(self, x: Vector, low: Vector, high: Vector, look: str) -> str:
-        there, back = self._points(x, high), self._points(x, low)[::-1]
-        return f'<path class="{look}" d="{_path(np.vstack([there, back]))}Z"/>'
+        outline = np.vstack([self._points(x, high), self._points(x, low)[::-1]])
+        return f'<path class="{look}" d="{_path(outline)}Z"/>'
 
     def block(self, x: tuple[float, float], y: tuple[float, float], look: str, title: str) -> str:
         (x0, y0), (x1, y1) = self._points(np.array(x), np.array(y))
@@ -117,13 +68,15 @@ class Graph:
         return self.curve(np.array([self.x.low, self.x.high]), np.array([y, y]), look)
 
     def html(self, name: str, layers: Sequence[str], over: str = "", tall: str = "", along: str = "") -> str:
-        """`over` is HTML on top, `along` the series that the cursor follows."""
+        """Stack layers, the lowest first, and HTML `over` them; the cursor follows the series `along`."""
+        grid = "".join(self.level(y, "grid") for y in self.y.ticks(5))
         return (
             f'<div class="chart {tall}" id="{name}" data-along="{along}" data-low="{self.x.low:.9g}" '
             f'data-high="{self.x.high:.9g}" role="img" aria-label="{escape(self.y.label)} over {escape(self.x.label)}">'
             f'<span class="unit y">{escape(self.y.label)}</span><div class="plot">'
-            f'<svg viewBox="0 0 1000 1000" preserveAspectRatio="none">{self._grid()}{"".join(layers)}</svg>'
-            f'{self._words()}{over}<i class="cursor"></i></div><span class="unit x">{escape(self.x.label)}</span></div>'
+            f'<svg viewBox="0 0 1000 1000" preserveAspectRatio="none"><g>{grid}</g>{"".join(layers)}</svg>'
+            f'{self._tick_labels()}{over}<i class="cursor"></i></div>'
+            f'<span class="unit x">{escape(self.x.label)}</span></div>'
         )
 
     def spot(self, x: float, y: float) -> str:
@@ -131,18 +84,14 @@ class Graph:
         return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
 
     def _points(self, x: Vector, y: Vector) -> NDArray[np.float64]:
-        return np.column_stack([SIDE * self.x.place(x), SIDE * (1 - self.y.place(y))])
+        """Return points in the viewBox of 1000 by 1000, (n, 2)."""
+        return np.column_stack([1000.0 * self.x.place(x), 1000.0 * (1 - self.y.place(y))])
 
-    def _grid(self) -> str:
-        level = "".join(self.level(y, "grid") for y in self.y.ticks(5))
-        return f"<g>{level}</g>"
-
-    def _words(self) -> str:
-        below = ("x", "left", self.x, self.x.ticks())
-        at_the_side = ("y", "bottom", self.y, self.y.ticks(5))
+    def _tick_labels(self) -> str:
+        sides = (("x", "left", self.x, self.x.ticks()), ("y", "bottom", self.y, self.y.ticks(5)))
         return "".join(
-            f'<span class="tick {name}" style="{side}:{100 * share:.2f}%">{_number(value)}</span>'
-            for name, side, axis, values in (below, at_the_side)
+            f'<span class="tick {name}" style="{side}:{100 * share:.2f}%">{f"{value:.6g}".replace("-", "−")}</span>'
+            for name, side, axis, values in sides
             for value, share in zip(values, axis.place(np.array(values)), strict=True)
         )
 
@@ -156,7 +105,3 @@ def _path(points: NDArray[np.float64]) -> str:
         pieces.append(f"{pen}{x:.1f} {y:.1f}")
         pen = "L"
     return "".join(pieces)
-
-
-def _number(value: float) -> str:
-    return f"{value:.6g}".replace("-", "−")

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -17,27 +18,36 @@ from ipoa_mission.autopilot.commands import WAYPOINTS
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
-from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.report.chart import extent_of
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.panels.contingency_panel import contingency_strip
-from ipoa_mission.report.panels.flown_panel import done_in_flight, flown_panel
+from ipoa_mission.report.drawn_flight import (
+    DrawnFlight,
+    ItemLeg,
+    SampledTrack,
+    find_dangers,
+    item_legs,
+    sample_track,
+    shown_deviation_bound,
+)
+from ipoa_mission.report.map_extent import extent_of
+from ipoa_mission.report.panels.contingency_panel import contingency_strip, return_paths
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
-from ipoa_mission.report.panels.legs_panel import legs
-from ipoa_mission.report.panels.planned_panel import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
-from ipoa_mission.report.seen import Seen, dangers, deviation_bound_seen, follow
-from ipoa_mission.report.stops import FlownItem, stops
-from ipoa_mission.report.ways_home import ways_home
+from ipoa_mission.report.panels.tables import flown_panel, legs_table, limits_table, search_panel
 from ipoa_mission.scenario import Scenario
 
-#: A page may not contain these.
-_CONTROLS = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
+
+@dataclass(frozen=True)
+class PageNotes:
+    """`findings`: of a check already made; `panel`: of a survey or flight parts."""
+
+    remarks: Sequence[str] = ()
+    findings: Sequence[Finding] | None = None
+    panel: str = ""
 
 
 def write_report(
@@ -64,111 +74,87 @@ def write_report(
         >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
         >>> write_report(forecast, "sitl.html")
     """
-    write_atomically(Path(path), report_html(forecast, plan, flight, remarks))
+    write_atomically(Path(path), report_html(forecast, plan, flight, PageNotes(remarks)))
 
 
 def report_html(
-    forecast: Forecast,
-    plan: Plan | None = None,
-    flight: FlightRecord | None = None,
-    remarks: Sequence[str] = (),
-    findings: Sequence[Finding] | None = None,
-    survey: str = "",
+    forecast: Forecast, plan: Plan | None = None, flight: FlightRecord | None = None, notes: PageNotes | None = None
 ) -> str:
-    """`findings` saves a second check; `survey` is a panel of its survey or parts."""
-    findings = check(forecast) if findings is None else findings
-    scenario, mission, estimate, promise = (
-        forecast.world,
-        forecast.mission,
-        forecast.estimate,
-        forecast.promise_if_known,
-    )
-    proof = forecast.proof_if_known
+    notes = notes or PageNotes()
+    findings = check(forecast) if notes.findings is None else notes.findings
+    scenario, mission, proof = forecast.world, forecast.mission, forecast.proof_if_known
     airspace, required = scenario.airspace, scenario.limits.obstacle_distance
-    stop_list = stops(forecast)
-    course = follow(estimate.track, airspace)
+    legs, predicted = item_legs(forecast), sample_track(forecast.estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
-    flown = None if track is None else follow(track, airspace)
-    places = np.array([stop.place for stop in stop_list if stop.place is not None]).reshape(-1, 3)
-    danger = dangers(course, scenario)
-    extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
-    comparison = None if flight is None else compare_flight(estimate, flight)
-    deviation_bound = deviation_bound_seen(forecast)
-    home = ways_home(forecast)
+    flown = None if track is None else sample_track(track, airspace)
+    comparison = None if flight is None else compare_flight(forecast.estimate, flight)
+    drawn = DrawnFlight(scenario, predicted, legs, flown, shown_deviation_bound(forecast))
+    places = np.array([leg.place for leg in legs if leg.place is not None]).reshape(-1, 3)
+    extent = extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
+    has_zones = extent.obstacles(airspace) != extent.buildings(airspace)
+    dangers, home = find_dangers(predicted, scenario), return_paths(forecast)
+    waypoints = sum(leg.item.command in WAYPOINTS for leg in legs)
+    vehicle = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
     parts = {
         "title": escape(scenario.name),
-        "subtitle": escape(_subtitle(scenario, mission)),
-        "verdict": verdict(proof, promise, danger, findings),
-        "figures": figures(
-            estimate,
-            promise,
-            float(course.along[-1]),
-            sum(stop.item.command in WAYPOINTS for stop in stop_list),
-            comparison,
-            budget_of(forecast),
-        ),
-        "warnings": warnings(danger, findings, [*remarks, *estimate.remarks], scenario.remarks),
-        "survey": survey,
-        "map": ground_plan(scenario, extent, stop_list, course, flown, deviation_bound),
+        "subtitle": escape(f"{vehicle}, cruise {scenario.vehicle.cruise_speed:g} m/s"),
+        "verdict": verdict(proof, forecast.promise_if_known, dangers, findings),
+        "figures": figures(forecast, float(predicted.along[-1]), waypoints, comparison),
+        "warnings": warnings(dangers, findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
+        "survey": notes.panel,
+        "map": ground_plan(drawn, extent),
         "legend": legend(scenario, extent, flown is not None, bool(home)),
-        "profile": height_profile(course, airspace, required, stop_list, flown, deviation_bound),
-        "apart": distance_profile(course, required),
+        "profile": height_profile(drawn),
+        "apart": distance_profile(predicted, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
-        "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
-        "endings": contingency_strip(forecast, course),
-        "speed": speed_profile(course, stop_list, flown),
+        "profile_legend": profile_legend(flown is not None, has_zones),
+        "endings": contingency_strip(forecast, predicted),
+        "speed": speed_profile(drawn),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
-        "legs": legs(stop_list, None if flight is None else done_in_flight(stop_list, flight.item_reached_s)),
-        "legs_note": LEGS_NOTE,
+        "legs": legs_table(legs, None if flight is None else _done_in_flight(legs, flight)),
+        "legs_note": "Heights are above home, times from arming; clearance is the least distance of the leg to the "
+        "ground or an obstacle.",
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),
         "page_js": _asset("page.js"),
-        "data": _page_data(course, stop_list, home),
+        "data": _page_data(predicted, legs, home),
     }
     return page_of("page.html", parts)
 
 
-def _page_data(course: Seen, stops: Sequence[FlownItem], home: Sequence[Mapping[str, Any]]) -> str:
+def _done_in_flight(legs: Sequence[ItemLeg], flight: FlightRecord) -> dict[int, float]:
+    """Return times by index in `legs`; a repeated item counts at its first time."""
+    first = {leg.time.seq - 1: n for n, leg in reversed([*enumerate(legs)])}
+    return {n: flight.item_reached_s[index] for index, n in first.items() if index in flight.item_reached_s}
+
+
+def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], home: Sequence[Mapping[str, Any]]) -> str:
     """Return the flight as JSON that is safe inside an HTML script element."""
+    decimals = {"times": 2, "along": 1, "points": 2, "speeds": 2, "ground": 2, "apart": 2}
     data = {
-        "course": {
-            "times": _rounded(course.times, 2),
-            "along": _rounded(course.along, 1),
-            "points": _rounded(course.points, 2),
-            "speeds": _rounded(course.speeds, 2),
-            "ground": _rounded(course.ground, 2),
-            "apart": _rounded(course.apart, 2),
-        },
-        "stops": [_stop_data(stop, course) for stop in stops],
+        "course": {name: _rounded(getattr(predicted, name), digits) for name, digits in decimals.items()},
+        "stops": [
+            {
+                "seq": leg.time.seq,
+                "name": leg.name,
+                "reason": leg.time.reason,
+                "index": predicted.nearest(leg.time.done_s),
+                "place": None if leg.place is None else _rounded(leg.place[:2], 2),
+            }
+            for leg in legs
+        ],
         "home": [*home],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-
-
-def _stop_data(stop: FlownItem, course: Seen) -> dict[str, Any]:
-    place = None if stop.place is None else _rounded(stop.place[:2], 2)
-    index = course.nearest(stop.time.done_s)
-    return {"seq": stop.time.seq, "name": stop.name, "reason": stop.time.reason, "index": index, "place": place}
 
 
 def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
     if values.ndim > 1:
         return [_rounded(row, digits) for row in values]
     return [round(float(v), digits) if math.isfinite(v) else None for v in values]
-
-
-LEGS_NOTE = (
-    "Heights are above home, times from arming; clearance is the least distance of the leg "
-    "to the ground or an obstacle."
-)
-
-
-def _subtitle(scenario: Scenario, mission: Mission) -> str:
-    words = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
-    return f"{words}, cruise {scenario.vehicle.cruise_speed:g} m/s"
 
 
 def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
@@ -186,10 +172,11 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
 
 
 def page_of(template: str, parts: Mapping[str, str]) -> str:
-    """Remove control characters; `title` is a part."""
+    """Fill a template of `assets`, without the control characters that a page may not contain; `title` is a part."""
+    controls = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)
-    return Template(_asset(template)).substitute(parts, head=head).translate(_CONTROLS)
+    return Template(_asset(template)).substitute(parts, head=head).translate(controls)
 
 
 def _asset(name: str) -> str:

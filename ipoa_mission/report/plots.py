@@ -1,4 +1,4 @@
-"""Pictures for papers; the same input gives the same bytes."""
+"""Pictures for papers, drawn by matplotlib; the same input gives the same bytes."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,25 +19,30 @@ from matplotlib.ticker import MaxNLocator
 
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
-from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.report import palette
-from ipoa_mission.report.ground_mesh import ground_mesh
+from ipoa_mission.geometry import Points, arc_lengths
+from ipoa_mission.report.compare import Comparison
+from ipoa_mission.report.map_extent import ground_mesh
+from ipoa_mission.report.number_format import signed
+from ipoa_mission.report.palette import Color
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
 
 View: TypeAlias = Literal["top", "front"]
 
-WIDTH = 3.5  # [inch]
-MARKERS_PER_PATH = 8
-GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
-ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
+
+#: Color and marker of each path; markers distinguish paths in gray prints. Yellow is hard to see on white.
+PATH_STYLES = (
+    *((Color.BLUE, "o"), (Color.VERMILLION, "s"), (Color.BLUISH_GREEN, "^"), (Color.REDDISH_PURPLE, "D")),
+    *((Color.ORANGE, "v"), (Color.SKY_BLUE, "P"), (Color.BLACK, "X")),
+)
 STYLE: Mapping[str, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8,
     "axes.titlesize": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.edgecolor": palette.OUTLINE,
+    "axes.edgecolor": Color.OUTLINE,
     "axes.axisbelow": True,
     "svg.hashsalt": "ipoa-mission",
     "savefig.facecolor": "white",
@@ -61,15 +66,33 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
         >>> figure = draw_views(read_scenario("missions/sitl.toml"), {"predicted": flown}, ["top"])
         >>> write_picture(figure, "sitl.png")
     """
-    draw = {"top": _draw_top, "front": _draw_front}
-    with sheet(WIDTH * len(views), 3.7) as figure:
+    with sheet(3.5 * len(views), 3.7) as figure:
         for n, view in enumerate(views):
             axes = figure.add_subplot(1, len(views), n + 1)
-            draw[view](axes, scenario.airspace, paths)
+            (_draw_top if view == "top" else _draw_front)(axes, scenario.airspace, paths)
             _mark_ends(axes, scenario, (0, 1) if view == "top" else (0, 2))
         if paths:
             handles, labels = figure.axes[0].get_legend_handles_labels()
             figure.legend(handles, labels, loc="outside lower center", ncols=min(len(paths), 6), frameon=False)
+    return figure
+
+
+def draw_comparison(comparison: Comparison, planned: Points, flown: Points | None, title: str = "") -> Figure:
+    """Paths are (n, 3) [m]."""
+    with sheet(9.2, 3.8) as figure:
+        left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
+        left.plot(*planned[:, :2].T, color=Color.BLUE, linewidth=1.6, label="estimated")
+        if flown is not None:
+            dashed = (0, (4, 2))
+            left.plot(*flown[:, :2].T, color=Color.VERMILLION, linewidth=1.2, linestyle=dashed, label="flown")
+        left.set(xlabel="east [m]", ylabel="north [m]", title="from above")
+        left.set_aspect("equal", adjustable="datalim")
+        left.grid(color="#E3E3E3", linewidth=0.5)
+        _draw_leg_times(right, comparison)
+        words = ["path estimated", *(["path flown"] if flown is not None else []), "time estimated", "time flown"]
+        figure.legend([*left.lines, *right.containers], words, loc="outside lower center", ncols=4, frameon=False)
+        if title:
+            figure.suptitle(title, fontsize=10)
     return figure
 
 
@@ -116,81 +139,66 @@ def sheet(width: float, height: float) -> Iterator[Figure]:
 
 def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, north, up = ground_mesh(airspace, 240)
+    low, high = float(up.min()), float(up.max())
     extent = (east[0, 0], east[0, -1], north[0, 0], north[-1, 0])
-    axes.imshow(
-        up, extent=extent, origin="lower", cmap=GROUND, interpolation="bilinear", vmin=up.min(), vmax=_upper_limit(up)
-    )
-    if np.ptp(up) > 1.0:
-        contours = axes.contour(east, north, up, levels=_levels(up), colors="#8C7F63", linewidths=0.4, alpha=0.7)
+    tints = LinearSegmentedColormap.from_list("ground", [Color.LOW_GROUND, Color.HIGH_GROUND])
+    shading: dict[str, Any] = {"cmap": tints, "vmin": low, "vmax": max(high, low + 5.0)}
+    axes.imshow(up, extent=extent, origin="lower", interpolation="bilinear", **shading)
+    if high - low > 1.0:
+        levels = np.asarray(MaxNLocator(8).tick_values(low, high))
+        inside = levels[(levels > low) & (levels < high)]
+        contours = axes.contour(east, north, up, levels=inside, colors="#8C7F63", linewidths=0.4, alpha=0.7)
         axes.clabel(contours, fontsize=5, fmt="%g m")
-    tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles if obstacle.solid]
-    for obstacle in sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2])):
-        shade = ROOFS(obstacle.bounds[1, 2] / max([1.0, *tops]))
+    low_first = sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2]))
+    for obstacle, color in zip(low_first, _roof_colors(low_first), strict=True):
         rings = [np.vstack([ring, ring[:1]]) for ring in obstacle.outline()]
-        whole = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
-        axes.add_patch(PathPatch(whole, facecolor=shade, edgecolor=palette.OUTLINE, linewidth=0.4))
-    _draw_lines(axes, paths, (0, 1))
-    axes.set(
-        xlim=extent[:2], ylim=extent[2:], xlabel="east [m]", ylabel="north [m]", aspect="equal", title="from above"
-    )
+        outline = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
+        axes.add_patch(PathPatch(outline, facecolor=color, edgecolor=Color.OUTLINE, linewidth=0.4))
+    _draw_paths(axes, paths, (0, 1))
+    axes.set(xlim=extent[:2], ylim=extent[2:], aspect="equal")
+    axes.set(xlabel="east [m]", ylabel="north [m]", title="from above")
 
 
 def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, _, up = ground_mesh(airspace, 240)
     far_first = sorted(airspace.obstacles, key=lambda o: -float(o.bounds[0, 1]))
-    tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first if obstacle.solid]
-    shapes = PolyCollection(
-        [obstacle.silhouette(0) for obstacle in far_first],
-        facecolors=[ROOFS(obstacle.bounds[1, 2] / max([1.0, *tops]), alpha=0.55) for obstacle in far_first],
-        edgecolors=palette.OUTLINE,
-        linewidths=0.4,
-    )
+    silhouettes, colors = [obstacle.silhouette(0) for obstacle in far_first], _roof_colors(far_first, alpha=0.55)
+    shapes = PolyCollection(silhouettes, facecolors=colors, edgecolors=Color.OUTLINE, linewidths=0.4)
     axes.add_collection(shapes, autolim=False)
-    least = min(float(up.min()), *(float(path[:, 2].min()) for path in paths.values()), 0.0)
+    tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first if obstacle.solid]
+    lowest = min(float(up.min()), *(float(path[:, 2].min()) for path in paths.values()), 0.0)
     highest = max([float(up.max()), *tops, *(float(path[:, 2].max()) for path in paths.values())])
-    floor = least - 0.04 * (highest - least)
-    axes.fill_between(east[0], floor, up.max(axis=0), color=palette.LOW_GROUND, zorder=0)
-    axes.fill_between(east[0], floor, up.min(axis=0), color=palette.HIGH_GROUND, zorder=2)
-    _draw_lines(axes, paths, (0, 2))
-    axes.set(xlim=(east[0, 0], east[0, -1]), ylim=(floor, highest + 0.05 * (highest - least)))
+    floor = lowest - 0.04 * (highest - lowest)
+    axes.fill_between(east[0], floor, up.max(axis=0), color=Color.LOW_GROUND, zorder=0)
+    axes.fill_between(east[0], floor, up.min(axis=0), color=Color.HIGH_GROUND, zorder=2)
+    _draw_paths(axes, paths, (0, 2))
+    axes.set(xlim=(east[0, 0], east[0, -1]), ylim=(floor, highest + 0.05 * (highest - lowest)))
     axes.set(xlabel="east [m]", ylabel="up [m]", title="from the south")
 
 
-def _draw_lines(axes: Axes, paths: Mapping[str, Points], plane: tuple[int, int]) -> None:
+def _roof_colors(obstacles: Sequence[Obstacle], alpha: float | None = None) -> list[Any]:
+    roofs = LinearSegmentedColormap.from_list("roofs", [Color.LOW_ROOF, Color.HIGH_ROOF])
+    highest = max([1.0, *(obstacle.bounds[1, 2] for obstacle in obstacles if obstacle.solid)])
+    return [roofs(obstacle.bounds[1, 2] / highest, alpha=alpha) for obstacle in obstacles]
+
+
+def _draw_paths(axes: Axes, paths: Mapping[str, Points], plane: tuple[int, int]) -> None:
     for n, (name, path) in enumerate(paths.items()):
-        axes.plot(*path[:, plane].T, label=name, linewidth=1.6, zorder=5, **_look(n, _marks(path)))
+        color, marker = PATH_STYLES[n % len(PATH_STYLES)]
+        along = arc_lengths(path)
+        marked = sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, num=8) * along[-1]).tolist()))
+        marks: dict[str, Any] = {"marker": marker, "markersize": 4, "markevery": marked}
+        edges: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5}
+        axes.plot(*path[:, plane].T, label=name, color=color, linewidth=1.6, zorder=5, **marks, **edges)
 
 
 def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
+    label: dict[str, Any] = {"xytext": (0, 7), "ha": "center", "textcoords": "offset points", "fontsize": 7}
+    box = {"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75}
     for words, point in (("start", scenario.start_point), ("goal", scenario.goal_point)):
         spot = tuple(point[list(plane)])
-        axes.plot(*spot, marker="o", markersize=6, markerfacecolor="white", markeredgecolor=palette.BLACK, zorder=6)
-        axes.annotate(
-            words,
-            spot,
-            xytext=(0, 7),
-            ha="center",
-            textcoords="offset points",
-            fontsize=7,
-            zorder=7,
-            bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.75},
-        )
-
-
-def _marks(path: Points) -> list[int]:
-    along = arc_lengths(path)
-    return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKERS_PER_PATH) * along[-1]).tolist()))
-
-
-def _look(n: int, marks: list[int]) -> dict[str, Any]:
-    return {
-        "color": palette.PATHS[n % len(palette.PATHS)],
-        "marker": palette.MARKERS[n % len(palette.MARKERS)],
-        "markersize": 4,
-        "markeredgecolor": "white",
-        "markeredgewidth": 0.5,
-        "markevery": marks,
-    }
+        axes.plot(*spot, marker="o", markersize=6, markerfacecolor="white", markeredgecolor=Color.BLACK, zorder=6)
+        axes.annotate(words, spot, zorder=7, bbox=box, **label)
 
 
 def _alternating(rings: list[Points]) -> list[Points]:
@@ -199,10 +207,15 @@ def _alternating(rings: list[Points]) -> list[Points]:
     return [ring if left[n] == (n == 0) else ring[::-1] for n, ring in enumerate(rings)]
 
 
-def _levels(up: Points) -> Vector:
-    levels = MaxNLocator(8).tick_values(up.min(), up.max())
-    return np.asarray(levels[(levels > up.min()) & (levels < up.max())])
-
-
-def _upper_limit(up: Points) -> float:
-    return max(float(up.max()), float(up.min()) + 5.0)
+def _draw_leg_times(axes: Axes, comparison: Comparison) -> None:
+    legs, at = comparison.legs, np.arange(len(comparison.legs))
+    hatched: dict[str, Any] = {"color": "white", "edgecolor": Color.VERMILLION, "hatch": "////", "linewidth": 0.8}
+    axes.bar(at - 0.2, [leg.estimated_s for leg in legs], 0.38, color=Color.BLUE, label="estimated")
+    axes.bar(at + 0.2, [leg.flown_s for leg in legs], 0.38, label="flown", **hatched)
+    step = max(1, -(-len(legs) // 30))  # at most 30 labels
+    axes.set_xticks(at[::step], [str(leg.seq) for leg in legs[::step]])
+    estimated, flown, title = comparison.estimated_route_s, comparison.flown_route_s, "leg by leg"
+    if flown > 0:
+        error = signed(100 * comparison.route_error, 1, "%")
+        title = f"route: estimated {estimated:.1f} s, flown {flown:.1f} s ({error})"
+    axes.set(xlabel="item", ylabel="time for the leg [s]", title=title)

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from ipoa_mission.report.ways_home import GradeLook
+from ipoa_mission.report.panels.contingency_panel import GradeLook
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Replay, Seen, State
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change

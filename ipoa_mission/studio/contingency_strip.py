@@ -10,8 +10,8 @@ from ipoa_mission.forecast.contingency.contingencies_now import MAX_SLOPE, MIN_S
 from ipoa_mission.forecast.contingency.energy_budget import Budget, Taken, budget_of
 from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.report.seen import Seen
-from ipoa_mission.report.ways_home import contingency_bars, stretches
+from ipoa_mission.report.drawn_flight import SampledTrack
+from ipoa_mission.report.panels.contingency_panel import contingency_bars, stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.plan_answers import course_of
@@ -37,7 +37,7 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripO
         yield strip.model_copy(update={"bars": tuple(full)})
 
 
-def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
+def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> StripBar:
     return StripBar(
         ending=bar.contingency,
         stretches=tuple(

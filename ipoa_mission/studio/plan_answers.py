@@ -18,9 +18,9 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report import seen
-from ipoa_mission.report.panels.profile import near_course
-from ipoa_mission.report.ways_home import ways_home
+from ipoa_mission.report import drawn_flight
+from ipoa_mission.report.panels.contingency_panel import return_paths
+from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.handed import proof_digest
@@ -76,8 +76,8 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
     kept = None if promise is None else promise.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
-    rim = None if scenario is None or promise is None else seen.deviation_bound_seen(forecast)
-    ring = [] if rim is None else seen.outline_round(course.points, rim.level)
+    rim = None if scenario is None or promise is None else drawn_flight.shown_deviation_bound(forecast)
+    ring = [] if rim is None else drawn_flight.outline_around(course.points, rim.level)
     near = () if scenario is None else _near_things(promise, course, scenario)
     return answers.Plan(
         of="mission",
@@ -110,17 +110,17 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
     )
 
 
-def course_of(forecast: Forecast) -> seen.Seen:
+def course_of(forecast: Forecast) -> drawn_flight.SampledTrack:
     nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
-    return seen.follow(forecast.estimate.track, airspace, SAMPLES)
+    return drawn_flight.sample_track(forecast.estimate.track, airspace, SAMPLES)
 
 
 def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
+def _course(course: drawn_flight.SampledTrack, forecast: Forecast) -> answers.Course:
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Course(
         line=line_of(forecast.frame, course.points),
@@ -133,7 +133,7 @@ def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
     )
 
 
-def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
+def _turns_home(course: drawn_flight.SampledTrack, forecast: Forecast) -> int | None:
     items = forecast.estimate.items
     if len(items) < 2:
         return None
@@ -145,11 +145,11 @@ def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
 def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
     return tuple(
         answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(forecast.frame, np.array(way["points"])))
-        for way in ways_home(forecast)
+        for way in return_paths(forecast)
     )
 
 
-def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
+def _stops(forecast: Forecast, course: drawn_flight.SampledTrack) -> Iterator[answers.Stop]:
     flown, scenario = as_flown(forecast.mission), forecast.scenario
     over = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, over)
@@ -171,16 +171,18 @@ def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
         )
 
 
-def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
-    for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
+def _beside(course: drawn_flight.SampledTrack, scenario: Scenario) -> Iterator[answers.Beside]:
+    for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
         name = without_folders(body.name, scenario)
         yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
-def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario) -> Iterator[answers.Binding]:
+def _near_things(
+    promise: Promise | None, course: drawn_flight.SampledTrack, scenario: Scenario
+) -> Iterator[answers.Binding]:
     """Yield places too near to the flight, and the nearest, worst first."""
-    for danger in seen.dangers(course, scenario):
+    for danger in drawn_flight.find_dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
     limits = () if promise is None else promise.limits
     for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR_PLACES]:
@@ -191,7 +193,7 @@ def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario)
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
 
 
-def _slow_items(estimate: Estimate, course: seen.Seen) -> Iterator[answers.Binding]:
+def _slow_items(estimate: Estimate, course: drawn_flight.SampledTrack) -> Iterator[answers.Binding]:
     slow = sorted((item for item in estimate.items if item.reason), key=lambda item: -item.duration_s)
     for item in sorted(slow[:SLOW_ITEMS], key=lambda item: item.done_s):
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"

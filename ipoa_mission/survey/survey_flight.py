@@ -134,7 +134,7 @@ class Survey:
         Raises:
             BadInput: a file cannot be written.
         """
-        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.page import PageNotes, report_html
         from ipoa_mission.survey.survey_panel import survey_html, survey_panel
 
         panel, pages = survey_panel(self.plan, self.names), list[Path]()
@@ -142,7 +142,8 @@ class Survey:
             pages.append(Path(folder) / f"{self.name}.html")
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            page = report_html(flight.forecast, None, None, self._notes_of(flight), flight.findings, panel)
+            notes = PageNotes(self._notes_of(flight), flight.findings, panel)
+            page = report_html(flight.forecast, notes=notes)
             pages.append(Path(folder) / f"{name}.html")
             write_atomically(pages[-1], page)
         return tuple(pages)

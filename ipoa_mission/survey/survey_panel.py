@@ -6,10 +6,10 @@ from urllib.parse import quote
 import shapely
 
 from ipoa_mission.centimeters import down
+from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
-from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 MARGIN = 0.03  # of the map
@@ -106,8 +106,8 @@ def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) 
 
 def _flight(flight: SurveyFlight, name: str) -> str:
     forecast = flight.forecast
-    course = follow(forecast.estimate.track, forecast.world.airspace)
+    course = sample_track(forecast.estimate.track, forecast.world.airspace)
     proof = forecast.proof_if_known
-    judged = verdict(proof, forecast.promise_if_known, dangers(course, forecast.world), flight.findings)
+    judged = verdict(proof, forecast.promise_if_known, find_dangers(course, forecast.world), flight.findings)
     link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
     return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

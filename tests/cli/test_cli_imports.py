@@ -76,7 +76,7 @@ def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None
 def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(
     run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in [name for name in sys.modules if name.startswith(("matplotlib.", "ipoa_mission.report.comparison_"))]:
+    for name in [name for name in sys.modules if name.startswith(("matplotlib.", "ipoa_mission.report.plots"))]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     ended = run(f"compare {MISSIONS}/logs/campus-arducopter.tlog --picture flown.png")

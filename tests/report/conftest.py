@@ -4,6 +4,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
@@ -11,7 +12,7 @@ from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.stops import MOVING, stops
+from ipoa_mission.report.drawn_flight import item_legs
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tools import REPOSITORY
 
@@ -63,7 +64,7 @@ def planned(forecast: Foreseen) -> Planned:
     def plan(name: str) -> tuple[Forecast, Plan]:
         flown = forecast(name)
         assert flown.scenario is not None
-        places = [stop.place for stop in stops(flown) if stop.item.command in MOVING]
+        places = [leg.place for leg in item_legs(flown) if leg.item.command in {*WAYPOINTS, Command.NAV_TAKEOFF}]
         curve = Spline(np.array(places))
         history = np.array([9e4, 900.0, 500.0, 420.0, 401.5])
         cost, proof = curve_cost(curve, flown.scenario), prove_curve(curve, flown.scenario)

@@ -65,7 +65,7 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
 
 
 def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Foreseen, tmp_path: Path) -> None:
-    from ipoa_mission.report.comparison_plot import draw_comparison
+    from ipoa_mission.report.plots import draw_comparison
 
     _, mission, timed = bowed("sitl.toml")
     nothing = FlightRecord({}, 0.0, (), (), False)
@@ -96,7 +96,7 @@ def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed, foreca
 def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) -> None:
     from matplotlib.patches import Rectangle
 
-    from ipoa_mission.report.comparison_plot import draw_comparison
+    from ipoa_mission.report.plots import draw_comparison
 
     _, mission, timed = bowed("campus.toml")
     flight = flown_as(timed, mission, 1.1, 0.5)

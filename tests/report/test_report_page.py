@@ -16,12 +16,11 @@ from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
+from ipoa_mission.report.drawn_flight import find_dangers, item_legs, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds, share
-from ipoa_mission.report.page import report_html, write_report
+from ipoa_mission.report.page import PageNotes, report_html, write_report
 from ipoa_mission.report.panels.headline import verdict, warnings
-from ipoa_mission.report.panels.profile import near_course
-from ipoa_mission.report.seen import dangers, follow
-from ipoa_mission.report.stops import stops
+from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism
@@ -101,7 +100,7 @@ def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
     evil = '\x1b[31m</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Forecast(mission, Scenario.model_validate(text)), remarks=[evil])
+    page = report_html(Forecast(mission, Scenario.model_validate(text)), notes=PageNotes([evil]))
     assert "<script>alert" not in page
     assert "\x1b" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
@@ -149,7 +148,7 @@ def test_the_page_shows_obstacles_and_item_times(bowed: Bowed, bowed_page: Calla
 
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, forecast: Foreseen) -> None:
     scenario, _, _ = bowed("downtown.toml")
-    found = stops(forecast("downtown.toml"))
+    found = item_legs(forecast("downtown.toml"))
     least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
     assert least.distance < 0  # an arc through a city hits towers
     page = report_html(forecast("downtown.toml"))
@@ -206,12 +205,12 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned, planned_page
 def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed, forecast: Foreseen) -> None:
     scenario, _, timed = bowed("campus.toml")
     proof = forecast("campus.toml").proof
-    course = follow(timed.track, scenario.airspace)
+    course = sample_track(timed.track, scenario.airspace)
     text = scenario.model_dump(mode="json")
     beside = scenario.airspace.obstacle_distance(course.points).min()
     text["safety_distance"] = float(beside) - scenario.vehicle.radius + 0.5
     stricter = Scenario.model_validate(text)
-    danger = dangers(course, stricter)
+    danger = find_dangers(course, stricter)
     assert [one.touching for one in danger] == [False]
     assert f"comes within {down(beside):.2f} m" in danger[0].words
     told = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
@@ -222,8 +221,8 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed,
 
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
-    course = follow(timed.track, scenario.airspace)
-    below = [(body.name, run) for body, run, look in near_course(course, scenario.airspace, 2.6) if look == "below"]
+    course = sample_track(timed.track, scenario.airspace)
+    below = [(body.name, run) for body, run, look in near_track(course, scenario.airspace, 2.6) if look == "below"]
     assert len(below) == 5
     for name, (first, last) in below:
         body = next(o for o in scenario.airspace.obstacles if o.name == name)
@@ -235,7 +234,7 @@ def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None
 def test_a_followed_track_keeps_its_length_time_and_speed(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
     track = timed.track
-    course = follow(track, scenario.airspace)
+    course = sample_track(track, scenario.airspace)
     assert course.times[[0, -1]] == pytest.approx(track.times[[0, -1]])
     assert course.along[-1] == pytest.approx(np.hypot(*np.diff(track.points[:, :2], axis=0).T).sum(), rel=1e-3)
     assert (np.diff(course.times) >= 0).all()

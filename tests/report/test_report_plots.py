@@ -6,7 +6,7 @@ import pytest
 
 import ipoa_mission as api
 from ipoa_mission.geometry import Points
-from ipoa_mission.report import palette
+from ipoa_mission.report.plots import PATH_STYLES
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 from tests.refused import refuses
@@ -69,7 +69,7 @@ DICHROMACY = {
 def test_the_first_five_path_colors_stay_apart_for_color_blind_eyes(eye: str) -> None:
     from matplotlib.colors import to_rgb
 
-    linear = np.array([[_linear(c) for c in to_rgb(color)] for color in palette.PATHS[:5]])
+    linear = np.array([[_linear(c) for c in to_rgb(color)] for color, _ in PATH_STYLES[:5]])
     seen = _lab(np.clip(linear @ np.array(DICHROMACY[eye]).T, 0, 1))
     apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(5)
     assert apart.min() > 10  # CIE 1976 color difference; 2.3 is just noticeable

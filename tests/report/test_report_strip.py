@@ -8,10 +8,10 @@ import pytest
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.report.drawn_flight import SampledTrack, sample_track
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.profile import along_axis
-from ipoa_mission.report.seen import Seen, follow
 from ipoa_mission.scenario import Scenario
 from tests.examples import some
 from tests.report.conftest import Bowed, Foreseen
@@ -22,9 +22,9 @@ WAY = re.compile(
 )
 
 
-def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
+def strip_of(forecast: Forecast) -> tuple[SampledTrack, list[tuple[str, ...]]]:
     assert forecast.scenario is not None
-    course = follow(forecast.estimate.track, forecast.scenario.airspace)
+    course = sample_track(forecast.estimate.track, forecast.scenario.airspace)
     return course, WAY.findall(contingency_strip(forecast, course))
 
 
@@ -81,5 +81,5 @@ def test_only_what_the_vehicle_has_is_drawn(forecast: Foreseen) -> None:
 
 def test_nothing_is_drawn_of_a_flight_of_which_nothing_is_known(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    course = follow(timed.track, scenario.airspace)
+    course = sample_track(timed.track, scenario.airspace)
     assert contingency_strip(Forecast(replace(mission, items=()), scenario), course) == ""

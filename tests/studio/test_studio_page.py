@@ -22,7 +22,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.contingency.grades import Grade
-from ipoa_mission.report.ways_home import LOOK
+from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS
 from ipoa_mission.scenario import parse_scenario
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
@@ -451,7 +451,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
         page.keyboard.press("PageUp")
         until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
     looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
-    assert looks == [LOOK[row.grade] for row in rows]
+    assert looks == [GRADE_LOOKS[row.grade] for row in rows]
     Hand(page).settle()
     box = ways.bounding_box()
     page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)

@@ -1,51 +1,108 @@
-from collections.abc import Iterable
+"""Contingencies along the flight: a bar for each, and the RTL path from the cursor."""
+
 from html import escape
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ipoa_mission.forecast.contingency.contingencies import ContingencyBar, ContingencyRow
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.forecast.contingency.contingencies import (
+    Contingencies,
+    ContingencyBar,
+    ContingencyRow,
+    bars_of,
+    contingencies_of,
+)
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
+from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
-from ipoa_mission.report.seen import Seen
-from ipoa_mission.report.ways_home import ContingencyStretch, contingency_bars, stretches
 
-MIN_LABEL_WIDTH = 0.09  # of the strip
-NOTE = "The result of ending the flight there, by a failsafe or by the pilot."
+GradeLook: TypeAlias = Literal["clear", "perhaps", "not clear", "unknown"]
+GRADE_LOOKS: dict[Grade, GradeLook] = {
+    Grade.CLEAR: "clear",
+    Grade.MAY: "perhaps",
+    Grade.WOULD: "not clear",
+    Grade.UNKNOWN: "unknown",
+}
 
 
-def contingency_strip(forecast: Forecast, course: Seen) -> str:
+class ContingencyStretch(NamedTuple):
+    """Distances over ground [m]."""
+
+    row: ContingencyRow
+    begins: float
+    ends: float
+
+    @property
+    def look(self) -> GradeLook:
+        return GRADE_LOOKS[self.row.grade]
+
+
+def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
+    """Return `from` [s], `clear` and `points` (n, 3) [m] of RTL, in time order; the first of several returns."""
+    if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
+        return []
+    contingencies = forecast.cached(Contingencies)
+    if contingencies.ways.why_unknown() is not None:
+        return []
+    assessments = contingencies.assessments(Contingency.RTL)
+    count = len(assessments.times)
+    return [
+        {
+            "from": round(float(assessments.times[n]), 2),
+            "clear": bool(assessments.clear[n]),
+            "points": assessments.ways[n][assessments.taken[n]][0].round(2).tolist(),
+        }
+        for n in np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
+        if assessments.taken[n].any()
+    ]
+
+
+def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
+    """Return no bars without a forecast."""
+    if forecast.promise_if_known is None:
+        return ()
+    return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
+
+
+def stretches(bar: ContingencyBar, predicted: SampledTrack) -> tuple[ContingencyStretch, ...]:
+    """Rows at a standstill have no length."""
+    edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], predicted.times, predicted.along).tolist()
+    return tuple(ContingencyStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))
+
+
+def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     """Also list those not clear; nothing without a forecast."""
-    bars, axis = contingency_bars(forecast), along_axis(course)
+    bars, axis = contingency_bars(forecast), along_axis(predicted)
     if not bars:
         return ""
-    drawn = "".join(_bar(bar, course, axis) for bar in bars)
-    rows = [row for bar in bars for row in bar.rows]
+    drawn = "".join(_bar(bar, predicted, axis) for bar in bars)
+    unclear = "".join(f"<li>{escape(str(row))}</li>" for bar in bars for row in bar.rows if not row.clear)
+    below = f'<ul class="ways-not-clear">{unclear}</ul>' if unclear else '<p class="note">Every ending is clear.</p>'
     return (
-        f'<h3>If it were ended there</h3><p class="note">{NOTE}</p>'
-        f'<div class="chart strip" id="endings" data-along="along" data-low="{axis.low:.9g}" '
-        f'data-high="{axis.high:.9g}" role="group" aria-label="endings over {escape(axis.label)}">'
-        f'<div class="plot">{drawn}<i class="cursor"></i></div></div>{_in_words(rows)}'
+        '<h3>If it were ended there</h3><p class="note">The result of ending the flight there, by a failsafe or by '
+        'the pilot.</p><div class="chart strip" id="endings" data-along="along" '
+        f'data-low="{axis.low:.9g}" data-high="{axis.high:.9g}" role="group" '
+        f'aria-label="endings over {escape(axis.label)}">'
+        f'<div class="plot">{drawn}<i class="cursor"></i></div></div>{below}'
     )
 
 
-def _bar(bar: ContingencyBar, course: Seen, axis: GraphAxis) -> str:
-    ways = "".join(_way(stretch, axis) for stretch in stretches(bar, course))
+def _bar(bar: ContingencyBar, predicted: SampledTrack, axis: GraphAxis) -> str:
+    ways = "".join(_stretch(stretch, axis) for stretch in stretches(bar, predicted))
     return f'<div class="ending"><b>{bar.contingency}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
 
 
-def _way(stretch: ContingencyStretch, axis: GraphAxis) -> str:
+def _stretch(stretch: ContingencyStretch, axis: GraphAxis) -> str:
     row, look = stretch.row, stretch.look
     begin, end = axis.place(np.array([stretch.begins, stretch.ends])).tolist()
-    wide, words = max(end - begin, MIN_WIDTH), escape(str(row))
+    width, words = max(end - begin, MIN_WIDTH), escape(str(row))
+    has_room = width >= 0.09  # of the strip, for the label
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
         f'data-ending="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
-        f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * wide:.2f}%">'
-        f"{look if wide >= MIN_LABEL_WIDTH else ''}</span>"
+        f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * width:.2f}%">'
+        f"{look if has_room else ''}</span>"
     )
-
-
-def _in_words(rows: Iterable[ContingencyRow]) -> str:
-    lines = "".join(f"<li>{escape(str(row))}</li>" for row in rows if not row.clear)
-    return f'<ul class="ways-not-clear">{lines}</ul>' if lines else '<p class="note">Every ending is clear.</p>'

@@ -1,17 +1,19 @@
+"""The top of the report: verdict, figures, and what to read before the flight."""
+
 import math
 from collections.abc import Collection, Sequence
 from html import escape
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.contingency.energy_budget import Budget
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
-from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
+from ipoa_mission.report.drawn_flight import Danger
 from ipoa_mission.report.number_format import meters, number, seconds, share
-from ipoa_mission.report.seen import Danger
 
 
 def verdict(
@@ -46,14 +48,9 @@ def _line(look: str, sign: str, words: str) -> str:
     return f'<p class="verdict {look}"><b aria-hidden="true">{sign}</b> {escape(words)}</p>'
 
 
-def figures(
-    estimate: Estimate,
-    promise: Promise | None,
-    length: float,
-    waypoints: int,
-    comparison: Comparison | None,
-    budget: Budget | None,
-) -> str:
+def figures(forecast: Forecast, length: float, waypoints: int, comparison: Comparison | None) -> str:
+    """`length`: of the predicted path over ground [m]."""
+    estimate, promise, budget = forecast.estimate, forecast.promise_if_known, budget_of(forecast)
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:

@@ -1,0 +1,178 @@
+"""The parts of a forecast that report and studio draw: track samples, legs to the items, dangers."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.centimeters import down, falls_short, up
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.forecast.timing.estimate import ItemTime
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Points, Vector, arc_lengths, polyline_length
+from ipoa_mission.mission.item_words import item_words
+from ipoa_mission.mission.items import Item
+from ipoa_mission.planning.proof import Proof, prove
+from ipoa_mission.report.exports.table import MIN_HEADING_LENGTH
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.airspace import Airspace
+
+LANDING_RADIUS = 1.0  # [m]
+
+
+@dataclass(frozen=True, eq=False)
+class SampledTrack(Track):
+    """Samples of a track, with the distance over ground `along` (n,) [m].
+
+    `ground` is the height below [m], `apart` the distance to the nearest obstacle [m], or infinite.
+    """
+
+    along: Vector
+    ground: Vector
+    apart: Vector
+
+
+@dataclass(frozen=True)
+class ItemLeg:
+    """One item as flown, and the leg to it.
+
+    `heading` is from begin to end [rad], clockwise from north (NaN: vertical). `proof`: between two waypoints.
+    """
+
+    item: Item
+    time: ItemTime
+    name: str
+    place: Vector | None
+    above_ground: float
+    path: Points
+    length: float
+    heading: float
+    climb: float
+    proof: Proof | None
+
+
+@dataclass(frozen=True)
+class DrawnFlight:
+    scenario: Scenario
+    predicted: SampledTrack
+    legs: tuple[ItemLeg, ...]
+    flown: SampledTrack | None
+    deviation_bound: DeviationBound
+
+
+@dataclass(frozen=True)
+class Danger:
+    """`touching`: the hull would collide."""
+
+    words: str
+    touching: bool
+
+
+def sample_track(track: Track, airspace: Airspace, samples: int = 800) -> SampledTrack:
+    """Sample densely where a path is slow and where it is fast.
+
+    A landing ends on the ground, which the time models ignore.
+    """
+    gone = arc_lengths(track.points[:, :2])
+    share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
+    times = np.interp(np.linspace(share[0], share[-1], samples), share, track.times)
+    points = track.at(times)
+    ground = airspace.ground(points)
+    landing = np.hypot(*(points[:, :2] - points[-1, :2]).T) < LANDING_RADIUS
+    points[landing, 2] = np.maximum(points[landing, 2], ground[landing])
+    return SampledTrack(
+        times=times,
+        along=arc_lengths(points[:, :2]),
+        points=points,
+        speeds=np.interp(times, track.times, track.speeds),
+        ground=ground,
+        apart=airspace.obstacle_distance(points),
+    )
+
+
+def shown_deviation_bound(forecast: Forecast) -> DeviationBound:
+    scenario = forecast.world
+    if scenario.safety.chance is None:
+        return NO_DEVIATION
+    return deviation_bound_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), scenario.safety.chance)
+
+
+def outline_around(points: Points, distance: float) -> list[Points]:
+    """Return closed rings, the outer one first, (n, 2) [m]."""
+    if distance <= 0.0:
+        return []
+    around = shapely.LineString(points[:, :2]).simplify(distance / 10).buffer(distance, quad_segs=4)
+    return [shapely.get_coordinates(ring) for ring in (around.exterior, *around.interiors)]
+
+
+def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
+    """Return where the path, a cut corner or the return comes too close; ground only where the path meets it."""
+    found, required = [], scenario.limits.obstacle_distance
+    nearest = scenario.airspace.obstacle_clearance(predicted.points)
+    if falls_short(nearest.distance, required):
+        how = "runs into" if nearest.distance < 0 else f"comes within {down(nearest.distance):.2f} m of"
+        where = _where(predicted.times[nearest.leg], nearest.place)
+        words = f"the path as predicted {how} {nearest.what} {where}; {up(required):.2f} m are required"
+        found.append(Danger(words, nearest.distance < scenario.vehicle.radius))
+    height = predicted.points[:, 2] - predicted.ground
+    away = np.hypot(*(predicted.points[:, :2] - predicted.points[0, :2]).T) > LANDING_RADIUS
+    lowest = int(np.argmin(np.where(away, height, np.inf)))
+    if away[lowest] and height[lowest] < 0:
+        where = _where(predicted.times[lowest], predicted.points[lowest])
+        found.append(Danger(f"the path as predicted runs into the ground {where}", True))
+    return found
+
+
+def _where(time: float, place: Sequence[float] | Vector) -> str:
+    east, north, up = place
+    return f"after {time:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
+
+
+def shown_places(forecast: Forecast) -> list[Vector | None]:
+    """Return each item's place, east, north, up [m]; a landing is on the ground."""
+    flown, scenario = as_flown(forecast.mission), forecast.scenario
+    ground = forecast.ground if scenario is None else scenario.airspace.ground
+    places = item_places(flown, forecast.frame, ground)
+    for item, place in zip(flown.items, places, strict=True):
+        if place is not None and item.command == Command.NAV_LAND:
+            place[2] = ground(place[None, :])[0]
+    return places
+
+
+def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
+    scenario = forecast.world
+    legs, airspace, items, places = [], scenario.airspace, as_flown(forecast.mission).items, shown_places(forecast)
+    bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
+    curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
+    before, flying = np.zeros(3), False
+    for time in forecast.estimate.items:
+        item, place = items[time.seq - 1], places[time.seq - 1]
+        leg = (place if place is not None else before) - before
+        path, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
+        moves = item.command in {*WAYPOINTS, Command.NAV_TAKEOFF} and np.linalg.norm(leg) > 0
+        is_level = float(np.hypot(*leg[:2])) > MIN_HEADING_LENGTH
+        is_proved = place is not None and flying and moves and not forecast.unknown
+        legs.append(
+            ItemLeg(
+                item=item,
+                time=time,
+                name=item_words(item),
+                place=place,
+                above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
+                path=path,
+                length=polyline_length(path),
+                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if is_level else math.nan,
+                climb=float(leg[2]),
+                proof=prove(path, scenario, stray) if is_proved else None,
+            )
+        )
+        if place is not None:
+            before, flying = place, True
+    return tuple(legs)
