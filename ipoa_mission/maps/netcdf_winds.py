@@ -1,9 +1,10 @@
-"""Attributes (CF) take precedence over names."""
+"""Read winds from NetCDF by xarray, at the nearest grid point. CF attributes take precedence over names."""
 
 import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 from importlib import import_module
 from pathlib import Path
@@ -14,58 +15,82 @@ from pyproj import CRS
 from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
-from ipoa_mission.maps.units import unit_factor
-from ipoa_mission.maps.vertical import height_in_name, vertical_of
-from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples, grid_north, to_east_north
+from ipoa_mission.maps.wind_levels import (
+    FARTHEST_DEG,
+    Component,
+    Datum,
+    ForecastWinds,
+    WindSamples,
+    grid_north,
+    to_east_north,
+    unit_factor,
+)
 from ipoa_mission.world.frame import Geodetic
 
-EAST, NORTH, SPEED, FROM, TO = range(5)
-PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # that define a wind
-STANDARD = {"eastward_wind": EAST, "x_wind": EAST, "northward_wind": NORTH, "y_wind": NORTH}
-STANDARD |= {"wind_speed": SPEED, "wind_from_direction": FROM, "wind_to_direction": TO}
-ALONE = (
-    "eastward wind without a northward one",
-    "northward wind without an eastward one",
-    "speed of a wind without its direction",
-    *("direction of a wind without its speed",) * 2,
+STANDARD_COMPONENTS = {
+    **dict.fromkeys(("eastward_wind", "x_wind"), Component.EAST),
+    **dict.fromkeys(("northward_wind", "y_wind"), Component.NORTH),
+    "wind_speed": Component.SPEED,
+    "wind_from_direction": Component.FROM,
+    "wind_to_direction": Component.TO,
+}
+GEOGRAPHIC, ALONG_AXES = ("eastward_wind", "northward_wind"), ("x_wind", "y_wind")
+AXES_GRID = "the grid of its axes"  # internal attribute
+_LEVEL = r"[-_]?\d*_?(m|mabove\w*)?"
+COMPONENT_NAMES = (
+    (re.compile(rf"(u|ua|uas|ugrd|uwnd|u[-_]?wind|u[-_]component[-_]of[-_]wind){_LEVEL}|\d+u"), Component.EAST),
+    (re.compile(rf"(v|va|vas|vgrd|vwnd|v[-_]?wind|v[-_]component[-_]of[-_]wind){_LEVEL}|\d+v"), Component.NORTH),
+    (re.compile(rf"(si|ws|wspd|sfcwind|wind[-_]?speed){_LEVEL}|\d+si"), Component.SPEED),
+    (re.compile(rf"(wd|wdir|wind[-_]?dir|wind[-_]?(from[-_]?)?direction){_LEVEL}|\d+wdir"), Component.FROM),
 )
-TRUE, ALONG = ("eastward_wind", "northward_wind"), ("x_wind", "y_wind")
-GRID = "the grid of its axes"  # internal attribute
-_HEIGHT = r"[-_]?\d*_?(m|mabove\w*)?"
-EASTWARD = re.compile(rf"(u|ua|uas|ugrd|uwnd|u[-_]?wind|u[-_]component[-_]of[-_]wind){_HEIGHT}|\d+u")
-NORTHWARD = re.compile(rf"(v|va|vas|vgrd|vwnd|v[-_]?wind|v[-_]component[-_]of[-_]wind){_HEIGHT}|\d+v")
-SPEEDS = re.compile(rf"(si|ws|wspd|sfcwind|wind[-_]?speed){_HEIGHT}|\d+si")
-FROMS = re.compile(rf"(wd|wdir|wind[-_]?dir|wind[-_]?(from[-_]?)?direction){_HEIGHT}|\d+wdir")
-NAMES = ((EASTWARD, EAST), (NORTHWARD, NORTH), (SPEEDS, SPEED), (FROMS, FROM))
-MEMBERS = {"number", "member", "ens", "ensemble", "ensemble_member", "realization"}
-LEADS = {"step", "lead_time", "leadtime", "forecast_period", "prediction_timedelta"}
-DEGREES = {"lat": "degrees_north", "lon": "degrees_east"}
+STANDARD_DATUMS = {
+    "height": Datum.GROUND,
+    "altitude": Datum.SEA,
+    "height_above_mean_sea_level": Datum.SEA,
+    "height_above_geopotential_datum": Datum.SEA,
+    "geopotential_height": Datum.SEA,
+    "height_above_reference_ellipsoid": Datum.ELLIPSOID,
+}
+# Without a standard name.
+DATUM_WORDS = (
+    (Datum.ELLIPSOID, re.compile(r"ellipsoid|wgs ?84|\bhae\b")),
+    (Datum.SEA, re.compile(r"above[ _]?(the )?(mean[ _]?)?sea|\b(a?msl|asl)\b|altitude|geoid|geopotential")),
+    (Datum.GROUND, re.compile(r"above[ _]?(the )?(ground|surface|terrain)|\bagl\b")),
+)
+HEIGHT_AXIS = re.compile(r"z|lev|levels?|heights?(_?\d+)?|alt|z?agl|msl|h(gt)?|zlev|height_levels?|elevation")
 
 
 def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    found = ForecastWinds(path.name)
+    winds = ForecastWinds(path, place)
     with _opened(path) as data:
-        winds: dict[int, list[Any]] = {which: [] for which in range(5)}
-        for name, variable in data.data_vars.items():
-            which = _component(str(name), variable)
-            if which is not None:
-                winds[which].append(variable.assign_attrs({GRID: _grid(data, variable)}))
-            elif _is_wind(str(name), variable):
-                found.note("variable that may be a wind", str(name), _said(variable))
-        for one, other in PAIRS:
-            for first in [*winds[one]]:
-                if (second := _partner(first, winds[other])) is None:
+        parts: dict[Component, list[Any]] = {component: [] for component in Component}
+        for variable in data.data_vars.values():
+            if (component := _component(variable)) is not None:
+                parts[component].append(variable.assign_attrs({AXES_GRID: _grid(data, variable)}))
+            elif re.search(r"wind|gust", " ".join([str(variable.name), *_descriptions(variable)]).lower()):
+                winds.note("variable that may be a wind", str(variable.name), next(iter(_descriptions(variable)), ""))
+        pairs = (Component.EAST, Component.NORTH), (Component.SPEED, Component.FROM), (Component.SPEED, Component.TO)
+        for one, other in pairs:
+            for first in [*parts[one]]:
+                if (second := _partner(first, parts[other])) is None:
                     continue
-                winds[one].remove(first)
-                winds[other].remove(second)
-                for height, datum, parts in _levels(path, first, second, found):
-                    found.samples.append(_samples(path, height, datum, parts, place, found, other))
+                parts[one].remove(first)
+                parts[other].remove(second)
+                for height, datum, pair in _levels(first, second, winds):
+                    winds.samples.append(_samples(height, datum, pair, winds, other))
         for group in _groups(path):
-            found.note("group of variables", group)
-        for part in (part for parts in winds.values() for part in parts):
-            which = _component(str(part.name), part) or EAST
-            found.note(ALONE[which], str(part.name), _said(part), which <= NORTH or not found.samples)
-    return found
+            winds.note("group of variables", group)
+        alone = {
+            Component.EAST: "eastward wind without a northward one",
+            Component.NORTH: "northward wind without an eastward one",
+            Component.SPEED: "speed of a wind without its direction",
+        }
+        for component, variables in parts.items():
+            for variable in variables:
+                what = alone.get(component, "direction of a wind without its speed")
+                may_limit = component in (Component.EAST, Component.NORTH) or not winds.samples
+                winds.note(what, str(variable.name), next(iter(_descriptions(variable)), ""), may_limit)
+    return winds
 
 
 @contextmanager
@@ -91,110 +116,176 @@ def _groups(path: Path) -> list[str]:
         return [name for name, value in data.items() if isinstance(value, h5py.Group)]
 
 
-def _component(name: str, variable: Any) -> int | None:
+def _component(variable: Any) -> Component | None:
+    if (standard := _standard_name(variable)) is not None:
+        return STANDARD_COMPONENTS.get(standard)
+    name = str(variable.name).lower()
+    return next((component for pattern, component in COMPONENT_NAMES if pattern.fullmatch(name)), None)
+
+
+def _standard_name(variable: Any) -> Any:
     standard = variable.attrs.get("standard_name")
-    if standard not in (None, "", "unknown"):
-        return STANDARD.get(standard)
-    return next((which for pattern, which in NAMES if pattern.fullmatch(name.lower())), None)
+    return None if standard in ("", "unknown") else standard
 
 
-def _is_wind(name: str, variable: Any) -> bool:
-    words = " ".join(str(variable.attrs.get(key, "")) for key in ("standard_name", "long_name"))
-    return bool(re.search(r"wind|gust", f"{name} {words}".lower()))
-
-
-def _said(variable: Any) -> str:
-    return next((str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs), "")
+def _descriptions(variable: Any) -> list[str]:
+    return [str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs]
 
 
 def _partner(first: Any, others: Sequence[Any]) -> Any | None:
     """Return the other component on the same axes, by name."""
-    alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
+    alike = [other for other in others if other.dims == first.dims and set(other.coords) == set(first.coords)]
     name = str(first.name)
-    return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
+    return max(alike, key=lambda other: SequenceMatcher(None, name, str(other.name)).ratio(), default=None)
 
 
-def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
+@dataclass(frozen=True)
+class _Heights:
+    """`values` [m] of a coordinate; None: pressure or others."""
+
+    coordinate: Any
+    values: Any = None
+    datum: Datum = Datum.UNKNOWN
+    has_no_unit: bool = False
+
+
+def _levels(east: Any, north: Any, winds: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
     """Yield all levels.
 
     Precedence: axis, height in the name, coordinate of one value, which xarray attaches to all variables.
     """
     name = str(east.name)
-    given = [vertical for each in east.coords.values() if (vertical := vertical_of(path, each)) is not None]
-    axes = [each for each in given if each.coordinate.ndim]
-    single = [each for each in given if not each.coordinate.ndim]
-    is_usual = any(each.fullmatch(name) for each, _ in NAMES)
-    named = None if axes else height_in_name(name, str(east.attrs.get("long_name", "")), is_usual)
-    if named is not None and all(each.values is not None for each in single):
+    verticals = [heights for each in east.coords.values() if (heights := _heights(winds.path, each)) is not None]
+    axes = [heights for heights in verticals if heights.coordinate.ndim]
+    single = [heights for heights in verticals if not heights.coordinate.ndim]
+    named = None if axes else _height_in_name(name, str(east.attrs.get("long_name", "")))
+    if named is not None and all(heights.values is not None for heights in single):
         yield *named, (east, north)
         return
-    heights = [each for each in axes or single if each.values is not None]
-    if not heights:
-        level = given[0].coordinate if given else None
+    known = [heights for heights in axes or single if heights.values is not None]
+    if not known:
+        level = verticals[0].coordinate if verticals else None
         what = "wind at no height" if level is None else f"wind at {level.name}, which is no height"
-        found.note(what, name, "" if level is None else level.attrs.get("units", ""))
+        winds.note(what, name, "" if level is None else level.attrs.get("units", ""))
         return
-    vertical = min(heights, key=lambda each: each.datum is Datum.UNKNOWN)
-    if vertical.has_no_unit:
-        found.note("unit of a height, taken as m", str(vertical.coordinate.name))
-    along = next(iter(vertical.coordinate.dims), None)
-    for n, height in enumerate(np.atleast_1d(vertical.values).tolist()):
-        parts = (east, north) if along is None else (east.isel({along: n}), north.isel({along: n}))
-        yield height, vertical.datum, parts
+    heights = min(known, key=lambda heights: heights.datum is Datum.UNKNOWN)
+    if heights.has_no_unit:
+        winds.note("unit of a height, taken as m", str(heights.coordinate.name))
+    along = next(iter(heights.coordinate.dims), None)
+    for n, height in enumerate(np.atleast_1d(heights.values).tolist()):
+        pair = (east, north) if along is None else (east.isel({along: n}), north.isel({along: n}))
+        yield height, heights.datum, pair
+
+
+def _heights(path: Path, coordinate: Any) -> _Heights | None:
+    """Return heights; refuse unknown units, and heights that count downwards."""
+    name, attributes, standard = str(coordinate.name), coordinate.attrs, _standard_name(coordinate)
+    if {"grid_mapping_name", "crs_wkt"} & attributes.keys():
+        return None
+    unit, is_axis = attributes.get("units"), attributes.get("axis") == "Z"
+    text = f"{name} {attributes.get('long_name', '')} {unit or ''}".lower()
+    by_words = [datum for datum, words in DATUM_WORDS if words.search(text)]
+    is_named = by_words or HEIGHT_AXIS.fullmatch(name.lower()) or "positive" in attributes
+    if not (standard in STANDARD_DATUMS or (standard is None and is_named) or is_axis):
+        return _Heights(coordinate) if _is_pressure(name, unit, standard) else None
+    if standard is not None and standard not in STANDARD_DATUMS:
+        return _Heights(coordinate)
+    datum = _datum(name, standard, by_words)
+    factor = 1.0
+    if unit is None and datum is Datum.UNKNOWN:
+        return _Heights(coordinate)  # probably level numbers
+    if unit is not None:
+        bare = re.sub(r"\s*\b(agl|amsl|asl|msl|above .*)$", "", str(unit), flags=re.IGNORECASE).strip()
+        is_number = re.fullmatch(r"1|-|level|levels|layer|count|none|", bare, re.IGNORECASE)
+        if is_number or _is_pressure(name, bare, standard):
+            return _Heights(coordinate)
+        factor = unit_factor(bare, "m", f"{path}: {name}.units")
+    if attributes.get("positive") == "down":
+        raise BadInput("expected heights that grow upwards, not positive = 'down'", place=f"{path}: {name}")
+    if coordinate.ndim > 1:
+        return _Heights(coordinate, None, datum)
+    return _Heights(coordinate, np.asarray(coordinate, float) * factor, datum, unit is None)
+
+
+def _height_in_name(name: str, long_name: str) -> tuple[float, Datum] | None:
+    """Read u10 and the like; an unusual name must have the unit m."""
+    match = re.fullmatch(r"\D*(\d+)_?(mabove\w*|m(?![a-z]))?\D*", name.lower())
+    if match is None or any(
+        re.search(r"\d ?(hpa|mb|mbar|millibars?|pa)\b", text.lower()) for text in (long_name, name)
+    ):
+        return None
+    height, unit = float(match[1]), match[2]
+    is_usual = any(pattern.fullmatch(name) for pattern, _ in COMPONENT_NAMES)
+    if unit is None and (height > 200 or not is_usual):  # u250 to u1000 are hPa
+        return None
+    return height, Datum.SEA if unit and "sea" in unit else Datum.GROUND
+
+
+def _datum(name: str, standard: str | None, by_words: list[Datum]) -> Datum:
+    if standard is not None:
+        stated = STANDARD_DATUMS[standard]
+        return stated if not by_words or stated in by_words else Datum.UNKNOWN  # contradictory
+    if by_words:
+        return by_words[0] if len(by_words) == 1 else Datum.UNKNOWN
+    return Datum.GROUND if re.fullmatch(r"heights?(_?\d+)?|z?agl", name.lower()) else Datum.UNKNOWN
+
+
+def _is_pressure(name: str, unit: Any, standard: str | None) -> bool:
+    if standard == "air_pressure" or re.search(r"isobaric|plev|pressure", name.lower()):
+        return True
+    return bool(re.fullmatch(r"(h|k|d)?pa|mb|millibars?|mbar|pascals?|hectopascals?", str(unit or "").lower()))
 
 
 def _samples(
-    path: Path, height: float, datum: Datum, parts: tuple[Any, Any], place: Geodetic, found: ForecastWinds, second: int
+    height: float, datum: Datum, pair: tuple[Any, Any], winds: ForecastWinds, second: Component
 ) -> WindSamples:
+    """Return the members and times of a level; `second` is the component that the pair's second variable holds."""
     values = []
-    for part, target in zip(parts, ("m/s", "m/s" if second == NORTH else "deg"), strict=True):
-        unit = part.attrs.get("units")
+    for variable, target in zip(pair, ("m/s", "m/s" if second is Component.NORTH else "deg"), strict=True):
+        unit = variable.attrs.get("units")
         if unit is None:
-            found.note(f"unit of a wind, taken as {target}", str(part.name))
-        factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{path}: {part.name}.units")
-        there, axis_deg = _there(path, part, place)
-        times, there = _valid_times(path, there)
-        values.append(np.asarray(there, float).ravel() * factor)
-    if second != NORTH:
-        speed, angle = values[0] if second == TO else -values[0], np.radians(values[1])
+            winds.note(f"unit of a wind, taken as {target}", str(variable.name))
+        factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{winds.path}: {variable.name}.units")
+        here, axis_deg = _at_place(variable, winds)
+        times, here = _valid_times(here, winds.path)
+        values.append(np.asarray(here, float).ravel() * factor)
+    if second is not Component.NORTH:
+        speed, angle = values[0] if second is Component.TO else -values[0], np.radians(values[1])
         values = [speed * np.sin(angle), speed * np.cos(angle)]
-    winds = np.stack(values, axis=-1)
-    return WindSamples(height, datum, winds if axis_deg is None else to_east_north(winds, axis_deg), times)
+    components = np.stack(values, axis=-1)
+    return WindSamples(height, datum, components if axis_deg is None else to_east_north(components, axis_deg), times)
 
 
-def _grid(data: Any, part: Any) -> CRS | tuple[float, float] | None:
+def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
     """Return the projection of a component along a grid's axes, or its rotated pole (CF); None if unknown."""
-    about = data.variables.get(str(part.attrs.get("grid_mapping", "")).partition(":")[0])
-    kind = None if about is None else about.attrs.get("grid_mapping_name")
-    if part.attrs.get("standard_name") not in ALONG or kind in (None, "latitude_longitude"):
+    mapping = data.variables.get(str(variable.attrs.get("grid_mapping", "")).partition(":")[0])
+    kind = None if mapping is None else mapping.attrs.get("grid_mapping_name")
+    if variable.attrs.get("standard_name") not in ALONG_AXES or kind in (None, "latitude_longitude"):
         return None
     with suppress(CRSError, KeyError, TypeError, ValueError):
         if kind == "rotated_latitude_longitude":
-            return float(about.attrs["grid_north_pole_latitude"]), float(about.attrs["grid_north_pole_longitude"])
-        return CRS.from_cf(about.attrs)
+            return float(mapping.attrs["grid_north_pole_latitude"]), float(mapping.attrs["grid_north_pole_longitude"])
+        return CRS.from_cf(mapping.attrs)
     return None
 
 
-def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
+def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return a component at the nearest grid point, and the direction of the grid's y axis if it is along the axes."""
-    axes = ", ".join(map(str, part.dims))
-    degrees = []
-    for kind in ("lat", "lon"):
-        name = next((key for key, each in part.coords.items() if _counts_degrees(str(key), each, kind)), None)
-        if name is None:
-            words = f"expected latitudes and longitudes [degrees] of a wind by {axes}"
-            raise BadInput(words, place=f"{path}: {part.name}")
-        degrees.append(part[name])
-    latitude, longitude = degrees
-    is_along = _component(str(part.name), part) in (EAST, NORTH) and part.attrs.get("standard_name") not in TRUE
-    is_along = is_along and latitude.ndim == 2 and part.attrs.get("GRIB_uvRelativeToGrid") != 0
-    grid = part.attrs.get(GRID)
+    place, path = winds.place, winds.path
+    latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
+    is_along = (
+        _component(variable) in (Component.EAST, Component.NORTH)
+        and variable.attrs.get("standard_name") not in GEOGRAPHIC
+    )
+    is_along = is_along and latitude.ndim == 2 and variable.attrs.get("GRIB_uvRelativeToGrid") != 0
+    grid = variable.attrs.get(AXES_GRID)
     if is_along and grid is None:
         raise BadInput(
             "expected a wind towards the east or the north, not along the axes "
             f"{', '.join(map(str, latitude.dims))} of a turned grid",
-            hint=f"set standard_name to {' or '.join(TRUE)}; or to {' or '.join(ALONG)}, with a grid_mapping",
-            place=f"{path}: {part.name}",
+            hint=f"set standard_name to {' or '.join(GEOGRAPHIC)}; or to {' or '.join(ALONG_AXES)}, "
+            "with a grid_mapping",
+            place=f"{path}: {variable.name}",
         )
     north = np.asarray(latitude, float) - place.latitude_deg
     east = (np.asarray(longitude, float) - place.longitude_deg + 180.0) % 360.0 - 180.0
@@ -204,8 +295,8 @@ def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
         at = dict(zip(latitude.dims, map(int, nearest), strict=True))
         off = np.abs(north[nearest]), np.abs(east[nearest])
     else:
-        axes_of = ((latitude, np.abs(north)), (longitude, np.abs(east)))
-        at = {axis.dims[0]: int(far.argmin()) for axis, far in axes_of if axis.ndim}
+        axes = ((latitude, np.abs(north)), (longitude, np.abs(east)))
+        at = {axis.dims[0]: int(far.argmin()) for axis, far in axes if axis.ndim}
         off = np.abs(north).min(), np.abs(east).min()
     if not max(off) <= FARTHEST_DEG:
         raise NotCovered(
@@ -213,42 +304,46 @@ def _there(path: Path, part: Any, place: Geodetic) -> tuple[Any, float | None]:
             f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
             place=path,
         )
-    here = (float(each.isel({name: at[name] for name in each.dims})) for each in degrees)
-    return part.isel(at), None if grid is None or not is_along else grid_north(grid, *here)
+    here = (float(axis.isel({name: at[name] for name in axis.dims})) for axis in (latitude, longitude))
+    return variable.isel(at), None if grid is None or not is_along else grid_north(grid, *here)
 
 
-def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
-    """Find an unrotated latitude (`lat`) or longitude (`lon`)."""
-    standard, unit = coordinate.attrs.get("standard_name"), str(coordinate.attrs.get("units", DEGREES[kind]))
-    whole = {"lat": "latitude", "lon": "longitude"}[kind]
-    is_named = standard == whole or (standard is None and name.lower() in (kind, whole))
-    return is_named and unit.lower().startswith("deg")
+def _degrees(variable: Any, kind: str, path: Path) -> Any:
+    """Return the coordinate of unrotated latitudes or longitudes."""
+    for name, coordinate in variable.coords.items():
+        standard, unit = coordinate.attrs.get("standard_name"), coordinate.attrs.get("units", "degrees")
+        is_named = standard == kind or (standard is None and str(name).lower() in (kind, kind[:3]))
+        if is_named and str(unit).lower().startswith("deg"):
+            return variable[name]
+    words = f"expected latitudes and longitudes [degrees] of a wind by {', '.join(map(str, variable.dims))}"
+    raise BadInput(words, place=f"{path}: {variable.name}")
 
 
-def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
+def _valid_times(variable: Any, path: Path) -> tuple[np.ndarray, Any]:
     """Return times (n,), and values on the same axes."""
-    times = _time_of(part)
+    times = _time_of(variable)
     known = {str(name) for name in (times.dims if times is not None else ())}
-    strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
+    strange = [str(name) for name in variable.dims if str(name) not in known and not _is_member(variable, str(name))]
     if strange:
         words = f"expected winds by height, member and time, not by {', '.join(strange)}"
-        raise BadInput(words, place=f"{path}: {part.name}")
+        raise BadInput(words, place=f"{path}: {variable.name}")
     if times is None:
-        return np.full(part.size, np.datetime64("NaT", "s")), part
+        return np.full(variable.size, np.datetime64("NaT", "s")), variable
     if times.dtype.kind != "M":
         raise BadInput("expected times of the usual calendar, with their unit", place=f"{path}: {times.name}")
-    both, part = times.broadcast_like(part), part.broadcast_like(times)
-    return np.asarray(both.transpose(*part.dims)).astype("datetime64[s]").ravel(), part
+    times, variable = times.broadcast_like(variable), variable.broadcast_like(times)
+    return np.asarray(times.transpose(*variable.dims)).astype("datetime64[s]").ravel(), variable
 
 
-def _time_of(part: Any) -> Any | None:
+def _time_of(variable: Any) -> Any | None:
     """Take the standard name, or run time plus step."""
-    by_standard = {each.attrs.get("standard_name"): each for each in part.coords.values()}
-    named = {str(name).lower(): each for name, each in part.coords.items()}
-    lead = by_standard.get("forecast_period")
-    lead = lead if lead is not None else next((named[name] for name in LEADS if name in named), None)
+    by_standard = {each.attrs.get("standard_name"): each for each in variable.coords.values()}
+    by_name = {str(name).lower(): each for name, each in variable.coords.items()}
+    names = ("step", "lead_time", "leadtime", "forecast_period", "prediction_timedelta")
+    leads = (by_standard.get("forecast_period"), *map(by_name.get, names))
+    lead = next((each for each in leads if each is not None), None)
     is_lead = lead is not None and lead.dtype.kind == "m"
-    for valid in (named.get("valid_time"), by_standard.get("time"), named.get("time")):
+    for valid in (by_name.get("valid_time"), by_standard.get("time"), by_name.get("time")):
         if valid is not None and valid.attrs.get("standard_name", "time") == "time":
             alone = lead is None or not lead.dims or bool(set(lead.dims) & set(valid.dims))
             return valid if alone or not is_lead else valid + lead
@@ -256,6 +351,7 @@ def _time_of(part: Any) -> Any | None:
     return run if run is None or not is_lead else run + lead
 
 
-def _is_member(part: Any, name: str) -> bool:
-    standard = part[name].attrs.get("standard_name") if name in part.coords else None
-    return name.lower() in MEMBERS or standard == "realization" or part.sizes[name] == 1
+def _is_member(variable: Any, name: str) -> bool:
+    standard = variable[name].attrs.get("standard_name") if name in variable.coords else None
+    names = {"number", "member", "ens", "ensemble", "ensemble_member", "realization"}
+    return name.lower() in names or standard == "realization" or variable.sizes[name] == 1

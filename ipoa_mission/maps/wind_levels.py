@@ -1,19 +1,34 @@
-"""A forecast's winds at home."""
+"""Hold a forecast's winds at a place, and convert their units and axes."""
 
+import re
 from dataclasses import dataclass, field
-from enum import StrEnum
+from enum import IntEnum, StrEnum, auto
+from functools import cache
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pyproj import CRS, Geod, Proj
 
+from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.geometry import Points
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
+from ipoa_mission.world.frame import Geodetic
 
 FARTHEST_DEG = 0.5  # to the nearest grid point
-STRONGEST = 150.0  # below the jet streams [m/s]
 Times = NDArray[np.datetime64]
+
+
+class Component(IntEnum):
+    """A part of a wind: east and north, or speed and a direction (`FROM` or `TO`)."""
+
+    EAST = 0
+    NORTH = auto()
+    SPEED = auto()
+    FROM = auto()
+    TO = auto()
 
 
 class Datum(StrEnum):
@@ -35,12 +50,22 @@ class WindSamples:
 
 @dataclass
 class ForecastWinds:
-    file: str
+    """The winds of a file at a place, and what was not read."""
+
+    path: Path
+    place: Geodetic
     samples: list[WindSamples] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
 
-    def note(self, what: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
-        self.unread.append(Unread(self.file, what, place, str(example), count, may_limit))
+    def note(self, what: str, where: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
+        self.unread.append(Unread(self.path.name, what, where, str(example), count, may_limit))
+
+
+@dataclass(frozen=True)
+class ForecastWind:
+    wind: Wind
+    remarks: tuple[str, ...]
+    unread: tuple[Unread, ...] = ()
 
 
 def grid_north(grid: str | CRS | tuple[float, float], latitude_deg: float, longitude_deg: float) -> float:
@@ -56,8 +81,21 @@ def to_east_north(along: Points, axis_deg: float) -> Points:
     return np.asarray(along @ np.array([[cos, -sin], [sin, cos]]))
 
 
-@dataclass(frozen=True)
-class ForecastWind:
-    wind: Wind
-    remarks: tuple[str, ...]
-    unread: tuple[Unread, ...] = ()
+def unit_factor(unit: str, target: str, place: str) -> float:
+    """Return the factor from a unit such as "m s-1", "kt", "km/h" or "ft" to `target`."""
+    pint, registry = _unit_registry()
+    for spelling in (unit, unit.lower()):
+        try:
+            return float(registry.Quantity(1.0, registry.parse_units(spelling)).to(target).magnitude)
+        except (pint.PintError, ValueError, TypeError, AssertionError, AttributeError, RecursionError):
+            continue
+    raise BadInput(f"expected a unit that converts to {target}, not {unit!r}", place=place)
+
+
+@cache
+def _unit_registry() -> tuple[Any, Any]:
+    pint = imported("pint", "units of a forecast need pint, which is not installed", "wind")
+    registry = pint.UnitRegistry(preprocessors=[lambda text: re.sub(r"(?<=[A-Za-z])(?=-?\d)", "**", text)])  # s-1
+    registry.define("geopotential_meter = meter = gpm")
+    registry.define("feet_per_minute = foot / minute = fpm")
+    return pint, registry
