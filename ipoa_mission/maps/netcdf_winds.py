@@ -2,7 +2,7 @@
 
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from difflib import SequenceMatcher
@@ -63,19 +63,18 @@ HEIGHT_AXIS = re.compile(r"z|lev|levels?|heights?(_?\d+)?|alt|z?agl|msl|h(gt)?|z
 def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
     winds = ForecastWinds(path, place)
     with _opened(path) as data:
-        parts: dict[Component, list[Any]] = {component: [] for component in Component}
+        parts: dict[Component, dict[str, Any]] = {component: {} for component in Component}
         for variable in data.data_vars.values():
             if (component := _component(variable)) is not None:
-                parts[component].append(variable.assign_attrs({AXES_GRID: _grid(data, variable)}))
+                parts[component][str(variable.name)] = variable.assign_attrs({AXES_GRID: _grid(data, variable)})
             elif re.search(r"wind|gust", " ".join([str(variable.name), *_descriptions(variable)]).lower()):
                 winds.note("variable that may be a wind", str(variable.name), next(iter(_descriptions(variable)), ""))
         pairs = (Component.EAST, Component.NORTH), (Component.SPEED, Component.FROM), (Component.SPEED, Component.TO)
         for one, other in pairs:
-            for first in [*parts[one]]:
-                if (second := _partner(first, parts[other])) is None:
+            for name, first in [*parts[one].items()]:
+                if (second := _partner(first, parts[other].values())) is None:
                     continue
-                parts[one].remove(first)
-                parts[other].remove(second)
+                del parts[one][name], parts[other][str(second.name)]
                 for height, datum, pair in _levels(first, second, winds):
                     winds.samples.append(_samples(height, datum, pair, winds, other))
         for group in _groups(path):
@@ -86,10 +85,10 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
             Component.SPEED: "speed of a wind without its direction",
         }
         for component, variables in parts.items():
-            for variable in variables:
+            for name, variable in variables.items():
                 what = alone.get(component, "direction of a wind without its speed")
                 may_limit = component in (Component.EAST, Component.NORTH) or not winds.samples
-                winds.note(what, str(variable.name), next(iter(_descriptions(variable)), ""), may_limit)
+                winds.note(what, name, next(iter(_descriptions(variable)), ""), may_limit)
     return winds
 
 
@@ -132,7 +131,7 @@ def _descriptions(variable: Any) -> list[str]:
     return [str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs]
 
 
-def _partner(first: Any, others: Sequence[Any]) -> Any | None:
+def _partner(first: Any, others: Iterable[Any]) -> Any | None:
     """Return the other component on the same axes, by name."""
     alike = [other for other in others if other.dims == first.dims and set(other.coords) == set(first.coords)]
     name = str(first.name)

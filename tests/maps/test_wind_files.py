@@ -339,3 +339,16 @@ def test_the_forecasts_of_others_are_read_rightly() -> None:
         assert read_wind(FIELD / f"{name}.nc", home, TEN).wind.speed == pytest.approx(speed, abs=1e-3)
     read = read_wind(FIELD / "f4-36b-grib-amsl-levels.grib2", Geodetic(37.4, -122.1, 300.0), TEN)
     assert [(level.height, level.east) for level in read.wind.levels] == [(10.0, 3.0), (200.0, 12.0)]
+
+
+def test_components_of_several_heights_are_paired_in_any_order(tmp_path: Path) -> None:
+    import xarray
+
+    degrees = {"units": "degrees_north"}, {"units": "degrees_east"}
+    where = {"latitude": ("latitude", [47.2, 47.4], degrees[0]), "longitude": ("longitude", [8.5, 8.7], degrees[1])}
+    speeds = {"u10": 3.0, "v100": 8.0, "v10": 4.0, "u100": 6.0}
+    variables = {
+        name: (("latitude", "longitude"), np.full((2, 2), s), {"units": "m s-1"}) for name, s in speeds.items()
+    }
+    xarray.Dataset(variables, where).to_netcdf(tmp_path / "w.nc", engine="h5netcdf")
+    assert levels(tmp_path / "w.nc", time=None).tolist() == [[10.0, 5.0], [100.0, 10.0]]
