@@ -1,3 +1,5 @@
+"""Find no-fly zones and flight areas among the features of a map."""
+
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,25 +9,19 @@ from typing import Any, Literal, TypeAlias
 import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere
-from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
-from ipoa_mission.maps.geozones import RADIUS
+from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
-from ipoa_mission.maps.planar import MapExtent, polygons_of, to_plane
+from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
-from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.polygon import union_of
 
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
-SPELLINGS = {"REQ_AUTHORIZATION": "REQ_AUTHORISATION"}
-QUARTER_SEGMENTS = 16
-OPEN_LINE_REMEDY = "close the line in the map, so that it is the edge of a zone, or take it out"
-NAMED_RESTRICTIONS = {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
 @dataclass(frozen=True)
@@ -57,15 +53,15 @@ def find_zones(
 
     A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s].
     """
-    about = MapExtent(frame)
-    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
-    about.expect_near()
+    extent = MapExtent(frame)
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], extent)
+    extent.expect_near()
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
     passed, unread = list[PassedOver](), list[Unread]()
-    wanted = {SPELLINGS.get(each, each) for each in restrictions}
-    for feature, shape, counted in zip(features, shapes, near, strict=True):
+    wanted = {_respelled(restriction) for restriction in restrictions}
+    for feature, shape, is_near in zip(features, shapes, near, strict=True):
         named = _restrictions(feature.tags)
-        if counted and named and not named & wanted:
+        if is_near and named and not named & wanted:
             words = f"its restriction is {' and '.join(sorted(named))}"
             passed.append(passed_over(feature, shape, Reason(words, False), path))
             continue
@@ -75,58 +71,61 @@ def find_zones(
         elif missed is not None:
             passed.append(missed)
         at_times = "limitedApplicability" in feature.tags
-        if counted and at_times and time is not None and not may_be_active(feature.tags, time):
+        if is_near and at_times and time is not None and not may_be_active(feature.tags, time):
             passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
             continue
         limits = limits_of(feature.tags)
-        if counted:
+        if is_near:
             unread += _not_understood(feature, limits, bool(named), path)
             limits, unknown = _above_sea(limits, feature.name, frame, path, remarks)
             unread += unknown
         parts = [_outline(part, feature.tags) for part in flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
         if rest or not (parts or missed):
-            why = _why_no_zone(rest, bool(counted))
+            why = _why_no_zone(rest) if is_near else FAR_FROM_HOME
             passed.append(passed_over(feature, shapely.GeometryCollection(rest), why, path))
-        for part in parts:
-            if part.geom_type != "Polygon":
+        for outline in (part for part in parts if part.geom_type == "Polygon"):
+            if (mended := mistakes.attempt(polygons_of, outline, feature.place)) is None:
                 continue
-            mended = mistakes.attempt(polygons_of, part, feature.place)
-            if mended is not None:
-                zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in mended[0]]
-                if at_times and (time is None or periods_of(feature.tags) is None):
-                    remarks.append(f"{feature.name}: active at times only, kept at all times")
-                remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
+            zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in mended[0]]
+            if at_times and (time is None or periods_of(feature.tags) is None):
+                remarks.append(f"{feature.name}: active at times only, kept at all times")
+            if mended[1]:
+                remarks.append(f"{feature.name}: mended ({mended[1]})")
     mistakes.raise_all()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise NothingThere(f"expected a polygon, but there is none among {len(features)} features", place=path)
     return Zones(tuple(zones), tuple(passed), tuple(remarks), gathered(unread))
 
 
+def _respelled(restriction: str) -> str:
+    return restriction.replace("AUTHORIZATION", "AUTHORISATION")
+
+
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
     """Read `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
-    values = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
-    return {SPELLINGS.get(each, each) for each in values} & NAMED_RESTRICTIONS
+    values = {_respelled(tags[key].strip().upper()) for key in ("restriction", "restrictio", "type") if key in tags}
+    return values & {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
-    place = feature.name.removeprefix(f"{path}: ")
-    for what, value in limits.odd:
+    tags, place = feature.tags, feature.name.removeprefix(f"{path}: ")
+    for what, value in limits.not_understood:
         yield Unread(path.name, what, place, value)
-    if "restriction" in feature.tags and not is_named:
-        yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, feature.tags["restriction"])
-    if (kind := feature.tags.get("type", feature.tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):
+    if "restriction" in tags and not is_named:
+        yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, tags["restriction"])
+    if (kind := tags.get("type", tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):
         yield Unread(path.name, "area to stay inside, taken as one that keeps a flight out", place, kind)
-    if RADIUS in feature.tags:
-        yield Unread(path.name, "unit of a radius, taken as m", place, feature.tags[RADIUS])
+    if RADIUS_UNIT in tags:
+        yield Unread(path.name, "unit of a radius, taken as m", place, tags[RADIUS_UNIT])
 
 
 def _above_sea(
     limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
 ) -> tuple[ZoneLimits, list[Unread]]:
     """Convert ellipsoidal limits to mean sea level, safely if the geoid is unknown."""
-    found, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
-    for side, limit in found.items():
+    ends, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
+    for side, limit in ends.items():
         if limit is None or limit.reference != "WGS84":
             continue
         stated = f"{limit.height:g} m WGS84"
@@ -137,33 +136,28 @@ def _above_sea(
             geoid = LOWEST if side == "upper" else HIGHEST
             what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
             unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), stated))
-        found[side] = VerticalLimit(limit.height - geoid, "AMSL")
-    return replace(limits, lower=found["lower"], upper=found["upper"]), unknown
+        ends[side] = VerticalLimit(limit.height - geoid, "AMSL")
+    return replace(limits, lower=ends["lower"], upper=ends["upper"]), unknown
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
+    """Return the part of their union that is nearest to home, and the others."""
     whole = union_of([zone.shape for zone in zones])
-    parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
-    return parts[0], tuple(parts[1:])
+    nearest, *others = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
+    return nearest, tuple(others)
 
 
-def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
-    if not near:
-        return FAR_FROM_HOME
+def _why_no_zone(rest: Sequence[Any]) -> Reason:
     if not rest:
         return Reason("without a geometry", False)
-    lines = any(part.geom_type != "Point" for part in rest)
-    return Reason("a line that encloses no area", True, OPEN_LINE_REMEDY) if lines else Reason("a point", False)
+    if all(part.geom_type == "Point" for part in rest):
+        return Reason("a point", False)
+    remedy = "close the line in the map, so that it is the edge of a zone, or take it out"
+    return Reason("a line that encloses no area", True, remedy)
 
 
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
+    """Return a polygon for a closed line, and around a point with a radius."""
     if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
-        return shape.buffer(
-            radius / math.cos(math.pi / (4 * QUARTER_SEGMENTS)), quad_segs=QUARTER_SEGMENTS
-        )  # circumscribed
-    closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
-    return shapely.Polygon(shape) if closed else shape
-
-
-def flat(shape: Any) -> list[Any]:
-    return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]
+        return shape.buffer(radius / math.cos(math.pi / 64), quad_segs=16)  # circumscribed: 64 corners
+    return closed_as_polygon(shape)

@@ -1,10 +1,16 @@
-"""UAS geographical zones: ED-269 (JSON) and ED-318 (GeoJSON)."""
+"""Read UAS geographical zones, ED-269 (JSON) and ED-318 (GeoJSON): their shapes, vertical limits and times.
+
+National files and shapefiles cut or rename the keys. A limit that is not understood is dropped and reported: the zone
+grows. Times are seconds since 1970 (UTC); a zone of unreadable times is always active.
+"""
 
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
@@ -12,44 +18,94 @@ from pyproj import Geod
 
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
+from ipoa_mission.maps.lengths import FOOT
 
-CORNERS = 72  # 0.1 % wider
-RADIUS = "radius in other units than M"  # internal tag
-WIDEST = 1_000_000.0  # [m]
-_EARTH = Geod(ellps="WGS84")
+RADIUS_UNIT = "radius in other units than M"  # internal tag
+DAY_S = 86_400.0
+FLIGHT_S = 3_600.0  # assumed longest flight
+_WGS84 = Geod(ellps="WGS84")
+
+LENGTH_UNITS = {
+    **dict.fromkeys(("M", "METRE", "METRES", "METER", "METERS"), 1.0),
+    **dict.fromkeys(("FT", "F", "FEET", "FOOT"), FOOT),
+}
+REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
+# Of ED-318, ED-269, its shapefiles, and Estonia.
+LIMIT_KEYS = {
+    "uom": ("uom", "uomDimensions", "uomDimensi"),
+    "lower": ("lower", "lowerLimit"),
+    "upper": ("upper", "upperLimit"),
+    "lowerReference": ("lowerReference", "lowerVerticalReference", "lowerVerti", "lowerRefer"),
+    "upperReference": ("upperReference", "upperVerticalReference", "upperVerti", "upperRefer"),
+    "lowerMeters": ("lowerMeters",),
+    "upperMeters": ("upperMeters",),
+}
+_UNDERSTOOD_KEYS = {key.lower() for keys in LIMIT_KEYS.values() for key in keys}
+_MAY_LIMIT = re.compile(
+    r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?"
+)
 
 
 def is_ed269(document: Any) -> bool:
     features = document.get("features") if isinstance(document, dict) and "type" not in document else None
     return isinstance(features, list) and all(
-        isinstance(each, dict) and isinstance(each.get("geometry"), list) for each in features
+        isinstance(zone, dict) and isinstance(zone.get("geometry"), list) for zone in features
     )
 
 
 def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
     """Return each volume of each zone."""
-    return read_all(
-        _volume,
-        (
-            (zone, volume, f"{path}: features[{i}].geometry[{j}]")
-            for i, zone in enumerate(document["features"])
-            for j, volume in enumerate(zone["geometry"])
-        ),
+    volumes = (
+        (zone, volume, f"{path}: features[{i}].geometry[{j}]")
+        for i, zone in enumerate(document["features"])
+        for j, volume in enumerate(zone["geometry"])
     )
+    return read_all(_volume, volumes)
+
+
+def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
+    projection = volume.get("horizontalProjection") if isinstance(volume, dict) else None
+    if not isinstance(projection, dict):
+        raise BadInput("expected a Polygon or a Circle", place=f"{place}.horizontalProjection")
+    shape = _projection(projection, f"{place}.horizontalProjection")
+    tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
+    tags |= dict(_limit_tags(volume)) | dict(_time_tags(zone.get("applicability")))
+    if projection.get("type") == "Circle" and tags.get("uom", "M").upper() != "M":
+        tags[RADIUS_UNIT] = f"{projection['radius']} {tags['uom']}"
+    return Feature(place, shape, tags)
+
+
+def _projection(projection: Mapping[str, Any], place: str) -> Any:
+    if projection.get("type") == "Circle":
+        return circle(projection.get("center"), projection.get("radius"), place)
+    rings = projection.get("coordinates")
+    if projection.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
+        raise BadInput(f"expected a Polygon or a Circle, not {projection.get('type')!r}", place=place)
+    outer, *inner = (_ring(ring, f"{place}.coordinates[{i}]") for i, ring in enumerate(rings))
+    return shapely.Polygon(outer, inner)
+
+
+def _ring(values: Any, place: str) -> Corners:
+    corners = positions_of(values, place)
+    if len(np.unique(corners, axis=0)) < 3:
+        raise InvalidRing("expected a ring of 3 different corners or more", place=place)
+    return on_earth(corners, place)
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
+    """Return a polygon of 72 corners around a circle, at most 0.1 % wider."""
     try:
         corner = np.array([center[:2]], float)
         size = float(radius)
     except (TypeError, ValueError, OverflowError, KeyError):
         corner, size = np.zeros((0, 2)), math.nan
-    if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < WIDEST:
+    if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < 1e6:
         raise BadInput("expected a circle: center [longitude, latitude] and a radius in meters", place=place)
     longitude, latitude = on_earth(corner, place)[0]
-    around = np.linspace(0.0, 360.0, CORNERS, endpoint=False)
-    wide = np.full(CORNERS, size / math.cos(math.pi / CORNERS))
-    east, north, _ = _EARTH.fwd(np.full(CORNERS, longitude), np.full(CORNERS, latitude), around, wide)
+    corners = 72
+    around = np.linspace(0.0, 360.0, corners, endpoint=False)
+    wide = np.full(corners, size / math.cos(math.pi / corners))
+    east, north, _ = _WGS84.fwd(np.full(corners, longitude), np.full(corners, latitude), around, wide)
     return shapely.Polygon(np.column_stack([east, north]))
 
 
@@ -60,6 +116,7 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def layers_apart(feature: Any) -> list[Any]:
+    """Return a feature for each layer of an ED-318 geometry collection."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):
@@ -68,7 +125,7 @@ def layers_apart(feature: Any) -> list[Any]:
         return [feature]
     shared = {"layer": geometry["layer"]} if "layer" in geometry else {}
     apart = [feature | {"geometry": shared | member if isinstance(member, dict) else member} for member in members]
-    return [one for each in apart for one in layers_apart(each)]
+    return [layer for part in apart for layer in layers_apart(part)]
 
 
 def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -77,48 +134,169 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         english = [name for name in texts if str(name.get("lang", "")).startswith("en")]
         if chosen := english or texts:
             yield "name", chosen[0]["text"]
-    if isinstance(properties.get("applicability"), list):
-        yield from _times(properties["applicability"])
+    yield from _time_tags(properties.get("applicability"))
     if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume
         yield from _limit_tags(volume)
 
 
-def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
-    projection = volume.get("horizontalProjection") if isinstance(volume, dict) else None
-    if not isinstance(projection, dict):
-        raise BadInput("expected a Polygon or a Circle", place=f"{place}.horizontalProjection")
-    shape = _projection(projection, f"{place}.horizontalProjection")
-    tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
-    tags |= dict(_limit_tags(volume)) | dict(_times(zone.get("applicability")))
-    if projection.get("type") == "Circle" and tags.get("uom", "M").upper() != "M":
-        tags[RADIUS] = f"{projection['radius']} {tags['uom']}"
-    return Feature(place, shape, tags)
-
-
 def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    given = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
-    given |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
-    yield from ((key, str(volume[name])) for key, name in given.items() if volume.get(name) is not None)
+    names = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
+    names |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
+    yield from ((key, str(volume[name])) for key, name in names.items() if volume.get(name) is not None)
 
 
-def _times(times: Any) -> Iterator[tuple[str, str]]:
+def _time_tags(times: Any) -> Iterator[tuple[str, str]]:
     """Return ED-269 times as the ED-318 tag."""
     if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
         yield "limitedApplicability", json.dumps(times)
 
 
-def _projection(projection: Mapping[str, Any], place: str) -> Any:
-    if projection.get("type") == "Circle":
-        return circle(projection.get("center"), projection.get("radius"), place)
-    rings = projection.get("coordinates")
-    if projection.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
-        raise BadInput(f"expected a Polygon or a Circle, not {projection.get('type')!r}", place=place)
-    corners = [_ring(ring, f"{place}.coordinates[{i}]") for i, ring in enumerate(rings)]
-    return shapely.Polygon(corners[0], corners[1:])
+@dataclass(frozen=True)
+class VerticalLimit:
+    """A limit [m] above ground (`AGL`), mean sea level (`AMSL`) or ellipsoid (`WGS84`)."""
+
+    height: float
+    reference: str
 
 
-def _ring(values: Any, place: str) -> Corners:
-    corners = positions_of(values, place)
-    if len(np.unique(corners, axis=0)) < 3:
-        raise InvalidRing("expected a ring of 3 different corners or more", place=place)
-    return on_earth(corners, place)
+class NotUnderstood(NamedTuple):
+    what: str
+    value: str
+
+
+@dataclass(frozen=True)
+class ZoneLimits:
+    """The ends of a zone; None: no limit, or the ground."""
+
+    lower: VerticalLimit | None = None
+    upper: VerticalLimit | None = None
+    not_understood: tuple[NotUnderstood, ...] = ()
+
+
+def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
+    values = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in LIMIT_KEYS.items()}
+    odd = [
+        NotUnderstood(f'tag "{key}", which may be a limit', value)
+        for key, value in tags.items()
+        if _MAY_LIMIT.fullmatch(key.lower()) and key.lower() not in _UNDERSTOOD_KEYS
+    ]
+    lower, upper = (_limit(values, side, odd) for side in ("lower", "upper"))
+    numbers = [values[side] for side in ("lower", "upper") if _is_number(values[side]) and values[f"{side}Reference"]]
+    if numbers and not values["uom"]:
+        odd.append(NotUnderstood("unit of the limits, taken as M", numbers[-1]))
+    if lower is not None and lower.reference == "AGL" and lower.height <= 0:
+        lower = None
+    if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:
+        words = f"{lower.height:g} m, {upper.height:g} m"
+        odd.append(NotUnderstood("limits, of which the upper is not above the lower", words))
+        lower = upper = None
+    return ZoneLimits(lower, upper, tuple(odd))
+
+
+def _limit(values: Mapping[str, str], side: str, odd: list[NotUnderstood]) -> VerticalLimit | None:
+    text, unit, reference = (values[key].upper() for key in (side, "uom", f"{side}Reference"))
+    if text in {"UNL", "UNLTD", "UNLIMITED"}:
+        return None
+    if text in {"SFC", "GND", "SURFACE", "GROUND"}:
+        return VerticalLimit(0.0, "AGL")
+    in_words = re.fullmatch(r"([-+]?\d+(?:\.\d+)?) ?([A-Z]+)[ ,]*([A-Z]+)", text)  # EANS, AIP: "120m AGL"
+    number, name, datum = in_words.groups() if in_words else (text, unit or "M", reference)
+    if name in LENGTH_UNITS and datum in REFERENCES and _is_number(number):
+        return VerticalLimit(float(number) * LENGTH_UNITS[name], REFERENCES[datum])
+    if _is_number(meters := values[f"{side}Meters"]) and not reference:  # Estonia's, rounded
+        odd.append(NotUnderstood(f"reference of {side}Meters, taken as AGL", meters))
+        return VerticalLimit(float(meters), "AGL")
+    if text or meters:
+        stated = " ".join(filter(None, (text or meters, values["uom"], reference)))
+        odd.append(NotUnderstood(f"{side} limit, so that the zone has none", stated))
+    return None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+@dataclass(frozen=True)
+class Slot:
+    """Seconds from midnight UTC on weekdays (0: Monday), maybe into the next day."""
+
+    days: frozenset[int]
+    begin: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Period:
+    begin: float = -math.inf
+    end: float = math.inf
+    slots: tuple[Slot, ...] = ()
+
+    def meets(self, begin: float, end: float) -> bool:
+        begin, end = max(begin, self.begin), min(end, self.end)
+        if begin > end or not self.slots:
+            return begin <= end
+        days = range(math.floor(begin / DAY_S) - 2, math.floor(end / DAY_S) + 3)
+        return any(
+            (day + 3) % 7 in slot.days  # 1970 began on a Thursday
+            and day * DAY_S + slot.begin <= end
+            and day * DAY_S + slot.end >= begin
+            for slot in self.slots
+            for day in days
+        )
+
+
+def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
+    """Read `limitedApplicability`; None: always active or unreadable.
+
+    >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
+    (Period(begin=-inf, end=86400.0, slots=()),)
+    """
+    try:
+        periods = tuple(_period(period) for period in json.loads(tags.get("limitedApplicability", "null")))
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+    return periods or None
+
+
+def may_be_active(tags: Mapping[str, str], time: float) -> bool:
+    periods = periods_of(tags)
+    return periods is None or any(period.meets(time, time + FLIGHT_S) for period in periods)
+
+
+def _period(period: Mapping[str, Any]) -> Period:
+    begin, end = (period.get(key) for key in ("startDateTime", "endDateTime"))
+    return Period(
+        -math.inf if begin is None else _instant(begin),
+        math.inf if end is None else _instant(end),
+        tuple(_slot(slot) for slot in period.get("schedule") or []),
+    )
+
+
+def _slot(slot: Mapping[str, Any]) -> Slot:
+    names, weekdays = slot.get("day") or ["ANY"], ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
+    known = [weekdays.index(name) for name in names if name in weekdays]
+    days = frozenset(known if len(known) == len(names) else range(7))  # "ANY", or a holiday of unknown date
+    if "startTime" not in slot or "endTime" not in slot:  # dawn or dusk
+        return Slot(days, -DAY_S / 2, 1.5 * DAY_S)
+    begin, end = _clock(slot["startTime"]), _clock(slot["endTime"])
+    return Slot(days, begin, end if end > begin else end + DAY_S)
+
+
+def _instant(text: str) -> float:
+    date, _, clock = text.upper().partition("T")
+    if not re.fullmatch(r"\d{4}-\d\d-\d\d", date):
+        raise ValueError(text)
+    return float(np.datetime64(date, "D").astype(int)) * DAY_S + _clock(clock)
+
+
+def _clock(text: str) -> float:
+    """Return seconds since midnight UTC of `17:00Z` or `17:00:00.00+02:00`."""
+    match = re.fullmatch(r"(\d\d):(\d\d)(?::(\d\d)(?:\.\d+)?)?(?:Z|([+-])(\d\d):?(\d\d))", text, re.IGNORECASE)
+    if match is None:
+        raise ValueError(text)
+    hour, minute, second, sign, *offset = match.groups()
+    east = int(f"{sign}1") * (int(offset[0]) * 3600 + int(offset[1]) * 60) if sign else 0
+    return int(hour) * 3600.0 + int(minute) * 60 + int(second or 0) - east

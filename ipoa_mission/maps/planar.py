@@ -150,3 +150,12 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
 def _words(reason: str | None) -> str:
     """Convert GEOS's `Self-intersection[12.3 45.6]` to words."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"
+
+
+def flat(shape: Any) -> list[Any]:
+    return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]
+
+
+def closed_as_polygon(shape: Any) -> Any:
+    closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
+    return shapely.Polygon(shape) if closed else shape

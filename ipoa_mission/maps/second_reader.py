@@ -11,8 +11,8 @@ from typing import Any
 import shapely
 
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.map_reader import GEOJSON, read_features
+from ipoa_mission.maps.planar import flat
 
 READ_TWICE = (*GEOJSON, ".kml", ".kmz")
 MOST_BYTES = 2 << 20  # read twice in about a second

@@ -9,10 +9,9 @@ from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJs
 
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geometry import Points
-from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.planar import MapExtent, to_plane, unrepeated
+from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.site import Reach
@@ -254,9 +253,8 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
             words = f"expected an area that can be read, not {missing.words}"
             raise BadInput(words, missing.remedy, place=feature.place)
         for part in flat(shape) if counts else ():
-            is_closed = part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3
             if part.geom_type in ("Polygon", "LineString"):
-                yield f"{feature.place}.geometry", shapely.Polygon(part) if is_closed else part
+                yield f"{feature.place}.geometry", closed_as_polygon(part)
 
 
 def _corridor(line: Points, width: float, place: str) -> Any:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.maps.activity import may_be_active, periods_of
+from ipoa_mission.maps.geozones import may_be_active, periods_of
 from ipoa_mission.scenario.scenario_file import read_scenario
 from tests.refused import refuses
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ipoa_mission.maps.areas import Zones, find_zones
+from ipoa_mission.maps.geozones import VerticalLimit
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.winds import read_wind
-from ipoa_mission.maps.zone_limits import VerticalLimit
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = LocalFrame(Geodetic(53.3, -6.3, 50.0))
