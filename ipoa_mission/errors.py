@@ -84,7 +84,7 @@ class MissionError(Exception):
     def at(self, place: object = None, hint: str | None = None) -> Self:
         """Return the error with an outer place before its own."""
         other = self._copied()
-        other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
+        other.place = ": ".join(str(part) for part in (place, self.place) if part is not None) or None
         other.hint = hint or self.hint
         return other
 

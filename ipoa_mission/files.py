@@ -61,14 +61,14 @@ def make_folder(path: Path) -> None:
 @contextmanager
 def in_folder(path: Path) -> Iterator[None]:
     """Make a folder for a block; remove new, empty ones if the block fails."""
-    made = [one for one in (path, *path.parents) if not one.exists()]
+    made = [folder for folder in (path, *path.parents) if not folder.exists()]
     make_folder(path)
     try:
         yield
     except BaseException:
         with suppress(OSError):
-            for one in made:
-                one.rmdir()
+            for folder in made:
+                folder.rmdir()
         raise
 
 
