@@ -28,7 +28,7 @@ from ipoa_mission.maps.feature import (
     read_all,
 )
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags, layers_apart, zone_tags
-from ipoa_mission.maps.overpass import is_overpass, overpass_features
+from ipoa_mission.maps.osm import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 

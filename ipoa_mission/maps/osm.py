@@ -1,4 +1,7 @@
-"""A thing with corners outside the extract gets an empty shape, and a note of its other corners."""
+"""Read OpenStreetMap's XML and Overpass's JSON (`[out:json]`).
+
+A feature with corners outside the extract gets an empty shape, and a note of its other corners.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -17,11 +20,8 @@ from ipoa_mission.world.polygon import union_of
 
 # Lines even if closed, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
-AREAS = {"multipolygon", "building", "boundary"}
 META_TAGS = {"created_by", "source"}
-MOST_SHOWN = 80  # characters
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
-LARGER_EXTRACT = "export a larger part of the map, with everything that crosses its edge"
 EMPTY_SHAPE = shapely.GeometryCollection()
 
 
@@ -91,12 +91,12 @@ def _extract(path: Path) -> Extract:
             if root.tag != "osm":
                 raise WrongFormat(f"expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>", place=path)
         if event == "end" and element.tag in ("node", "way", "relation", "remark"):
-            _take(element, extract, path)
+            _take_xml(element, extract, path)
             root.clear()
     return extract
 
 
-def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
+def _take_xml(element: ElementTree.Element, extract: Extract, path: Path) -> None:
     number = element.get("id", "")
     if element.tag == "remark":
         extract.remarks.append((element.text or "").strip())
@@ -119,21 +119,72 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
         for member in members:
             if member.get("type") == "way" and member.find("nd") is not None:
                 extract.ways.setdefault(member.get("ref", ""), OsmWay(_nodes(member, extract, path), {}))
-        listed = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
+        listed = tuple((each.get("type", ""), each.get("ref", ""), each.get("role", "")) for each in members)
         extract.relations[number] = Relation(listed, tags)
 
 
 def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
-    return extract.corners(
-        (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
-        for one, known in here
-    )
+    def place_of(node: ElementTree.Element) -> tuple[float, float] | tuple[None, None]:
+        return (None, None) if node.get("lat") is None else (_degrees(node, "lon", path), _degrees(node, "lat", path))
+
+    return extract.corners((node.get("ref", ""), *place_of(node)) for node in element.iterfind("nd"))
+
+
+def is_overpass(document: Any) -> bool:
+    return isinstance(document, dict) and isinstance(document.get("elements"), list)
+
+
+def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
+    extract = Extract(remarks=[str(document["remark"])] if document.get("remark") else [])
+    for n, element in enumerate(document["elements"]):
+        place = f"{path}: elements[{n}]"
+        if not isinstance(element, dict) or not isinstance(element.get("type"), str) or "id" not in element:
+            raise BadInput("expected an element with a type and an id", place=place)
+        if element["type"] in ("node", "way", "relation"):
+            try:
+                _take_json(element, extract)
+            except (TypeError, ValueError, KeyError, AttributeError) as error:
+                raise BadInput("expected a node, way or relation as Overpass writes it", place=place) from error
+    return features_of(extract, path)
+
+
+def _take_json(element: Mapping[str, Any], extract: Extract) -> None:
+    number, sort = str(element["id"]), element["type"]
+    tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
+    if sort == "node":
+        if "lat" in element:
+            extract.places[number] = float(element["lon"]), float(element["lat"])
+            if tags.keys() - META_TAGS:
+                extract.tagged[number] = tags
+        return
+    if bounds := element.get("bounds"):
+        extract.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
+    if sort == "way":
+        extract.ways[number] = OsmWay(extract.corners(_json_nodes(element)), tags)
+    elif is_area(tags):
+        members = element.get("members") or []
+        for member in members:
+            if member["type"] == "way" and member.get("geometry"):
+                extract.ways.setdefault(str(member["ref"]), OsmWay(extract.corners(_json_nodes(member)), {}))
+        listed = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
+        extract.relations[number] = Relation(listed, tags)
+
+
+def _json_nodes(way: Mapping[str, Any]) -> Iterator[tuple[str, float | None, float | None]]:
+    numbers, places = way.get("nodes"), way.get("geometry")
+    numbers = [""] * len(places or ()) if numbers is None else numbers
+    for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):
+        if place is None:
+            yield str(number) or "?", None, None
+        else:
+            yield str(number), float(place["lon"]), float(place["lat"])
 
 
 def is_area(tags: Mapping[str, str]) -> bool:
     kind = tags.get("type")
-    return kind in AREAS or (kind != "route" and not tags.keys().isdisjoint(("building", "building:part")))
+    return kind in {"multipolygon", "building", "boundary"} or (
+        kind != "route" and not tags.keys().isdisjoint(("building", "building:part"))
+    )
 
 
 def plain_tags(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -153,24 +204,26 @@ def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
 
 def _features(extract: Extract, path: Path) -> Iterator[Feature]:
     def corners_of(number: str) -> Sequence[Sequence[float]] | None:
-        return _corners(extract.ways[number], extract) if number in extract.ways else None
+        nodes = extract.ways[number].nodes if number in extract.ways else ()
+        corners = [extract.places[node] for node in nodes if node in extract.places]
+        return corners if len(corners) == len(nodes) > 1 else None
 
     for remark in extract.remarks:
-        words = f"what the server left out ({remark[:MOST_SHOWN]})"
+        words = f"what the server left out ({remark[:80]})"
         missing = Missing(words, EMPTY_SHAPE, "repeat the query for a smaller area")
         yield Feature(f"{path}: remark", EMPTY_SHAPE, {}, missing=missing)
     for number, tags in extract.tagged.items():
-        yield thing("node", number, tags, shapely.Point(extract.places[number]), path)
+        yield feature_of(f"node {number}", tags, shapely.Point(extract.places[number]), path)
     for number, way in extract.ways.items():
         if way.tags.keys() - META_TAGS:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
-            known = _known((way,), extract, f"way {number}")
-            yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path, known)
+            shape, name = shape_of(corners_of(number), closes, way.tags), f"way {number}"
+            yield feature_of(name, way.tags, shape, path, _known((way,), extract, name))
     for number, relation in extract.relations.items():
         if relation.tags.keys() - META_TAGS - {"type"}:
             ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
-            known = _known(ways, extract, f"relation {number}")
-            yield thing("relation", number, relation.tags, area_of(relation, corners_of), path, known)
+            shape, name = area_of(relation, corners_of), f"relation {number}"
+            yield feature_of(name, relation.tags, shape, path, _known(ways, extract, name))
 
 
 def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
@@ -178,22 +231,18 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
 
-def thing(
-    sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
+def feature_of(
+    name: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
 ) -> Feature:
-    """Return a feature; note the `known` corners of an empty shape."""
-    place = f"{path}: {sort} {number}"
+    """Return the feature of a name like `way 12`; note the `known` corners of an empty shape."""
+    place = f"{path}: {name}"
     on_earth(shapely.get_coordinates(shape), place)
     missing = None
     if shapely.is_empty(shape):
         hull = shapely.MultiPoint(known).convex_hull if known else EMPTY_SHAPE
-        missing = Missing("of which a part is not in the file", hull, LARGER_EXTRACT, elsewhere=not known)
-    return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"}, missing=missing)
-
-
-def _corners(way: OsmWay, extract: Extract) -> Sequence[tuple[float, float]] | None:
-    corners = [extract.places[node] for node in way.nodes if node in extract.places]
-    return corners if len(corners) == len(way.nodes) > 1 else None
+        remedy = "export a larger part of the map, with everything that crosses its edge"
+        missing = Missing("of which a part is not in the file", hull, remedy, elsewhere=not known)
+    return Feature(place, shape, {**tags, "@id": name.replace(" ", "/")}, missing=missing)
 
 
 def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:

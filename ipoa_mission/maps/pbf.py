@@ -1,6 +1,6 @@
-"""OpenStreetMap's binary extracts by osmium: a first pass locates all, a second reads the wanted."""
+"""Read OpenStreetMap's binary extracts by osmium: a first pass locates all, a second reads the wanted."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import compress, islice
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -18,22 +18,20 @@ from ipoa_mission.maps.osm import (
     META_TAGS,
     Relation,
     area_of,
+    feature_of,
     is_area,
     plain_tags,
     shape_of,
-    thing,
     ways_of,
 )
 
 LARGEST_PBF = 200_000_000  # [bytes], about a minute
 BATCH = 4096
-HEADER = 64  # [bytes]
-UNKNOWN = (np.nan,) * 4
-SORTS = {"n": "node", "w": "way", "r": "relation"}
+UNKNOWN_BOX = (np.nan,) * 4
 
 
-class _Place(NamedTuple):
-    """Corners as WKB, or the box of the known ones."""
+class _Located(NamedTuple):
+    """A node or way: its corners as WKB, or the box of the known ones."""
 
     is_node: bool
     number: int
@@ -44,7 +42,7 @@ class _Place(NamedTuple):
 
 def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
-    if b"OSMHeader" not in read_bytes(path, HEADER):
+    if b"OSMHeader" not in read_bytes(path, 64):
         raise WrongFormat("expected an .osm.pbf file, but its first bytes are those of another format", place=path)
     if (size := path.stat().st_size) > LARGEST_PBF:
         raise TooLarge(
@@ -83,8 +81,9 @@ class _Extract:
             counts = self._around.wants(np.array([self._box_of(relation) for relation in relations.values()]))
             relations = {number: relations[number] for number in compress(relations, counts.tolist())}
         for node in self._again(osm.NODE, self._nodes):
-            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE
-            yield from self._thing("node", node.id, _tags(node), shape)
+            shape, tags = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE, _tags(node)
+            if tags.keys() - META_TAGS:
+                yield feature_of(f"node {node.id}", tags, shape, self._path)
         parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()
         known = dict[str, list[tuple[float, float]]]()
         located = osmium.NodeLocationsForWays(places)
@@ -94,28 +93,29 @@ class _Extract:
             corners = here if len(here) == len(way.nodes) > 1 else None
             if str(way.id) in parts:
                 lines[str(way.id)], known[str(way.id)] = corners, here
-            if way.id in self._ways:
-                tags = _tags(way)
-                yield from self._thing("way", way.id, tags, shape_of(corners, way.is_closed(), tags), here)
+            tags = _tags(way)
+            if way.id in self._ways and tags.keys() - META_TAGS:
+                yield feature_of(f"way {way.id}", tags, shape_of(corners, way.is_closed(), tags), self._path, here)
         for number, relation in relations.items():
             of_ways = [corner for way, _ in ways_of(relation) for corner in known.get(way, ())]
-            yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path, of_ways)
+            shape = area_of(relation, lines.get)
+            yield feature_of(f"relation {number}", relation.tags, shape, self._path, of_ways)
 
     def _relations(self) -> dict[str, Relation]:
-        found = {}
+        relations, sorts = {}, {"n": "node", "w": "way", "r": "relation"}
         for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
             tags = _tags(relation)
             if is_area(tags) and tags.keys() - META_TAGS - {"type"}:
-                members = tuple((SORTS.get(one.type, ""), str(one.ref), one.role) for one in relation.members)
-                found[str(relation.id)] = Relation(members, tags)
-        return found
+                members = tuple((sorts.get(each.type, ""), str(each.ref), each.role) for each in relation.members)
+                relations[str(relation.id)] = Relation(members, tags)
+        return relations
 
     def _locate(self, parts: set[str]) -> Any:
         """Select the wanted things, and return libosmium's node positions."""
         osm = self._osmium.osm
         tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
         things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
-        waiting: list[_Place] = []
+        waiting: list[_Located] = []
         for each in things.with_filter(tagged):
             if each.id < 0:  # libosmium keeps no position
                 raise BadInput(
@@ -124,40 +124,38 @@ class _Extract:
                     hint="save it as OpenStreetMap's XML (.osm), which may have them",
                     place=self._path,
                 )
-            waiting.append(self._place_of_node(each) if each.is_node() else self._place_of_way(each))
+            waiting.append(self._located(each))
             if len(waiting) >= BATCH:
                 self._choose(waiting, parts)
                 waiting.clear()
         self._choose(waiting, parts)
         return things.node_location_storage
 
-    def _choose(self, places: list[_Place], parts: set[str]) -> None:
-        shapes = shapely.from_wkb([one.wkb for one in places])
-        known = np.array([one.box for one in places]).reshape(-1, 4)
-        boxes = np.where(shapely.is_missing(shapes)[:, None], known, shapely.bounds(shapes).reshape(-1, 4))
-        for one, box in zip(places, boxes, strict=True):
-            if not one.is_node and parts and str(one.number) in parts:
-                self._boxes[str(one.number)] = box.tolist()
-        has_tags = np.array([one.has_tags for one in places], bool)
-        for n in np.flatnonzero(has_tags)[self._around.wants(boxes[has_tags])].tolist():
-            (self._nodes if places[n].is_node else self._ways).add(places[n].number)
-
-    def _place_of_node(self, node: Any) -> _Place:
-        box = (node.lon, node.lat, node.lon, node.lat) if _is_known(node) else UNKNOWN
-        return _Place(True, node.id, True, None, box)
-
-    def _place_of_way(self, way: Any) -> _Place:
-        wkb, box = None, UNKNOWN
+    def _located(self, each: Any) -> _Located:
+        if each.is_node():
+            box = (each.lon, each.lat, each.lon, each.lat) if _is_known(each) else UNKNOWN_BOX
+            return _Located(True, each.id, True, None, box)
+        wkb, box = None, UNKNOWN_BOX
         try:
-            wkb = bytes.fromhex(self._factory.create_linestring(way, self._all))
+            wkb = bytes.fromhex(self._factory.create_linestring(each, self._all))
         except (self._osmium.InvalidLocationError, RuntimeError):  # missing or single node
-            corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
-            if corners:
+            if corners := [(node.lon, node.lat) for node in each.nodes if _is_known(node)]:
                 box = (*np.min(corners, axis=0).tolist(), *np.max(corners, axis=0).tolist())
-        return _Place(False, way.id, len(way.tags) > 0, wkb, box)
+        return _Located(False, each.id, len(each.tags) > 0, wkb, box)
+
+    def _choose(self, located: list[_Located], parts: set[str]) -> None:
+        shapes = shapely.from_wkb([each.wkb for each in located])
+        known = np.array([each.box for each in located]).reshape(-1, 4)
+        boxes = np.where(shapely.is_missing(shapes)[:, None], known, shapely.bounds(shapes).reshape(-1, 4))
+        for each, box in zip(located, boxes, strict=True):
+            if not each.is_node and parts and str(each.number) in parts:
+                self._boxes[str(each.number)] = box.tolist()
+        has_tags = np.array([each.has_tags for each in located], bool)
+        for n in np.flatnonzero(has_tags)[self._around.wants(boxes[has_tags])].tolist():
+            (self._nodes if located[n].is_node else self._ways).add(located[n].number)
 
     def _box_of(self, relation: Relation) -> NDArray[np.float64]:
-        boxes = np.array([self._boxes.get(number, UNKNOWN) for number, _ in ways_of(relation)] or [UNKNOWN])
+        boxes = np.array([self._boxes.get(number, UNKNOWN_BOX) for number, _ in ways_of(relation)] or [UNKNOWN_BOX])
         return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
@@ -165,12 +163,6 @@ class _Extract:
             of_these = self._osmium.filter.IdFilter(numbers)  # not kept alive by the iterator
             with self._osmium.io.Reader(self._file, sort) as reader:
                 yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
-
-    def _thing(
-        self, sort: str, number: int, tags: dict[str, str], shape: Any, known: Sequence[tuple[float, float]] = ()
-    ) -> Iterator[Feature]:
-        if tags.keys() - META_TAGS:
-            yield thing(sort, str(number), tags, shape, self._path, known)
 
 
 def _tags(each: Any) -> dict[str, str]:
