@@ -1,27 +1,38 @@
-"""Elevation models (GeoTIFF, SRTM .hgt, any GDAL format).
+"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL raster) as a grid of ground around home.
 
-Heights belong to posts, the centers of pixels. The local grid is raised so that no post is above it.
+Heights belong to posts, the centers of pixels: column 0, row 0 is the center of the first one. Places are converted
+exactly on a lattice at two altitudes, and interpolated. The local grid is raised so that no post is above it.
 """
 
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
+from pyproj import CRS, Transformer
+from pyproj.exceptions import ProjError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NotCovered, imported
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.geoid import undulation
-from ipoa_mission.maps.raster import RasterFile, open_raster
+from ipoa_mission.maps.lengths import FOOT
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
-KNOTS = 33  # lattice lines of exact conversion
 UPPER_LEVEL = 1000.0  # second altitude of conversion [m]
-MOST_NODES = 8_000_000
-HOME_TOLERANCE = 10.0  # [m]
+HEIGHT_UNITS = {
+    **dict.fromkeys(("", "m", "metre", "meter", "metres", "meters"), 1.0),
+    **dict.fromkeys(("ft", "foot", "feet"), FOOT),
+    **dict.fromkeys(("us survey foot", "ftus"), 1200 / 3937),
+}
+LOWEST, HIGHEST = -500.0, 9_000.0  # of the ground [m]
+SUSPECT_STEP = 100.0  # larger ones may be spoiled heights [m]
 
 
 @dataclass(frozen=True)
@@ -36,63 +47,79 @@ class ElevationRules:
     level_at_home: bool = False
 
 
+class _Posts(NamedTuple):
+    """Heights (rows, columns) [m], and the row and column of the first."""
+
+    heights: NDArray[np.float64]
+    first: tuple[int, int]
+
+
 def local_grid(
     path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
 ) -> tuple[Grid, tuple[str, ...]]:
     """Return the ground between corners (east, north) [m] above home, and remarks."""
-    with open_raster(path, rules.nodata) as raster:
+    with _opened(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
         raster.expect_cover(area)
         apart = _post_distance(raster, frame, area)
         nodes = _nodes(lower, upper, rules.spacing or apart)
         knots = _knots(nodes[0][0], nodes[0][-1]), _knots(nodes[1][0], nodes[1][-1])
         pixels = [_pixels(raster, frame, *knots, up) for up in (0.0, UPPER_LEVEL)]
-        first, heights, remarks = raster.read(pixels, fill=rules.voids == "fill")
-        heights, conversion = _above_sea(heights, raster, first, rules)
-        posts = _posts(raster, frame, first, heights)
+        posts, remarks = raster.read(pixels, fill=rules.voids == "fill")
+        posts, conversion = _above_sea(posts, raster, rules)
+        places = _places(raster, frame, posts)
     spacing = float(nodes[0][1] - nodes[0][0])
-    ground = _read_off(heights, first, knots, pixels, nodes)
-    lift = _raise_over_posts(ground, posts, lower, spacing)
-    grid, levelled = _level(Grid(lower[0], lower[1], spacing, ground), rules, frame, (lower, upper), path)
+    ground = _ground_at(nodes, posts, knots, pixels)
+    lift = _raise_over_posts(ground, places, lower, spacing)
+    grid, levelled = Grid(lower[0], lower[1], spacing, ground), tuple[str, ...]()
+    if all(low <= 0 <= high for low, high in zip(lower, upper, strict=True)):
+        grid, levelled = _level(grid, rules, frame, path)
     used = f"ground every {spacing:.3g} m from posts {apart:.3g} m apart, raised by {max(lift, 0.001):.2g} m at most"
-    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, *conversion, used, *levelled))
+    return grid, tuple(f"{path.name}: {remark}" for remark in (*remarks, conversion, used, *levelled))
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
     """Return the height at a place [m AMSL]."""
     frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
-    with open_raster(path, None) as raster:
+    with _opened(path, None) as raster:
         pixels = _pixels(raster, frame, here, here, 0.0)
         raster.expect_cover(pixels)
-        first, heights, _ = raster.read([pixels], fill=False)
-        heights, _ = _above_sea(heights, raster, first, ElevationRules())
-    spot = [pixels[1].ravel() - first[0], pixels[0].ravel() - first[1]]
-    return float(scipy.ndimage.map_coordinates(heights, spot, order=1, mode="nearest")[0])
+        posts, _ = raster.read([pixels], fill=False)
+        posts, _ = _above_sea(posts, raster, ElevationRules())
+    return float(_interpolated(posts, pixels[0].ravel(), pixels[1].ravel())[0])
+
+
+def _interpolated(posts: _Posts, column: Any, row: Any) -> NDArray[np.float64]:
+    spots = [row - posts.first[0], column - posts.first[1]]
+    return np.asarray(scipy.ndimage.map_coordinates(posts.heights, spots, order=1, mode="nearest"))
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
+    most = 8_000_000
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
-    if columns * rows > MOST_NODES:
-        least = spacing * np.sqrt(columns * rows / MOST_NODES)
+    if columns * rows > most:
+        least = spacing * np.sqrt(columns * rows / most)
         words = f"expected {least:.1f} m or more over so wide an area, not {spacing:.3g} m"
         raise BadInput(words, place="terrain.spacing")
     return np.asarray(lower[0] + spacing * np.arange(columns)), np.asarray(lower[1] + spacing * np.arange(rows))
 
 
 def _knots(low: float, high: float) -> Vector:
-    return np.linspace(low, high, KNOTS, dtype=np.float64)
+    """Return lines of the lattice of exact conversion."""
+    return np.linspace(low, high, 33, dtype=np.float64)
 
 
-def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
+def _pixels(raster: "_Raster", frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
+    """Return column, row and altitude of a lattice, (3, east, north)."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
 
 
-def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _places(raster: "_Raster", frame: LocalFrame, posts: _Posts) -> NDArray[np.float64]:
     """Return east, north, up of posts, (3, rows, columns)."""
-    rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
-    knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
+    rows, columns = (begin + np.arange(count) for begin, count in zip(posts.first, posts.heights.shape, strict=True))
+    knots = [_knots(lines[0], lines[-1]) for lines in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")
     latitude, longitude = raster.places(column.ravel(), row.ravel())
     at = [
@@ -102,16 +129,12 @@ def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDAr
         ]
         for altitude in (frame.home.altitude, frame.home.altitude + UPPER_LEVEL)
     ]
-    share = (heights - frame.home.altitude) / UPPER_LEVEL
+    share = (posts.heights - frame.home.altitude) / UPPER_LEVEL
     return np.stack([low + share * (high - low) for low, high in zip(*at, strict=True)])
 
 
-def _read_off(
-    heights: NDArray[np.float64],
-    first: "_First",
-    knots: tuple[Vector, Vector],
-    pixels: list[NDArray[np.float64]],
-    nodes: tuple[Vector, Vector],
+def _ground_at(
+    nodes: tuple[Vector, Vector], posts: _Posts, knots: tuple[Vector, Vector], pixels: list[NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """Return the ground above home at the nodes, (rows, columns); places depend on height, hence two passes."""
     smooth = scipy.interpolate.RectBivariateSpline
@@ -119,24 +142,22 @@ def _read_off(
     up = np.zeros_like(low[0])
     for _ in range(2):
         column, row = (low[i] + up / UPPER_LEVEL * (high[i] - low[i]) for i in (0, 1))
-        altitude = scipy.ndimage.map_coordinates(heights, [row - first[0], column - first[1]], order=1, mode="nearest")
-        up = (altitude - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
+        up = (_interpolated(posts, column, row) - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
     return np.asarray(up)
 
 
 def _raise_over_posts(
     ground: NDArray[np.float64], posts: NDArray[np.float64], lower: tuple[float, float], spacing: float
 ) -> float:
-    """Raise `ground` in place; return the greatest raise [m]."""
+    """Raise `ground` in place over posts (3, rows, columns); return the greatest raise [m]."""
     east, north, up = posts.reshape(3, -1)
     rows, columns = ground.shape
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
     inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
     x, y, up = x[inside], y[inside], up[inside]
-    surface = scipy.ndimage.map_coordinates(ground, [y, x], order=1, mode="nearest")
-    missing = up - surface
+    missing = up - scipy.ndimage.map_coordinates(ground, [y, x], order=1, mode="nearest")
     short = missing > 0
-    column, row = (np.minimum(x[short].astype(int), columns - 2), np.minimum(y[short].astype(int), rows - 2))
+    column, row = np.minimum(x[short].astype(int), columns - 2), np.minimum(y[short].astype(int), rows - 2)
     raised = np.zeros_like(ground)
     for down, right in ((0, 0), (0, 1), (1, 0), (1, 1)):
         np.maximum.at(raised, (row + down, column + right), missing[short])
@@ -144,45 +165,214 @@ def _raise_over_posts(
     return float(raised.max())
 
 
-def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float64]) -> float:
+def _post_distance(raster: "_Raster", frame: LocalFrame, area: NDArray[np.float64]) -> float:
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
     here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
     return float(min(np.linalg.norm(right - here), np.linalg.norm(down - here)))
 
 
-def _above_sea(
-    heights: NDArray[np.float64], raster: RasterFile, first: "_First", rules: ElevationRules
-) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    counted = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
-    if counted == "amsl" or rules.level_at_home:
-        return heights, (f"heights taken as {'above mean sea level' if counted == 'amsl' else 'differences only'}",)
-    row, column = first[0] + heights.shape[0] / 2, first[1] + heights.shape[1] / 2
+def _above_sea(posts: _Posts, raster: "_Raster", rules: ElevationRules) -> tuple[_Posts, str]:
+    """Return heights above mean sea level, and a remark."""
+    datum = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
+    if datum == "amsl" or rules.level_at_home:
+        return posts, f"heights taken as {'above mean sea level' if datum == 'amsl' else 'differences only'}"
+    row, column = (begin + count / 2 for begin, count in zip(posts.first, posts.heights.shape, strict=True))
     latitude, longitude = raster.places(np.array([column]), np.array([row]))
     geoid, source = undulation(float(latitude[0]), float(longitude[0]), rules.geoid, raster.path)
-    return heights - geoid, (f"heights above the ellipsoid, less {geoid:.2f} m of geoid ({source})",)
+    words = f"heights above the ellipsoid, less {geoid:.2f} m of geoid ({source})"
+    return posts._replace(heights=posts.heights - geoid), words
 
 
-def _level(
-    grid: Grid,
-    rules: ElevationRules,
-    frame: LocalFrame,
-    corners: tuple[tuple[float, float], tuple[float, float]],
-    path: Path,
-) -> tuple[Grid, tuple[str, ...]]:
+def _level(grid: Grid, rules: ElevationRules, frame: LocalFrame, path: Path) -> tuple[Grid, tuple[str, ...]]:
     """Shift the grid to 0 at home if asked, else check home's altitude."""
-    if not all(low <= 0 <= high for low, high in zip(*corners, strict=True)):
-        return grid, ()
     at_home = float(grid.height(np.zeros((1, 2)))[0])
     if rules.level_at_home:
         level = Grid(grid.east, grid.north, grid.spacing, grid.heights - at_home)
         return level, (f"moved by {-at_home:.2f} m, so that the ground at home is at 0",)
-    if abs(at_home) > HOME_TOLERANCE:
-        measured, given = frame.home.altitude + at_home, frame.home.altitude
-        words = f"expected about {measured:.1f} m, the ground there in {path}, not {given:g} m"
-        hint = f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true"
+    if abs(at_home) > 10.0:  # [m]
+        altitude = frame.home.altitude
+        words = f"expected about {altitude + at_home:.1f} m, the ground there in {path}, not {altitude:g} m"
+        hint = f"set home.altitude_amsl = {altitude + at_home:.1f}, or terrain.level_at_home = true"
         raise BadInput(words, hint=hint, code="home-not-on-ground", place="home.altitude_amsl")
     return grid, (f"ground at home {at_home:+.2f} m from home's altitude",) if round(at_home, 2) else ()
 
 
-_First = tuple[int, int]  # row and column
+@dataclass(frozen=True, eq=False)
+class _Raster:
+    path: Path
+    dataset: Any
+    nodata: float | None
+
+    @cached_property
+    def system(self) -> CRS:
+        if self.dataset.crs is None:
+            raise NoCoordinateSystem("expected an elevation model that names its coordinate system", place=self.path)
+        return CRS.from_wkt(self.dataset.crs.to_wkt())
+
+    @property
+    def ellipsoidal(self) -> bool:
+        """Return whether one system has three axes: ellipsoidal heights."""
+        return not self.system.is_compound and len(self.system.axis_info) == 3
+
+    def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
+        """Return columns and rows of places, each (n,)."""
+        x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
+        a, b, c, d, e, f = self._affine
+        if self.system.is_geographic:  # nearest the raster's middle
+            middle = a * self.dataset.width / 2 + b * self.dataset.height / 2 + c
+            x = (np.asarray(x) - middle + 180.0) % 360.0 - 180.0 + middle
+        x, y = np.asarray(x) - c, np.asarray(y) - f
+        area = a * e - b * d
+        return (e * x - b * y) / area - 0.5, (a * y - d * x) / area - 0.5
+
+    def places(self, column: Vector, row: Vector) -> tuple[Vector, Vector]:
+        """Return latitude and longitude of posts [deg], each (n,)."""
+        a, b, c, d, e, f = self._affine
+        x, y = column + 0.5, row + 0.5
+        longitude, latitude = self._from_degrees.transform(a * x + b * y + c, d * x + e * y + f, direction="INVERSE")
+        return np.asarray(latitude), np.asarray(longitude)
+
+    def expect_cover(self, pixels: NDArray[np.float64]) -> None:
+        """Raise, with the side or the missing posts."""
+        outside = {
+            "left": -0.5 - pixels[0].min(),
+            "right": pixels[0].max() - self.dataset.width + 0.5,
+            "upper": -0.5 - pixels[1].min(),
+            "lower": pixels[1].max() - self.dataset.height + 0.5,
+        }
+        side = max(outside, key=lambda side: outside[side])
+        if not outside[side] < 1e-6:
+            missing = f"{outside[side]:.1f} posts" if outside[side] < self.dataset.width else "far"
+            raise NotCovered(
+                f"expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
+                hint="take a larger model, narrow `bounds` (bounds.margin = 50), or swap latitude and longitude",
+                place=self.path,
+            )
+
+    def read(self, pixels: Sequence[NDArray[np.float64]], fill: bool) -> tuple[_Posts, tuple[str, ...]]:
+        """Return the posts around `pixels`, and remarks."""
+        if self.dataset.height < 4 or self.dataset.width < 4:
+            raise BadInput("expected at least 4 x 4 heights", place=self.path)
+        columns, rows = (
+            _span([level[axis] for level in pixels], size)
+            for axis, size in ((0, self.dataset.width), (1, self.dataset.height))
+        )
+        band = self.dataset.read(1, window=(rows, columns), masked=True)
+        missing = np.ma.getmaskarray(band) | ~np.isfinite(band.data.astype(float))
+        if self.nodata is not None:
+            missing |= band.data == self.nodata
+        heights = (band.data * self.dataset.scales[0] + self.dataset.offsets[0]) * self._unit
+        heights = np.where(missing, np.nan, heights.astype(float))
+        undeclared = heights[heights < LOWEST]
+        heights[heights < LOWEST] = np.nan
+        why = f", since no ground is at {undeclared[0]:g} m" if undeclared.size else ""
+        others = heights[(heights != 0) & np.isfinite(heights)]
+        if others.size and others.min() > SUSPECT_STEP and (heights == 0).any():
+            why += f", since they are 0 m, and all others above {others.min():.0f} m"
+            heights[heights == 0] = np.nan
+        posts, remarks = self._completed(_Posts(heights, (rows[0], columns[0])), fill, why)
+        return posts, (*remarks, *self._oddities(posts))
+
+    def _oddities(self, posts: _Posts) -> Iterator[str]:
+        if self.dataset.count > 1:
+            names = ", ".join(name for name in self.dataset.descriptions if name)
+            yield f"heights are those of band 1 of {self.dataset.count}{f' ({names})' if names else ''}"
+        for axis, side in ((0, "row"), (1, "column")):
+            steps = np.abs(np.diff(posts.heights, axis=axis))
+            if (most := steps.max(initial=0.0)) > SUSPECT_STEP:
+                where = self._where(steps == most, posts)
+                yield f"heights differ by {most:.0f} m from one {side} to the next {where}: is one missing?"
+
+    def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
+        """Fill missing heights from their neighbors, or refuse them."""
+        wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)
+        if wild.any():
+            words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
+            hint = "if this number marks a missing height, set terrain.nodata to it"
+            raise BadInput(words, hint=hint, code="heights-absurd", place=self.path)
+        if not missing.any():
+            return posts, ()
+        gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, posts)}{why}"
+        if not fill:
+            hint = 'terrain.voids = "fill" fills them from their neighbors'
+            raise BadInput(gaps, hint=hint, code="heights-missing", place=self.path)
+        from rasterio.fill import fillnodata
+
+        holed = np.where(missing, LOWEST - 1, posts.heights).astype("float32")
+        filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=100), float)  # pixels
+        if (filled < LOWEST).any():
+            message = f"{gaps}, and some are too far from any other to be filled"
+            raise BadInput(message, code="heights-missing", place=self.path)
+        whole = posts._replace(heights=np.where(missing, filled, posts.heights))
+        return whole, (f"{gaps}: filled from their neighbors",)
+
+    def _where(self, which: NDArray[np.bool_], posts: _Posts) -> str:
+        row, column = np.argwhere(which)[0] + posts.first
+        latitude, longitude = self.places(np.array([column]), np.array([row]))
+        return f"at row {row}, column {column} (latitude {latitude[0]:.5f}, longitude {longitude[0]:.5f})"
+
+    @property
+    def _affine(self) -> tuple[float, float, float, float, float, float]:
+        a, b, c, d, e, f = tuple(self.dataset.transform)[:6]
+        return a, b, c, d, e, f
+
+    @cached_property
+    def _from_degrees(self) -> Transformer:
+        return Transformer.from_crs("OGC:CRS84", self.system.to_2d(), always_xy=True)
+
+    @property
+    def _unit(self) -> float:
+        name, axes = (self.dataset.units[0] or "").strip().lower(), self.system.axis_info
+        if down := [axis.name for axis in axes if axis.direction == "down"]:
+            raise BadInput(f"expected heights, not depths ({down[0]})", place=self.path)
+        if not name and (vertical := [axis for axis in axes if axis.direction == "up"]):
+            return float(vertical[0].unit_conversion_factor)
+        if name not in HEIGHT_UNITS:
+            raise BadInput(f"expected heights in meters or feet, not in {name!r}", place=self.path)
+        return HEIGHT_UNITS[name]
+
+
+def _span(pixels: Sequence[Vector], size: int) -> tuple[int, int]:
+    """Return begin and end of the posts around pixels: two more on each side, at least four, within `size`."""
+    first = max(int(np.floor(min(level.min() for level in pixels))) - 2, 0)
+    end = min(int(np.ceil(max(level.max() for level in pixels))) + 3, size)
+    first = max(min(first, size - 4), 0)
+    return first, max(end, first + 4)
+
+
+@contextmanager
+def _opened(path: Path, nodata: float | None) -> Iterator[_Raster]:
+    needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
+    rasterio = imported("rasterio", needed, "maps", BadInput)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it
+            dataset = rasterio.open(path)
+    except rasterio.errors.RasterioIOError as error:
+        raise DamagedFile(f"expected an elevation model: {error}", place=path) from error
+    try:
+        with dataset:
+            if dataset.colorinterp[0].name in ("red", "palette"):
+                words = "expected an elevation model, but it is a picture"
+                hint = "to show it under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`"
+                raise BadInput(words, hint=hint, code="picture", place=path)
+            if dataset.driver == "AAIGrid":
+                _expect_as_many(path, dataset.width * dataset.height)
+            yield _Raster(path, dataset, nodata)
+    except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
+        raise DamagedFile(
+            f"expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",
+            hint="copy or download it again: files that were cut short look like this",
+            place=path,
+        ) from error
+
+
+def _expect_as_many(path: Path, heights: int) -> None:
+    """Refuse a wrong count of heights, which GDAL fills or drops."""
+    lines = path.read_bytes().splitlines(keepends=True) if path.is_file() else []
+    keys = (line.split()[:1] for line in lines)
+    head = next((n for n, key in enumerate(keys) if key and (not key[0][:1].isalpha() or key[0].lower() == b"nan")), 0)
+    blank = np.frombuffer(b" " + b"".join(lines[head:]), np.uint8) <= ord(" ")
+    if lines and (count := int((blank[:-1] & ~blank[1:]).sum())) != heights:
+        raise BadInput(f"expected {heights} heights, as its header says, not {count}", code="damaged-file", place=path)

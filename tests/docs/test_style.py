@@ -15,7 +15,7 @@ BRITISH = re.compile(
 METRE = re.compile(r"(?<![a-z])(?:kilo|centi|milli)?metres?(?![a-z])")
 #: They read the units of others' files.
 READ_UNITS = {
-    *("ipoa_mission/maps/lengths.py", "ipoa_mission/maps/raster.py", "ipoa_mission/maps/tag_heights.py"),
+    *("ipoa_mission/maps/lengths.py", "ipoa_mission/maps/elevation.py", "ipoa_mission/maps/tag_heights.py"),
     *("ipoa_mission/maps/geozones.py", "tests/maps/test_maps_elevation.py", "tests/maps/test_maps_heights.py"),
     "tests/maps/test_wind_files.py",
 }
