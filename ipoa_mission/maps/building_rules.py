@@ -1,4 +1,4 @@
-"""Rules that make map features obstacles."""
+"""Assume the heights and widths of map features whose tags give none, by their kind."""
 
 import math
 from collections.abc import Mapping
@@ -19,10 +19,8 @@ class Size(NamedTuple):
     radius: float
 
 
-TREES = ("tree", "tree_row")
-TREE = Size("tree", 30.0, 5.0)
-TURBINE = Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
 OTHER = Size("point or line", 20.0, 2.0)
+# Height and radius [m].
 _POINTS: Mapping[str, tuple[float, float]] = {
     "antenna": (60, 5), "chimney": (150, 8), "column": (40, 5), "communications_tower": (250, 15),
     "cooling_tower": (180, 70), "crane": (100, 60), "flagpole": (40, 3), "gasometer": (100, 40),
@@ -32,8 +30,6 @@ _POINTS: Mapping[str, tuple[float, float]] = {
     "water_tower": (70, 20), "windmill": (40, 20), "street_lamp": (15, 3), "gantry": (15, 10), "windsock": (15, 3),
     "minaret": (90, 5), "statue": (60, 10), "flare": (150, 8),
 }  # fmt: skip
-_POWER_TOWER = Size("power tower", 80.0, 16.0)
-# Unknown kind: 20 m.
 _LOW_BUILDINGS = {
     "annexe", "barn", "boathouse", "bungalow", "bunker", "cabin", "carport", "conservatory", "cowshed",
     "detached", "farm", "farm_auxiliary", "garage", "garages", "ger", "greenhouse", "guardhouse", "house",
@@ -48,21 +44,18 @@ _BUILDINGS: Mapping[str, float] = {
     "synagogue": 40, "temple": 60, "tower": 150, "train_station": 40, "university": 40, "warehouse": 30,
     "water_tower": 70, "windmill": 40,
 }  # fmt: skip
-# Above the higher end, per layer, and half width [m].
-BRIDGE_HEIGHT, BRIDGE_REACH = 10.0, 8.0
-LOW_HEIGHT, BUILDING_HEIGHT = 12.0, 20.0
 
 
 def size_of(tags: Mapping[str, str]) -> Size:
     if is_turbine(tags):
-        return TURBINE
+        return Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
     if is_bridge(tags):
         layer, _ = storeys_of(tags.get("layer", "1"))
-        return Size("bridge", BRIDGE_HEIGHT * max(layer or 1.0, 1.0), BRIDGE_REACH)
-    if tags.get("natural") in TREES:
-        return TREE
+        return Size("bridge", 10.0 * max(layer or 1.0, 1.0), 8.0)  # above the higher end, per layer
+    if tags.get("natural") in TALL["natural"]:
+        return Size("tree", 30.0, 5.0)
     if tags.get("power") == "tower":
-        return _POWER_TOWER
+        return Size("power tower", 80.0, 16.0)
     kinds = [kind for value in tags.values() for kind in values_of(value) if kind in _POINTS]
     if not kinds:
         return OTHER
@@ -77,8 +70,8 @@ def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
         height, kind = max(heights)
         return kind.replace("_", " "), float(height)
     if kinds and all(kind in _LOW_BUILDINGS for kind in kinds):
-        return "small building", LOW_HEIGHT
-    return "building", BUILDING_HEIGHT
+        return "small building", 12.0
+    return "building", 20.0
 
 
 def is_turbine(tags: Mapping[str, str]) -> bool:
@@ -87,9 +80,6 @@ def is_turbine(tags: Mapping[str, str]) -> bool:
     return tags.get("generator:source") == "wind" or "wind_turbine" in (
         tags.get("generator:method"), tags.get("man_made"), tags.get("power")
     )  # fmt: skip
-
-
-RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind [m]
 
 
 @dataclass(frozen=True)
@@ -132,11 +122,11 @@ def reach_of(
     size, is_point = size_of(tags), part.geom_type == "Point"
     usual = size.radius if rules.point_radius is None else rules.point_radius
     if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):
-        usual = min(max(usual, top * RADIUS_RATIO), LARGEST_RADIUS)
+        usual = min(max(usual, 0.2 * top), 10.0)
     if is_turbine(tags) and rules.point_radius is None:
         hubs = [hub for key in keys_of(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
         usual = min(usual, top / 2, *(max(top - hub, 0.0) or usual for hub in hubs))
-    width = width_of(tags, odd, is_tree=tags.get("natural") in TREES)
+    width = width_of(tags, odd, is_tree=tags.get("natural") in TALL["natural"])
     lengths = [length for key in keys_of(tags, Means.LENGTH) if (length := length_of(tags[key])[0])]
     if is_point and width is not None and lengths:
         width = math.hypot(width, *lengths)

@@ -1,6 +1,8 @@
+"""Find the obstacles of a map: buildings, masts, trees, wires, and what may be one."""
+
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
@@ -30,7 +32,7 @@ from ipoa_mission.maps.kinds import (
     has_place_for_height,
     why_passed_over,
 )
-from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.maps.passed import (
     FAR_FROM_HOME,
@@ -42,15 +44,15 @@ from ipoa_mission.maps.passed import (
     not_read,
     passed_over,
 )
-from ipoa_mission.maps.planar import MapExtent, clean_polygons, polygons_of, to_plane
+from ipoa_mission.maps.planar import MapExtent, clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.standing import Standing
-from ipoa_mission.maps.tag_heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
+from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
-KINDS = ("building", "man_made", "aerialway", "barrier", "power", "natural", "landuse")
-WORDS = {("natural", "tree_row"): "row of trees", ("power", "tower"): "power tower", ("power", "pole"): "power pole"}
+# Unreadable values may hide a greater height.
+HEIGHTENING = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
 
 
 def called(feature: Feature, shape: Any) -> str:
@@ -78,17 +80,19 @@ def _from_home(shape: Any) -> str:
 
 def _kind(tags: Mapping[str, str]) -> str:
     if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
-        volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
+        volts = [int(part) for part in tags.get("voltage", "").split(";") if part.isdecimal()]
         return f"{max(volts) / 1000:g} kV line" if volts else "power line"
     if tags.get("generator:source") == "wind":
         return "wind turbine"
-    values = ((key, tags[key]) for key in KINDS if tags.get(key) not in (None, "", "yes", "no"))
-    return next((WORDS.get(each, each[1].replace("_", " ")) for each in values), "building")
-
-
-# Unreadable values may hide a greater height.
-HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
-HEIGHT_REMEDY = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
+    names = {
+        ("natural", "tree_row"): "row of trees",
+        ("power", "tower"): "power tower",
+        ("power", "pole"): "power pole",
+    }
+    for key in ("building", "man_made", "aerialway", "barrier", "power", "natural", "landuse"):
+        if (value := tags.get(key, "no")) not in ("", "yes", "no"):
+            return names.get((key, value), value.replace("_", " "))
+    return "building"
 
 
 @dataclass(frozen=True)
@@ -151,7 +155,7 @@ class _Finder:
         self._rules, self._frame, self._path, self._within = rules, frame, path, within
         self._all_buildings = all_buildings
         self._has_kinds = self._has_heights = False
-        self._about, self._mistakes = MapExtent(frame), Mistakes()
+        self._extent, self._mistakes = MapExtent(frame), Mistakes()
         self._counts: Counter[str] = Counter()
         self._odd, self._odd_first = 0, list[str]()
         self._standing, self._outside_named, self._beyond = list[Standing](), 0, 0
@@ -176,46 +180,35 @@ class _Finder:
             self._has_heights = any(has_place_for_height(feature, self._rules.height_key) for feature in features)
         if self._all_buildings is None:
             self._all_buildings = self.only_buildings
-        drawn = [f.shape for f in features]
-        shapes, near = to_plane(drawn, [f.place for f in features], self._about)
+        drawn = [feature.shape for feature in features]
+        shapes, near = to_plane(drawn, [feature.place for feature in features], self._extent)
         away = self._outside(shapely.bounds(shapes)).tolist()
         each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
         standing: list[Standing] = []
-        for feature, extent, shape, sound, counted, outside in each:
-            why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if counted else FAR_FROM_HOME
+        for feature, extent, shape, sound, is_near, outside in each:
+            why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
             if self._misses(feature, extent, self._all_buildings) and extent == "none":
                 continue
-            if why is None:
-                made = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
-                far = outside and not any(thing.reach for thing in made)
-                name = "" if far else called(feature, shape)
-                standing += [thing._replace(called=name) for thing in made]
-            else:
+            if why is not None:
                 self._pass(feature, shape, why, outside)
+                continue
+            parts = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
+            far = outside and not any(part.reach for part in parts)
+            name = "" if far else called(feature, shape)
+            standing += [part._replace(called=name) for part in parts]
         self._keep(standing)
 
     def found(self, elsewhere: int = 0) -> Buildings:
-        self._about.expect_near()
+        self._extent.expect_near()
         self._mistakes.raise_all()
-        remarks = [
-            f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in self._counts.items()
-        ]
+        remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
         if self._odd:
-            of = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, ignored"
-            remarks.append(f"{of}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
+            tags = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, ignored"
+            remarks.append(f"{tags}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
-        return Buildings(
-            tuple(self._standing),
-            tuple(self._passed),
-            tuple(remarks),
-            self._beyond,
-            self._left_out,
-            self._box,
-            self._features,
-            elsewhere,
-            tuple(self._unread),
-        )
+        counts = self._beyond, self._left_out, self._box, self._features, elsewhere
+        return Buildings(tuple(self._standing), tuple(self._passed), tuple(remarks), *counts, tuple(self._unread))
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
         boxes = boxes.reshape(-1, 4)
@@ -264,7 +257,7 @@ class _Finder:
             self._odd += 1
             if self._odd <= MOST_NAMED:
                 self._odd_first.append(f"{feature.name} ({key} {value[:20]!r})")
-            if meaning(key) in HEIGHTENS and not says_nothing(value):
+            if meaning(key) in HEIGHTENING and length_of(value)[0]:
                 doubts.append(key)
 
         over_home = TOP_AMSL in feature.tags
@@ -281,13 +274,14 @@ class _Finder:
         if wire is not None and (hanging := list(spans(shape))):
             if height is None:
                 counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
-            top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
+            top, width = wire.height if height is None else height, width_of(feature.tags, odd)
             self._doubt(feature, shape, doubts, top)
+            reach = wire.reach if width is None else width / 2
             return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
-        made: list[Standing] = []
+        standing: list[Standing] = []
         building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
-        for part in [shape] if sound else _parts(shape, not hollow):
+        for part in [shape] if sound else [part if hollow else closed_as_polygon(part) for part in flat(shape)]:
             thin = part.geom_type != "Polygon"
             kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
             if height is None:
@@ -303,24 +297,25 @@ class _Finder:
                 reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
                 if width_unknown is not None:
                     counts[width_unknown] += 1
-                made.append(Standing(feature.name, part, reach, foot, top))
+                standing.append(Standing(feature.name, part, reach, foot, top))
                 continue
             polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
             if wrong is not None:
                 counts[f"outline(s) mended ({wrong})"] += 1
-            made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
+            standing += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
         if over_home:
             above = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}") - self._frame.home.altitude
-            return [s._replace(height=above, over_home=True) for s in made]
-        self._doubt(feature, shape, doubts, max((s.height for s in made), default=0.0))
-        return made
+            return [part._replace(height=above, over_home=True) for part in standing]
+        self._doubt(feature, shape, doubts, max((part.height for part in standing), default=0.0))
+        return standing
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
         """Report heights not understood, or maybe above the assumed `top` [m]."""
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
+            remedy = "write the height in meters, or name the property that holds it under [[maps]]: height_key"
             outside = bool(self._outside(shapely.bounds(shape))[0])
-            self._pass(feature, shape, Reason(words, True, HEIGHT_REMEDY), outside, NOT_READ)
+            self._pass(feature, shape, Reason(words, True, remedy), outside, NOT_READ)
 
 
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
@@ -340,18 +335,3 @@ def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, eve
 
 def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
     return wire_of(feature.tags, rules.line_height, rules.aerialway_height)
-
-
-def _parts(shape: Any, filled: bool) -> Iterator[Any]:
-    for part in shapely.get_parts(shape):
-        if hasattr(part, "geoms"):
-            yield from _parts(part, filled)
-        elif filled and part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3:
-            yield shapely.Polygon(part)
-        else:
-            yield part
-
-
-def _reach(feature: Feature, usual: float, odd: Odd) -> float:
-    width = width_of(feature.tags, odd)
-    return usual if width is None else width / 2

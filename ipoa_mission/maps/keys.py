@@ -1,11 +1,10 @@
-"""Keys of any source by what they measure.
+"""Classify a tag's key by what it measures, in any source.
 
-A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. Cut ones are completed
-by OpenStreetMap's names.
+A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from enum import StrEnum
 from functools import lru_cache
 
@@ -39,57 +38,49 @@ class Means(StrEnum):
 
 
 _EXACT = {
-    "min_height": Means.FOOT,
-    "building_min_height": Means.FOOT,
-    "building_min_level": Means.MIN_LEVEL,
-    "min_level": Means.MIN_LEVEL,
-    "min_floor": Means.MIN_LEVEL,
-    "building_max_level": Means.MAX_LEVEL,
-    "max_level": Means.MAX_LEVEL,
-    "roof_height": Means.ROOF,
-    "building_roof_height": Means.ROOF,
-    "roof_levels": Means.ROOF_LEVELS,
-    "building_roof_levels": Means.ROOF_LEVELS,
-    "blade_length": Means.BLADE,
-    "blades_length": Means.BLADE,
-    "rotor_radius": Means.BLADE,
-    "length": Means.LENGTH,
-    "crane_length": Means.LENGTH,
-    "maxheight": Means.NOTHING,  # of vehicles
-    "height_amsl": Means.NOTHING,  # has its own rule
-    "ele": Means.NOTHING,  # of the ground, AMSL
-    "elevation": Means.NOTHING,
+    **dict.fromkeys(("min_height", "building_min_height"), Means.FOOT),
+    **dict.fromkeys(("building_min_level", "min_level", "min_floor"), Means.MIN_LEVEL),
+    **dict.fromkeys(("building_max_level", "max_level"), Means.MAX_LEVEL),
+    **dict.fromkeys(("roof_height", "building_roof_height"), Means.ROOF),
+    **dict.fromkeys(("roof_levels", "building_roof_levels"), Means.ROOF_LEVELS),
+    **dict.fromkeys(("blade_length", "blades_length", "rotor_radius"), Means.BLADE),
+    **dict.fromkeys(("length", "crane_length"), Means.LENGTH),
+    # Of vehicles; with its own rule; of the ground (AMSL).
+    **dict.fromkeys(("maxheight", "height_amsl", "ele", "elevation"), Means.NOTHING),
 }
-# About another key.
-_ABOUT = _set(
-    "source note notes date accuracy ref error type class code method check survey color quality status",
-    "confidence material shape direction angle description name id start end name_en comment fixme",
-)
-_HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
-# Other heights than the top.
-_LOWER = _set(
-    "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey",
-    "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail",
-    "maxheight platform tunnel lane parking under",
-)
-_EAVES = _set("eave eaves gutter traufe trauf gouttiere parapet wall")
-_HUB = _set("hub nacelle axis")
-_ROTOR = _set("rotor blade blades turbine")
-_CROWN = _set("crown canopy spread")
-_LEVELS = _set(
-    "levels storeys stories floors etages étages geschosse geschosszahl vollgeschosse stockwerke plantas pisos",
-    "piani bouwlagen numfloors nbetages",
-)
-_COUNTED = _set("storey story floor etage geschoss stockwerk")
-_COUNT = _set("num number nb no count anzahl total of nombre cnt")
-_BELOW = _set("underground basement below under skipped height start parking attic non_existent source")
-_WIDTH = re.compile(r"diameter|durchmesser|diametre|width|breite|largeur|ancho")
-_NARROW = _set(
-    "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road",
-    "passage tread bore opening circumference",
-)
-_AMBIGUOUS_WORDS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
-_UNITS = _set("unit units uom einheit")
+
+
+class _Words:
+    """Words of keys, which decide together what a key measures."""
+
+    ABOUT_ANOTHER_KEY = _set(
+        "source note notes date accuracy ref error type class code method check survey color quality status",
+        "confidence material shape direction angle description name id start end name_en comment fixme",
+    )
+    HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
+    OTHER_HEIGHTS = _set(  # than the top
+        "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey",
+        "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail",
+        "maxheight platform tunnel lane parking under",
+    )
+    EAVES = _set("eave eaves gutter traufe trauf gouttiere parapet wall")
+    HUB = _set("hub nacelle axis")
+    ROTOR = _set("rotor blade blades turbine")
+    CROWN = _set("crown canopy spread")
+    LEVELS = _set(
+        "levels storeys stories floors etages étages geschosse geschosszahl vollgeschosse stockwerke plantas pisos",
+        "piani bouwlagen numfloors nbetages",
+    )
+    LEVEL = _set("storey story floor etage geschoss stockwerk")
+    COUNT = _set("num number nb no count anzahl total of nombre cnt")
+    OTHER_LEVELS = _set("underground basement below under skipped height start parking attic non_existent source min")
+    WIDTH = re.compile(r"diameter|durchmesser|diametre|width|breite|largeur|ancho")
+    OTHER_WIDTHS = _set(
+        "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road",
+        "passage tread bore opening circumference",
+    )
+    AMBIGUOUS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
+    UNITS = _set("unit units uom einheit")
 
 
 def plain(key: str) -> str:
@@ -104,58 +95,41 @@ def meaning(key: str) -> Means:
     if text in _EXACT:
         return _EXACT[text]
     words = frozenset(text.split("_"))
-    if words & _ABOUT:
+    if words & _Words.ABOUT_ANOTHER_KEY:
         return Means.NOTHING
     if AMBIGUITY_MARK in words:
         return Means.AMBIGUOUS
-    if words & _UNITS:
+    if words & _Words.UNITS:
         return Means.UNIT
-    if _HEIGHT.search(text):
+    if _Words.HEIGHT.search(text):
         return _height(text, words)
-    if words & _LEVELS or (words & _COUNTED and words & _COUNT):
+    if words & _Words.LEVELS or (words & _Words.LEVEL and words & _Words.COUNT):
         if "roof" in words:
             return Means.ROOF_LEVELS
-        return Means.NOTHING if words & _BELOW or "min" in words else Means.LEVELS
-    if _WIDTH.search(text) or "radius" in words:
+        return Means.NOTHING if words & _Words.OTHER_LEVELS else Means.LEVELS
+    if _Words.WIDTH.search(text) or "radius" in words:
         return _width(words)
-    return Means.AMBIGUOUS if words & _AMBIGUOUS_WORDS and not words & _LOWER else Means.NOTHING
+    return Means.AMBIGUOUS if words & _Words.AMBIGUOUS and not words & _Words.OTHER_HEIGHTS else Means.NOTHING
 
 
 def _height(text: str, words: frozenset[str]) -> Means:
-    if words & _HUB:
+    if words & _Words.HUB:
         return Means.HUB
-    if words & _LOWER or text.startswith(("maxheight", "minheight")):
+    if words & _Words.OTHER_HEIGHTS or text.startswith(("maxheight", "minheight")):
         return Means.NOTHING
-    if words & _EAVES:
+    if words & _Words.EAVES:
         return Means.AMBIGUOUS
     return Means.ROOF if text.startswith("roof_") else Means.TOP
 
 
 def _width(words: frozenset[str]) -> Means:
-    if words & _NARROW:
+    if words & _Words.OTHER_WIDTHS:
         return Means.NOTHING
-    is_radius = "radius" in words
-    if words & _ROTOR:
-        return Means.BLADE if is_radius else Means.ROTOR
-    if words & _CROWN:
-        return Means.RADIUS if is_radius else Means.CROWN
-    return Means.RADIUS if is_radius else Means.WIDTH
-
-
-class Names:
-    def __init__(self, known: Iterable[str]) -> None:
-        self._known = {plain(key): key for key in known}
-
-    def of(self, key: str) -> str:
-        """Ignore case and punctuation."""
-        return self._known.get(plain(key), key)
-
-    def starting_as(self, key: str) -> tuple[str, ...]:
-        text = _squeezed(key)
-        begins = (text, re.sub(r"\d{1,2}$", "", text))  # a second one ends in _1
-        return tuple(
-            known for known in self._known.values() if len(known) > CUT and _squeezed(known).startswith(begins)
-        )
+    if "radius" in words:
+        return Means.BLADE if words & _Words.ROTOR else Means.RADIUS
+    if words & _Words.ROTOR:
+        return Means.ROTOR
+    return Means.CROWN if words & _Words.CROWN else Means.WIDTH
 
 
 def completed(key: str) -> str:
@@ -165,10 +139,6 @@ def completed(key: str) -> str:
             if key.lower().endswith(word[:length]):
                 return key + word[length:]
     return key
-
-
-def _squeezed(key: str) -> str:
-    return re.sub(r"[\W_]+", "", key).lower()
 
 
 def keys_of(tags: Mapping[str, str], *means: Means) -> list[str]:

@@ -1,3 +1,6 @@
+"""Decide from OpenStreetMap's tags whether a map feature is an obstacle, and if not, why."""
+
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -7,8 +10,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, Names, completed, keys_of, meaning
-from ipoa_mission.maps.wires import OVERGROUND, WIRES
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, completed, keys_of, meaning, plain
+from ipoa_mission.maps.wires import WIRES
 
 Extent: TypeAlias = Literal["area", "thin", "none"]
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
@@ -33,9 +36,6 @@ TALL = {
     "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
-# Out of service or unfinished.
-LIFECYCLE = ("disused:", "abandoned:", "ruins:", "construction:", "was:")
-ON_BRIDGES = ("highway", "railway", "waterway")
 # Possible obstacles without a height.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
 # Flat, except these values.
@@ -54,18 +54,9 @@ GROUNDS: Mapping[str, set[str]] = {
     "landcover": {"trees"},
     "golf": set(),
 }
-# Areas whose buildings are mapped separately.
-FLAT_AMENITIES = {
-    "bench", "bicycle_parking", "clinic", "college", "fountain", "grave_yard", "hospital", "kindergarten",
-    "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
-    "waste_basket",
-}  # fmt: skip
-NO_BRIDGE = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
 # Of building files, even if null.
 OVERTURE = {"has_parts", "is_underground"}
 TOP_AMSL = "height:amsl"
-# Without a kind.
-NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
 
 
 @dataclass(frozen=True)
@@ -97,15 +88,15 @@ FLAT = Reason("tagged as something flat", False)
 
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
-# Cut to ten letters by a Shapefile.
-_LONG_KEYS = (
+# By their plain spelling; the long ones are cut to ten letters by a Shapefile.
+_NAMES = {plain(key): key for key in (
+    *TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS,
     "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
     "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
     "storeysAboveGround", "restriction", "limitedApplicability", "lowerVerticalReference", "upperVerticalReference",
-)  # fmt: skip
-_NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, *_LONG_KEYS, TOP_AMSL))
+    TOP_AMSL,
+)}  # fmt: skip
 _KNOWN = frozenset(_OTHER_KEYS) | TALL.keys() | WIRES.keys() | WOODS.keys()
-UNSURE = (Means.NOTHING, Means.AMBIGUOUS)
 _MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
 _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
 
@@ -124,22 +115,29 @@ def as_openstreetmap(feature: Feature) -> Feature:
 
 @lru_cache(maxsize=65536)
 def _named(key: str) -> str:
-    for before in LIFECYCLE:
-        key = key.removeprefix(before)
-    return _NAMES.of(key)
+    for out_of_service in ("disused:", "abandoned:", "ruins:", "construction:", "was:"):
+        key = key.removeprefix(out_of_service)
+    return _NAMES.get(plain(key), key)
 
 
 def uncut(key: str, value: str) -> str:
     """Complete a Shapefile's field, with `perhaps` if ambiguous."""
-    if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or meaning(key) not in UNSURE:
+    is_unsure = meaning(key) in (Means.NOTHING, Means.AMBIGUOUS)
+    if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or not is_unsure:
         return key
     if len(key) != CUT:
         return completed(key)
-    begun = _NAMES.starting_as(key)
-    of_kind = [known for known in begun if value in TALL.get(known, ())]
-    if of_kind or (len(begun) == 1 and not key[-1].isdigit()):
-        return (of_kind or begun)[0]
-    return f"{key} {AMBIGUITY_MARK}" if begun else completed(key)
+    letters = _letters(key)
+    begins = letters, re.sub(r"\d{1,2}$", "", letters)  # a second one ends in _1
+    names = [name for name in _NAMES.values() if len(name) > CUT and _letters(name).startswith(begins)]
+    of_kind = [name for name in names if value in TALL.get(name, ())]
+    if of_kind or (len(names) == 1 and not key[-1].isdigit()):
+        return (of_kind or names)[0]
+    return f"{key} {AMBIGUITY_MARK}" if names else completed(key)
+
+
+def _letters(key: str) -> str:
+    return re.sub(r"[\W_]+", "", key).lower()
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:
@@ -171,7 +169,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
         return Reason(f"tagged building={values[0]}", False)
     if {height_key, TOP_AMSL} & tags.keys() or keys_of(tags, *_MEASURES):
         return None
-    if tags.get("power") == "cable" and tags.get("location") not in OVERGROUND:
+    if tags.get("power") == "cable" and tags.get("location") not in {"overground", "overhead", "kiosk", "roof"}:
         return CABLE
     if tagged(tags, WIRES):
         return None
@@ -182,7 +180,21 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     has_blank = height_key in feature.blank or any(meaning(key) in _OF_BUILDINGS for key in feature.blank)
     if areal and (all_buildings or has_blank):
         return None
-    unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
+    unspecific = {
+        "name",
+        "id",
+        "@id",
+        "osm_id",
+        "osm_way_id",
+        "fid",
+        "ID",
+        "FID",
+        "OBJECTID",
+        "Name",
+        "Id",
+        "description",
+    }
+    unknown = "of a kind unknown" if tags.keys() - unspecific else "untagged"
     if areal:
         return Reason(f"an area {unknown}", True)
     return Reason(f"a point or line {unknown}", has_blank or bool(keys_of(tags, Means.AMBIGUOUS)))
@@ -200,7 +212,8 @@ def values_of(text: str) -> tuple[str, ...]:
 
 
 def is_bridge(tags: Mapping[str, str]) -> bool:
-    return tags.get("bridge", "no") not in NO_BRIDGE and not tags.keys().isdisjoint(ON_BRIDGES)
+    no_bridge = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
+    return tags.get("bridge", "no") not in no_bridge and not tags.keys().isdisjoint(("highway", "railway", "waterway"))
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:
@@ -230,4 +243,8 @@ def _is_below(tags: Mapping[str, str]) -> bool:
 
 def _is_flat(tags: Mapping[str, str]) -> bool:
     on_the_ground = any(key in tags and tags[key] not in tall for key, tall in GROUNDS.items())
-    return on_the_ground or tags.get("amenity") in FLAT_AMENITIES
+    return on_the_ground or tags.get("amenity") in {  # areas whose buildings are mapped separately
+        "bench", "bicycle_parking", "clinic", "college", "fountain", "grave_yard", "hospital", "kindergarten",
+        "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
+        "waste_basket",
+    }  # fmt: skip

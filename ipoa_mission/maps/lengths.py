@@ -1,4 +1,4 @@
-"""Lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
+"""Read lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
 
 The greatest of ambiguous values counts, for safety.
 """
@@ -10,8 +10,7 @@ from functools import lru_cache
 from ipoa_mission.errors import BadInput
 
 INCH, FOOT = 0.0254, 0.3048
-LONGEST = 60  # characters
-UNITS = {
+_UNITS = {
     1.0: "m metre metres meter meters mtr mtrs mt mts м metri metros mètre mètres",
     0.01: "cm centimetre centimetres centimeter centimeters",
     0.001: "mm millimetre millimetres millimeter millimeters",
@@ -22,13 +21,13 @@ UNITS = {
     1852.0: "nm nmi",
     1609.344: "mi mile miles",
 }
-FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
+_FACTORS = {name: factor for factor, names in _UNITS.items() for name in names.split()}
 # Commas, dots or blanks separate thousands. No sign: `12-15` is a range.
-NUMBER = (
+_NUMBER = (
     r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
     r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
 )
-_QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
+_QUANTITY = re.compile(rf"({_NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
@@ -38,12 +37,8 @@ _STOREY = (
     r"storeys?|story|stories|storie|levels?|floors?|lvls?|fl|étages?|etages?|stockwerke?|geschosse?|pisos?|plantas?"
     r"|piani"
 )
-_STOREYS = re.compile(rf"({NUMBER}) ?(?:{_STOREY})\b")
-_BELOW = re.compile(r"(?:b|ub|ug|kg|sb|ss|bg|basement)s?\d*|\d+ ?(?:ug|kg|ss|sb)")
 _TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+)"
 _SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
-
-
 # Full-width as ASCII.
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
@@ -62,16 +57,13 @@ def length_of(text: str) -> tuple[float | None, bool]:
 
     A bare number or an unknown unit is in meters.
     """
-    text = text.translate(_WIDE).strip().lower()
-    if len(text) > LONGEST or text.startswith(("-", "−")):
-        return None, False
-    text = re.sub(r"\.{2,}|…", "-", text)
+    text = re.sub(r"\.{2,}|…", "-", _plain(text))
     lengths, end, last, rest = list[float](), 0, 0.0, list[str]()
     for match in _QUANTITY.finditer(text):
         between, end = text[end : match.start()], match.end()
         rest.append(between)
         unit = match[2]
-        factor = FACTORS.get(unit)
+        factor = _FACTORS.get(unit)
         if factor is None:  # 22approx, 60agl
             factor = 1.0
             rest.append(unit)
@@ -95,30 +87,35 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
     In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
-    text = text.translate(_WIDE).strip().lower()
-    if len(text) > LONGEST or text.startswith(("-", "−")):
-        return None, False
     numbers, sure = list[float](), True
-    for part in re.split(r"[;/]|(?<=\d)[-–](?=\d)", re.sub(r"\s*\+\s*", "+", text)):
+    for part in re.split(r"[;/]|(?<=\d)[-–](?=\d)", _without_blanks_at_plus(text)):
         part = re.sub(rf"\b(?:{_STOREY})\b", "", part).strip(" ~≈<>.()")
         if _SUM.fullmatch(part):
-            each = [one for one in part.split("+") if not _BELOW.fullmatch(one)]
-            numbers.append(sum(_number(re.sub("[a-zäöü]+$", "", one)) if one[0].isdigit() else 1.0 for one in each))
+            below = r"(?:b|ub|ug|kg|sb|ss|bg|basement)s?\d*|\d+ ?(?:ug|kg|ss|sb)"
+            terms = [term for term in part.split("+") if not re.fullmatch(below, term)]
+            numbers.append(sum(_number(re.sub("[a-zäöü]+$", "", term)) if term[0].isdigit() else 1.0 for term in terms))
         else:
-            found = [_number(one) for one in re.findall(NUMBER, part)]
-            numbers += found
-            sure = sure and len(found) == 1 and not _ASIDE.sub("", re.sub(NUMBER, "", part, count=1))
+            counts = [_number(number) for number in re.findall(_NUMBER, part)]
+            numbers += counts
+            sure = sure and len(counts) == 1 and not _ASIDE.sub("", re.sub(_NUMBER, "", part, count=1))
     return (max(numbers), sure) if numbers and math.isfinite(max(numbers)) else (None, False)
 
 
 def counted_storeys(text: str) -> float | None:
     """Return the storeys of `6 floors` or `G+4`, no others."""
-    text = re.sub(r"\s*\+\s*", "+", text.translate(_WIDE).strip().lower())
-    if len(text) > LONGEST:
-        return None
-    if _STOREYS.search(text) or (_SUM.fullmatch(text) and re.match("[a-z]", text)):
-        return storeys_of(text)[0]
-    return None
+    plain = _without_blanks_at_plus(text)
+    is_sum = _SUM.fullmatch(plain) and plain[0] in "abcdefghijklmnopqrstuvwxyz"
+    return storeys_of(text)[0] if is_sum or re.search(rf"{_NUMBER} ?(?:{_STOREY})\b", plain) else None
+
+
+def _plain(text: str) -> str:
+    """Return plain lower-case text; empty if negative, or too long to be a number."""
+    text = text.translate(_WIDE).strip().lower()
+    return "" if len(text) > 60 or text.startswith(("-", "−")) else text
+
+
+def _without_blanks_at_plus(text: str) -> str:
+    return re.sub(r"\s*\+\s*", "+", _plain(text))
 
 
 def _has_number(text: str) -> bool:

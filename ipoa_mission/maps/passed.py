@@ -1,3 +1,5 @@
+"""Describe map features that are no obstacle, or may be one: for messages, counted by reason."""
+
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
@@ -16,8 +18,6 @@ MOST_NAMED = 3
 # Certainly no obstacle, file, reason.
 Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
-NONE: Mapping[Key, int] = {}
-WITHOUT = "without a geometry"
 FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 
@@ -64,7 +64,9 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
     """Return the unread part of a feature, as `Unread` if it may be anywhere."""
     if feature.missing is None and not shapely.is_empty(feature.shape):
         return None
-    missing = feature.missing or Missing(WITHOUT, feature.shape, "give it a geometry in the map, or take it out")
+    missing = feature.missing or Missing(
+        "without a geometry", feature.shape, "give it a geometry in the map, or take it out"
+    )
     if missing.elsewhere:
         return None
     name = feature.name.removeprefix(f"{path}: ")
@@ -76,13 +78,14 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
     return PassedOver(path.name, name, missing.words, shape, True, missing.remedy, NOT_READ) if near else None
 
 
-def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] = NONE) -> Iterator[PassedCount]:
-    for key, several in groupby(sorted(things, key=key_of), key=key_of):
-        every = list(several)
-        names = tuple(thing.name for thing in every[:MOST_NAMED])
-        count = len(every) + left_out.get(key, 0)
-        yield PassedCount(every[0].file, every[0].reason, not key[0], count, names, every[0].code)
+def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] | None = None) -> Iterator[PassedCount]:
+    """Count features by reason; `left_out` counts those that are not among `things`."""
 
+    def key_of(thing: PassedOver) -> Key:
+        return not thing.may_stand, thing.file, thing.reason
 
-def key_of(thing: PassedOver) -> Key:
-    return not thing.may_stand, thing.file, thing.reason
+    for key, group in groupby(sorted(things, key=key_of), key=key_of):
+        first, *_ = several = list(group)
+        names = tuple(thing.name for thing in several[:MOST_NAMED])
+        count = len(several) + (left_out or {}).get(key, 0)
+        yield PassedCount(first.file, first.reason, first.may_stand, count, names, first.code)

@@ -1,16 +1,18 @@
-from collections.abc import Iterator, Sequence
+"""Raise the obstacles of a map over the ground."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.maps.wires import raise_span
+from ipoa_mission.geometry import Vector
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
-
-LEAST_HEIGHT = 0.1  # [m]
 
 
 class Standing(NamedTuple):
@@ -30,7 +32,12 @@ class Standing(NamedTuple):
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
-    hanging = [prism for s in standing if s.hangs for prism in _span(s, ground)]
+    hanging = [
+        prism
+        for s in standing
+        if s.hangs
+        for prism in raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
+    ]
     standing = [s for s in standing if not s.hangs]
     if not standing:
         return tuple(hanging)
@@ -38,17 +45,11 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     heights = ground(np.vstack(outlines))
     first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
     lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
-    raised = (
-        _obstacle(
-            s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST_HEIGHT)
-        )
-        for s, low, high in zip(standing, lowest, highest, strict=True)
-    )
+    raised = []
+    for s, low, high in zip(standing, lowest.tolist(), highest.tolist(), strict=True):
+        top = s.height if s.over_home else high + s.height
+        raised.append(_obstacle(s, low + s.foot, max(top, low + 0.1)))  # at least 0.1 m high
     return (*raised, *hanging)
-
-
-def _span(s: Standing, ground: Ground) -> Iterator[Obstacle]:
-    return raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
 
 
 def _outline(s: Standing) -> NDArray[np.float64]:
@@ -65,3 +66,24 @@ def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
         return Cylinder(name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
     shape = s.shape.buffer(s.reach, cap_style="square", join_style="mitre") if s.reach > 0 else s.shape
     return Prism(name, *rings_of(shape), base, top)
+
+
+def raise_span(
+    name: str, span: Any, reach: float, height: float, ground: Callable[[NDArray[np.float64]], Vector]
+) -> Iterator[Prism]:
+    """Yield walls under a span: several if its top rises or falls."""
+    begin, end = shapely.get_coordinates(span)
+    count = max(math.ceil(span.length / 8.0), 2)  # the ground is sampled every 8 m
+    share = np.linspace(0.0, 1.0, count + 1)
+    along = begin + share[:, None] * (end - begin)
+    aside = reach * np.array([end[1] - begin[1], begin[0] - end[0]]) / span.length
+    heights = ground(np.vstack([along - aside, along, along + aside])).reshape(3, -1)
+    low, high = heights.min(axis=0), heights.max(axis=0)
+    top = np.maximum(high, high[0] + share * (high[-1] - high[0])) + height
+    # A piece's top rises or falls by at most 5 m, if that leaves pieces of 20 m or more.
+    pieces = int(np.clip(math.ceil(float(np.ptp(top)) / 5.0), 1, max(span.length // 20.0, 1)))
+    cuts = np.unique(np.round(np.linspace(0, count, min(pieces, count) + 1)).astype(int))
+    for first, last in pairwise(cuts.tolist()):
+        here = slice(first, last + 1)
+        outline = shapely.LineString(along[[first, last]]).buffer(reach, cap_style="square")
+        yield Prism(name, *rings_of(outline), float(low[here].min()), float(top[here].max()))

@@ -1,4 +1,4 @@
-"""The greatest height counts, for safety; a partly understood value is reported."""
+"""Read heights and widths from tags. The greatest counts, for safety; a partly understood value is reported."""
 
 from collections.abc import Callable, Mapping
 
@@ -7,8 +7,15 @@ from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_
 
 WIDEST_ROTOR = 170.0  # without a tag [m]
 # Smaller units are ignored, for safety.
-IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
-IN_METERS = {"m", "metre", "metres", "meter", "meters"}
+UNITS_IN_NAMES = {
+    "ft": FOOT,
+    "feet": FOOT,
+    "km": 1000.0,
+    "nm": 1852.0,
+    "nmi": 1852.0,
+    "mi": 1609.344,
+    "miles": 1609.344,
+}
 Odd = Callable[[str, str], None]  # of a key and value not understood
 
 
@@ -31,7 +38,8 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     """Return the lower side above the ground [m]; 0 if unreadable."""
-    if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METERS for key in tags):
+    meters = {"m", "metre", "metres", "meter", "meters"}
+    if any(meaning(key) is Means.UNIT and tags[key].lower() not in meters for key in tags):
         return 0.0
     feet = keys_of(tags, Means.FOOT)
     keys, read, each = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)
@@ -50,9 +58,7 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
     wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
     widths = [_length(tags, key, odd) for key in keys_of(tags, *wide)]
     half = (Means.RADIUS,) if is_tree else (Means.BLADE, Means.RADIUS)
-    widths += [
-        None if radius is None else 2 * radius for radius in (_length(tags, k, odd) for k in keys_of(tags, *half))
-    ]
+    widths += [2 * (_length(tags, key, odd) or 0.0) for key in keys_of(tags, *half)]
     return max((width for width in widths if width), default=None)
 
 
@@ -70,11 +76,6 @@ def is_by_storeys(tags: Mapping[str, str]) -> bool:
     return bool(keys_of(tags, Means.LEVELS, Means.MAX_LEVEL))
 
 
-def says_nothing(text: str) -> bool:
-    value, _ = length_of(text)
-    return not value
-
-
 def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> float | None:
     storeys = counted_storeys(tags[key])
     height = _length(tags, key, odd) if storeys is None else storeys * storey_height
@@ -89,7 +90,7 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     if length is None or not sure:
         odd(key, tags[key])
     if length is not None and tags[key].replace(".", "", 1).isdecimal():
-        length *= next((IN_NAMES[word] for word in plain(key).split("_") if word in IN_NAMES), 1.0)
+        length *= next((UNITS_IN_NAMES[word] for word in plain(key).split("_") if word in UNITS_IN_NAMES), 1.0)
     return length
 
 

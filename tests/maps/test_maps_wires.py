@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.standing import raise_buildings
-from ipoa_mission.maps.wires import raise_span, spans, volts_of, wire_of
+from ipoa_mission.maps.standing import raise_buildings, raise_span
+from ipoa_mission.maps.wires import spans, volts_of, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL
 
