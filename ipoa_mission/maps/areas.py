@@ -10,7 +10,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
+from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
@@ -133,7 +133,7 @@ def _above_sea(
             geoid, how = undulation(frame.home.latitude_deg, frame.home.longitude_deg, None, path)
             remarks.append(f"{name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({how})")
         except BadInput:
-            geoid = LOWEST if side == "upper" else HIGHEST
+            geoid = -107.0 if side == "upper" else 86.0  # extremes of EGM96 and EGM2008
             what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
             unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), stated))
         ends[side] = VerticalLimit(limit.height - geoid, "AMSL")

@@ -1,3 +1,5 @@
+"""Select the map features around a flight, and expect some within 100 km of home."""
+
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Self, TypeAlias
@@ -8,10 +10,6 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import TooFar
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
-EARTH = 6.36e6  # lower bound of the radius [m]
-GRID = 0.02  # small changes of a flight keep the window [deg]
-MARGIN = 0.001  # for curvature and rounding [deg]
-POLAR = 89.0  # all longitudes beyond [deg]
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,) [m]
 
 
@@ -32,22 +30,24 @@ class Degrees(NamedTuple):
 
 
 def near_home(home: Geodetic) -> Degrees:
-    reach = float(np.degrees(REACH / EARTH))
+    reach = float(np.degrees(REACH / 6.36e6))  # [m]: a lower bound of the radius of the Earth
     wide = min(reach / max(float(np.cos(np.radians(home.latitude_deg))), 1e-9), 180.0)
     longitude, latitude = float(home.longitude_deg), float(home.latitude_deg)
     return Degrees(longitude - wide, latitude - reach, longitude + wide, latitude + reach)
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
+    """Return a box in degrees: more for curvature and rounding, and on a grid, to which small changes are none."""
+    margin, grid = 0.001, 0.02
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
     home = frame.home.longitude_deg
     longitude = home + (longitude - home + 180.0) % 360.0 - 180.0
-    if np.abs(latitude).max() > POLAR:
+    if np.abs(latitude).max() > 89.0:  # around a pole: all longitudes
         longitude = np.array([home - 180.0, home + 180.0])
-    low = np.floor((np.array([longitude.min(), latitude.min()]) - MARGIN) / GRID) * GRID
-    high = np.ceil((np.array([longitude.max(), latitude.max()]) + MARGIN) / GRID) * GRID
-    return Degrees(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    low = np.floor((np.array([longitude.min(), latitude.min()]) - margin) / grid) * grid
+    high = np.ceil((np.array([longitude.max(), latitude.max()]) + margin) / grid) * grid
+    return Degrees(*low.tolist(), *high.tolist())
 
 
 @dataclass

@@ -1,3 +1,5 @@
+"""Hold a map's feature, and check its positions."""
+
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,8 +12,6 @@ from ipoa_mission.errors import BadInput
 
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
-NAMES = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
-MOST_ERRORS = 10
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
@@ -35,7 +35,8 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        return printed(next((named for key in NAMES if (named := self.tags.get(key))), self.place))
+        keys = ("name", "Name", "NAME", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
+        return printed(next((name for key in keys if (name := self.tags.get(key))), self.place))
 
 
 def printed(name: str) -> str:
@@ -68,21 +69,22 @@ class Mistakes:
 
     def __init__(self) -> None:
         self._first: list[BadInput] = []
-        self._count = 0
+        self._more = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
         try:
             return act(*arguments)
         except BadInput as mistake:
-            self._count += 1
-            if self._count <= MOST_ERRORS:
+            if len(self._first) < 10:
                 self._first.append(mistake)
+            else:
+                self._more += 1
             return None
 
     def raise_all(self) -> None:
         """Raise at most ten collected errors."""
         if self._first:
-            more = (f"and {self._count - MOST_ERRORS} more of this kind",) if self._count > MOST_ERRORS else ()
+            more = (f"and {self._more} more of this kind",) if self._more else ()
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 

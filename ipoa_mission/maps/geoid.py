@@ -1,4 +1,4 @@
-"""One value serves a flight: the geoid tilts by centimeters over kilometers."""
+"""Return the geoid's height at home. One value serves a flight: it tilts by centimeters over kilometers."""
 
 from pathlib import Path
 
@@ -7,7 +7,6 @@ from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, NotCovered
 
-LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 [m]
 # Best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 

@@ -1,4 +1,4 @@
-"""GeoJSON (RFC 7946), also one value a line.
+"""Read GeoJSON (RFC 7946), also one value a line.
 
 Tags may be in `properties.tags`, or `properties.other_tags` (GDAL). QGIS may name another `crs`.
 """
@@ -75,15 +75,7 @@ def _looks_sound(rings: Any) -> bool:
     return isinstance(rings, list) and bool(rings) and all(isinstance(ring, list) and len(ring) > 2 for ring in rings)
 
 
-MOST_SHOWN = 80  # characters
-CITYJSON = (
-    "CityJSON is not read: export footprints with a `height` [m] as GeoJSON or GeoPackage, for example with QGIS; "
-    "cjio writes neither"
-)
-END = object()
 BATCH = 1024
-
-
 Take = Callable[[Sequence[Feature]], object]
 
 
@@ -113,11 +105,11 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
 
 def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
     """Read GeoJSONSeq, RFC 8142."""
-    mistakes, features = Mistakes(), list[Feature]()
+    mistakes, features, end = Mistakes(), list[Feature](), object()
     for number in count(1):
         with _json_errors_named(path):
-            value: Any = next(values, END)
-        if value is END:
+            value: Any = next(values, end)
+        if value is end:
             break
         place = f"{path}: value {number}"
         features += mistakes.attempt(_whole, value, path, place) or ()
@@ -211,12 +203,13 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
     elif isinstance(kind, str) and (kind == "GeometryCollection" or kind in SHAPES):
         placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
-        of_cityjson = str(kind).startswith("CityJSON")
-        raise WrongFormat(
-            f"expected 'FeatureCollection', not {kind!r:.40}",
-            hint=CITYJSON if of_cityjson else "a map is GeoJSON (one value, or one a line) or Overpass's JSON",
-            place=f"{place}: type",
+        cityjson = (
+            "CityJSON is not read: export footprints with a `height` [m] as GeoJSON or GeoPackage, for example with "
+            "QGIS; cjio writes neither"
         )
+        usual = "a map is GeoJSON (one value, or one a line) or Overpass's JSON"
+        hint = cityjson if str(kind).startswith("CityJSON") else usual
+        raise WrongFormat(f"expected 'FeatureCollection', not {kind!r:.40}", hint=hint, place=f"{place}: type")
     to_degrees = _coordinate_system(document, path)
     apart = ((place, part) for place, feature in placed for part in layers_apart(feature))
     return read_all(_feature, ((place, feature, to_degrees) for place, feature in apart))
@@ -252,7 +245,7 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) ->
         if not isinstance(members, list):
             raise BadInput("expected a list", place=f"{place}.geometries")
         if depth >= DEEPEST:
-            raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=f"{place[:MOST_SHOWN]}...")
+            raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=f"{place[:80]}...")
         shapes = [_shape(member, f"{place}.geometries[{i}]", to_degrees, depth + 1) for i, member in enumerate(members)]
         return shapely.GeometryCollection(shapes)
     if not isinstance(geometry, dict) or not isinstance(kind, str) or kind not in SHAPES:

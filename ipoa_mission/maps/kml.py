@@ -1,4 +1,4 @@
-"""An extruded shape has its greatest altitude as height; others are ignored."""
+"""Read KML and KMZ. An extruded shape has its greatest altitude as height; other altitudes are ignored."""
 
 import contextlib
 import lzma
@@ -19,28 +19,18 @@ from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, Wr
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
 
-MOST_FOLDERS = 64
-ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # content in another file
-UNREAD = {
+# Content in another file.
+NOT_READ = {
     "NetworkLink": "whose places are in another file",
     "GroundOverlay": "an image on the ground",
     "PhotoOverlay": "an image in the air",
     "Model": "a body in another file",
 }
 REMEDY = "save what it shows as a KML of its own, and name that under [[maps]]"
-COMMA = re.compile(r"\s*,\s*")
-MOST_COMMAS = 2
-EXTRUDED = {"Polygon", "LinearRing", "LineString", "Point"}
-LARGEST = 64 << 20  # bytes; a .kmz may expand a thousandfold
-MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
-HIGHEST = 100_000.0  # [m]
-BROKEN = (
+BROKEN_ZIP = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
     ValueError,
 )  # fmt: skip
-MOST_ELEMENTS = 500_000
-PIECE = 1 << 20  # [bytes]
-WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
@@ -49,19 +39,20 @@ def read_kml(path: Path) -> tuple[Feature, ...]:
 
 def read_kmz(path: Path) -> tuple[Feature, ...]:
     """Read the first KML, as Google Earth."""
+    largest = 64 << 20  # bytes; a .kmz may expand a thousandfold
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [each for each in archive.namelist() if each.lower().endswith(".kml")]
+            names = [name for name in archive.namelist() if name.lower().endswith(".kml")]
             if not names:
                 raise NothingThere("expected a .kml in the archive, but it has none", place=path)
             with archive.open(names[0]) as file:
-                text = file.read(LARGEST + 1)
+                text = file.read(largest + 1)
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
-    except BROKEN as error:
+    except BROKEN_ZIP as error:
         raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
-    if len(text) > LARGEST:
-        raise TooLarge(f"expected a .kml of at most {LARGEST >> 20} MB in the archive", place=path)
+    if len(text) > largest:
+        raise TooLarge(f"expected a .kml of at most {largest >> 20} MB in the archive", place=path)
     nowhere = shapely.GeometryCollection()
     others = (
         Feature(f"{path}: {name}", nowhere, {}, missing=Missing(f"{name}, a second KML", nowhere, REMEDY))
@@ -80,21 +71,21 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     if _local(root) != "kml":
         raise WrongFormat(f"expected a kml document, not {_local(root)}", place=path)
-    placemarks = list(_placemarks(root, path))
-    return read_all(_feature, ((element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)))
+    placemarks = enumerate([*_placemarks(root, path)])
+    return read_all(_feature, ((element, f"{path}: Placemark[{i}]") for i, element in placemarks))
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse in pieces, to limit the memory."""
+    """Parse 1 MB at once, to limit the memory."""
     parser: Any = ElementTree.XMLPullParser(("start",))
     root: ElementTree.Element | None = None
-    count = 0
-    for begin in range(0, len(text), PIECE):
-        parser.feed(text[begin : begin + PIECE])
+    count, most, piece = 0, 500_000, 1 << 20
+    for begin in range(0, len(text), piece):
+        parser.feed(text[begin : begin + piece])
         for _, element in parser.read_events():
             root, count = element if root is None else root, count + 1
-        if count > MOST_ELEMENTS:
-            raise TooLarge(f"expected a document of at most {MOST_ELEMENTS} elements", place=path)
+        if count > most:
+            raise TooLarge(f"expected a document of at most {most} elements", place=path)
     parser.close()
     if root is None:
         raise ElementTree.ParseError("nothing")
@@ -102,20 +93,18 @@ def _parse(text: bytes, path: Path) -> ElementTree.Element:
 
 
 def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.Element]:
-    inside = [(root, 0)]
-    while inside:
-        element, depth = inside.pop()
-        if _local(element) in ELSEWHERE:
+    waiting, deepest = [(root, 0)], 64
+    while waiting:
+        element, depth = waiting.pop()
+        kind = _local(element)
+        if kind == "Placemark" and sum(_local(inner) == "Placemark" for inner in element.iter()) > 1:
+            raise BadInput("expected no Placemark inside another", place=path)
+        if kind in ("Placemark", "NetworkLink", "GroundOverlay", "PhotoOverlay"):
             yield element
             continue
-        if _local(element) == "Placemark":
-            if sum(_local(one) == "Placemark" for one in element.iter()) > 1:
-                raise BadInput("expected no Placemark inside another", place=path)
-            yield element
-            continue
-        if depth >= MOST_FOLDERS:
-            raise TooLarge(f"expected folders in no more than {MOST_FOLDERS} others", place=path)
-        inside += [(child, depth + 1) for child in reversed(element)]
+        if depth >= deepest:
+            raise TooLarge(f"expected folders in no more than {deepest} others", place=path)
+        waiting += [(child, depth + 1) for child in reversed(element)]
 
 
 def _feature(placemark: ElementTree.Element, place: str) -> Feature:
@@ -127,27 +116,29 @@ def _feature(placemark: ElementTree.Element, place: str) -> Feature:
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
     for element in placemark.iter():
-        if (kind := _local(element)) in UNREAD:
+        if (kind := _local(element)) in NOT_READ:
             sides = {_local(each): (each.text or "").strip() for each in element.iter()}
             box = shapely.GeometryCollection()
             with contextlib.suppress(KeyError, ValueError):
                 box = shapely.box(*(float(sides[side]) for side in ("west", "south", "east", "north")))
                 on_earth(shapely.get_coordinates(box), place)
-            return Missing(f"{kind}, {UNREAD[kind]}", box, REMEDY)
+            return Missing(f"{kind}, {NOT_READ[kind]}", box, REMEDY)
     return None
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    tops: dict[str, float] = {}
-    for drawn in (each for each in placemark.iter() if _local(each) in EXTRUDED):
+    modes, tops = {"relativeToGround": "height", "absolute": "height:amsl"}, dict[str, float]()
+    for drawn in placemark.iter():
+        if _local(drawn) not in {"Polygon", "LinearRing", "LineString", "Point"}:
+            continue
         texts = {_local(child): (child.text or "").strip() for child in drawn}
-        key = MODES.get(texts.get("altitudeMode", ""))
+        key = modes.get(texts.get("altitudeMode", ""))
         if texts.get("extrude") not in ("1", "true") or key is None:
             continue
         for element in drawn.iter():
             if _local(element) == "coordinates":
                 tops[key] = max([tops.get(key, 0.0), *_altitudes(element.text or "")])
-    return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < HIGHEST}
+    return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < 100_000.0}  # [m]
 
 
 def _altitudes(text: str) -> Iterator[float]:
@@ -158,7 +149,7 @@ def _altitudes(text: str) -> Iterator[float]:
 
 def _words(text: str) -> list[str]:
     """Ignore blanks around a comma, as GDAL and fastkml."""
-    return COMMA.sub(",", text).split()
+    return re.sub(r"\s*,\s*", ",", text).split()
 
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
@@ -182,11 +173,11 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
         if kind in {"MultiGeometry", "Document", "Folder", "MultiTrack"}:
             yield from _shapes(element, place, depth + 1)
         elif kind == "Point":
-            yield shapely.Point(_corners(element, f"{place}.{kind}")[0])
+            yield shapely.Point(_corners(element, 1, f"{place}.{kind}")[0])
         elif kind == "LineString":
-            yield shapely.LineString(_corners(element, f"{place}.{kind}"))
+            yield shapely.LineString(_corners(element, 2, f"{place}.{kind}"))
         elif kind == "LinearRing":
-            yield shapely.Polygon(_corners(element, f"{place}.{kind}"))
+            yield shapely.Polygon(_corners(element, 3, f"{place}.{kind}"))
         elif kind == "Track":
             yield shapely.LineString(_track(element, f"{place}.{kind}"))
         elif kind == "Polygon":
@@ -194,9 +185,9 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
             inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
             if len(outer) != 1:
                 raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.Polygon.outerBoundaryIs")
-            if wrong := next((each for each in (*outer, *inner) if _local(each) != "LinearRing"), None):
+            if wrong := next((ring for ring in (*outer, *inner) if _local(ring) != "LinearRing"), None):
                 raise BadInput(f"expected a LinearRing, not {_local(wrong):.40}", place=f"{place}.Polygon")
-            rings = [_corners(ring, f"{place}.Polygon") for ring in (*outer, *inner)]
+            rings = [_corners(ring, 3, f"{place}.Polygon") for ring in (*outer, *inner)]
             yield shapely.Polygon(rings[0], rings[1:])
 
 
@@ -205,11 +196,11 @@ def _track(element: ElementTree.Element, place: str) -> Corners:
     return _positions(text, 2, f"{place}.coord")
 
 
-def _corners(element: ElementTree.Element, place: str) -> Corners:
+def _corners(element: ElementTree.Element, least: int, place: str) -> Corners:
     texts = [child.text or "" for child in element if _local(child) == "coordinates"]
     if len(texts) > 1:
         raise BadInput(f"expected one list of coordinates, not {len(texts)}", place=place)
-    return _positions("".join(texts), WORDS[_local(element)], f"{place}.coordinates")
+    return _positions("".join(texts), least, f"{place}.coordinates")
 
 
 def _positions(text: str, least: int, place: str) -> Corners:
@@ -218,7 +209,7 @@ def _positions(text: str, least: int, place: str) -> Corners:
         corners = np.array([[float(number) for number in word.split(",")[:2]] for word in words], float)
     except ValueError:
         corners = np.zeros((0, 0))
-    if any(word.count(",") > MOST_COMMAS for word in words):
+    if any(word.count(",") > 2 for word in words):
         raise BadInput("expected blanks between positions, as in 8.54,47.39,0 8.55,47.39,0", place=place)
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
         raise BadInput(f"expected {least} or more different positions as longitude,latitude", place=place)

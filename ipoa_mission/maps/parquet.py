@@ -1,3 +1,5 @@
+"""Read GeoParquet by pyarrow, row group by row group."""
+
 import json
 from collections.abc import Callable, Iterator, Mapping
 from decimal import Decimal
@@ -18,11 +20,6 @@ from ipoa_mission.maps.geojson import degrees_of
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
-MAGIC = b"PAR1"
-BATCH = 4096
-LARGEST_GROUP = 2_000_000_000  # unpacked [bytes]
-OVERTURES_NAMES = "names"  # its primary entry
-
 
 class _Shapes(NamedTuple):
     """Shapes, their conversion, and box columns: west, south, east, north [deg]."""
@@ -37,7 +34,7 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)
-    if read_bytes(path, len(MAGIC)) != MAGIC:
+    if read_bytes(path, 4) != b"PAR1":
         raise WrongFormat("expected a Parquet file, but its first bytes are those of another format", place=path)
     any_there = False
     try:
@@ -54,15 +51,15 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
 def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Feature]]:
     shapes = _shapes_of(file, arrow, path)
     columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
-    row = 0
+    row, largest = 0, 2_000_000_000  # unpacked [bytes]
     for number in range(file.num_row_groups):
         group = file.metadata.row_group(number)
-        if group.total_byte_size > LARGEST_GROUP:
-            raise TooLarge(f"expected groups of rows of at most {LARGEST_GROUP / 1e9:g} GB", place=path)
+        if group.total_byte_size > largest:
+            raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
         if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
             row += group.num_rows
             continue
-        for batch in file.iter_batches(BATCH, [number], columns):
+        for batch in file.iter_batches(4096, [number], columns):
             if features := _features(batch, shapes, path, row, around):
                 yield features
             row += batch.num_rows
@@ -100,8 +97,8 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
     for field in schema:
-        if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
-            yield f"{field.name}.primary"
+        if field.name == "names" and arrow.types.is_struct(field.type):
+            yield "names.primary"  # Overture's
         elif field.name == shapes:
             continue
         elif field.name in PACKED or not arrow.types.is_nested(field.type) or meaning(field.name) is not Means.NOTHING:
@@ -148,15 +145,13 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
 
 def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
     plain = {name: _plain(value) for name, value in row.items()}
-    missing = truncated(plain)
-    return Feature(
-        place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)), missing and missing._replace(shape=shape)
-    )
+    tags, blank, missing = dict(tags_of(plain)), frozenset(blank_keys(plain)), truncated(plain)
+    return Feature(place, shape, tags, blank, missing and missing._replace(shape=shape))
 
 
 def _plain(value: Any) -> Any:
     """Convert to JSON; Arrow reads a map as pairs."""
     if isinstance(value, Decimal):
         return float(value)
-    is_map = isinstance(value, list) and all(isinstance(one, tuple) for one in value)
+    is_map = isinstance(value, list) and all(isinstance(pair, tuple) for pair in value)
     return dict(value) if is_map else value

@@ -1,4 +1,4 @@
-"""Shapes as valid polygons in east, north [m]."""
+"""Convert shapes in degrees to valid polygons in east, north [m]."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -17,20 +17,20 @@ LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m at 45 degrees [
 
 class MapExtent:
     def __init__(self, frame: LocalFrame) -> None:
-        self.frame = frame
+        self.frame, self._home = frame, near_home(frame.home)
         self._any_near = self._turned_near = False
         self._first_far = ""
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])  # west, south, east, north [deg]
 
     def near(self, degrees: NDArray[Any], places: Sequence[str]) -> NDArray[np.bool_]:
         boxes, empty = shapely.bounds(degrees).reshape(-1, 4), shapely.is_empty(degrees)
-        near = _near(boxes, self.frame) | empty
+        near = self._home.meets(boxes) | empty
         self._any_near = self._any_near or bool((near & ~empty).any())
         if not self._any_near and not empty.all():
             self._first_far = self._first_far or str(places[int(np.argmin(near))])
             here = shapely.total_bounds(degrees)
             self._box = np.concatenate([np.minimum(self._box[:2], here[:2]), np.maximum(self._box[2:], here[2:])])
-            self._turned_near |= bool(_near(boxes[:, [1, 0, 3, 2]], self.frame).any())
+            self._turned_near |= bool(self._home.meets(boxes[:, [1, 0, 3, 2]]).any())
         return np.asarray(near)
 
     def expect_near(self) -> None:
@@ -109,10 +109,6 @@ def _turned(line: Any) -> NDArray[np.float64]:
 def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
     hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
     return hole
-
-
-def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
-    return near_home(frame.home).meets(boxes)
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:

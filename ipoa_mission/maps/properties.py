@@ -1,3 +1,5 @@
+"""Convert a feature's properties to tags: texts, packed tags of other tools, and nested measures."""
+
 import json
 import re
 from collections.abc import Iterator, Mapping
@@ -12,7 +14,6 @@ from ipoa_mission.maps.keys import Means, meaning
 # Of osmtogeojson, osm2pgsql and GDAL's OSM driver.
 PACKED = ("tags", "other_tags", "all_tags")
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s*|$)')
-DEEPEST = 3
 
 
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -30,7 +31,7 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         elif key == "limitedApplicability" and isinstance(value, list) and value:
             yield key, json.dumps(value)
         elif isinstance(value, dict | list):
-            yield from _measures(key, value, DEEPEST)
+            yield from _measures(key, value)
         else:
             yield from _plain(key, value)
 
@@ -78,17 +79,16 @@ def _rest(text: str) -> str:
     return HSTORE.sub("", text).strip(" ,") if is_hstore else ""
 
 
-def _measures(key: str, value: Any, depth: int) -> Iterator[tuple[str, str]]:
+def _measures(key: str, value: Any, depth: int = 3) -> Iterator[tuple[str, str]]:
     if isinstance(value, dict) and depth:
         for name, inner in value.items():
             yield from _measures(f"{key}:{name}", inner, depth - 1)
-    elif isinstance(value, list) and depth and all(isinstance(one, dict) for one in value):
+    elif isinstance(value, list) and depth and all(isinstance(item, dict) for item in value):
         for inner in value:
             yield from _measures(key, inner, depth - 1)
     elif meaning(key) is not Means.NOTHING:
-        several = value if isinstance(value, list) else [value]
-        texts = [text for one in several for _, text in _plain(key, one)]
-        if texts:
+        items = value if isinstance(value, list) else [value]
+        if texts := [text for item in items for _, text in _plain(key, item)]:
             yield key, ";".join(texts)
 
 

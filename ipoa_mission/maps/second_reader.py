@@ -14,14 +14,12 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.map_reader import GEOJSON, read_features
 from ipoa_mission.maps.planar import flat
 
-READ_TWICE = (*GEOJSON, ".kml", ".kmz")
-MOST_BYTES = 2 << 20  # read twice in about a second
-DIGITS = 6  # of degrees, about 0.1 m
-
 
 def differences(path: Path) -> Iterator[Finding]:
     """Yield a warning if GDAL finds other shapes in a map; nothing without GDAL, or where it refuses the file."""
-    if path.suffix.lower() not in READ_TWICE or find_spec("pyogrio") is None or path.stat().st_size > MOST_BYTES:
+    most = 2 << 20  # bytes, read twice in about a second
+    can_be_compared = path.suffix.lower() in (*GEOJSON, ".kml", ".kmz") and path.stat().st_size <= most
+    if not can_be_compared or find_spec("pyogrio") is None:
         return
     import pyogrio
 
@@ -55,7 +53,7 @@ def _parts(shapes: Iterable[Any]) -> Counter[tuple[str, tuple[float, ...]]]:
         rings = [part.exterior, *part.interiors] if part.geom_type == "Polygon" else [part]
         for ring in rings:
             kind = "point" if ring.geom_type == "Point" else "ring" if ring.is_closed else "line"
-            parts[kind, tuple(round(side, DIGITS) + 0.0 for side in ring.bounds)] += 1
+            parts[kind, tuple(round(side, 6) + 0.0 for side in ring.bounds)] += 1  # to about 0.1 m
     return parts
 
 

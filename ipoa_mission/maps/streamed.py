@@ -1,3 +1,5 @@
+"""Read JSON texts that may exceed memory, block by block: the features of a collection, or one value a line."""
+
 import codecs
 import json
 import re
@@ -10,7 +12,6 @@ from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import read_text
 
 BLOCK = 1 << 20  # [bytes]
-NEAR_THE_END = 1 << 15  # characters
 # The end of a feature, in nearly all files.
 _BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
 _blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142: \x1e
@@ -84,7 +85,7 @@ class _Text:
         self.mark()
         if not self._tried:
             self._tried = True
-            begin = max(self._at, len(self._text) - NEAR_THE_END)
+            begin = max(self._at, len(self._text) - (1 << 15))
             end = max((border.end() for border in _BORDER.finditer(self._text, begin)), default=self._at)
             with suppress(ValueError, RecursionError):  # `value` reports where
                 values: list[Any] = json.loads(f"[{self._text[self._at : end]}]")  # or the begin of a list

@@ -1,10 +1,9 @@
-"""Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio).
+"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio).
 
 GDAL ignores the suffix, and some formats open other files: the first bytes must match it.
 """
 
 import warnings
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,16 +18,13 @@ from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
-# First bytes.
-BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
-HEADER, ROW = 100, 8  # of a .shx [bytes]
-WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
+FIRST_BYTES = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 
 
-def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
+def read_layers(path: Path, around: Around) -> tuple[Feature, ...]:
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
-    if not read_bytes(path, 16).startswith(BEGINS[suffix]):
+    if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
         raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
     if suffix == ".shp":
         _expect_whole(path)
@@ -51,9 +47,7 @@ class _Layer:
     def __init__(self, path: Path, name: str, pyogrio: Any, named: bool) -> None:
         self._path, self._info = path, pyogrio.read_info(path, layer=name)
         self._place = f"{path}: {name}" if named else f"{path}: row"
-        self._name = name.replace('"', '""')
-        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=5_000_000)
-        self._ask = partial(pyogrio.raw.read, path)
+        self._name, self._pyogrio = name, pyogrio
         if not self._info["crs"]:
             words = "expected a file that names its coordinate system"
             raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
@@ -63,13 +57,13 @@ class _Layer:
         count, box, nulls = self._info["features"], self._box(around), list[Feature]()
         if box is not None and self._path.suffix.lower() != ".fgb":  # a FlatGeobuf with such rows has no index
             column = self._info["geometry_name"].replace('"', '""')
-            nulls = self._features(self._raw(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL"))
+            nulls = self._features(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL")
         if box is None or not self._is_indexed_whole(count - len(nulls)):
-            features = self._features(self._raw())
+            features = self._features()
             if count > len(features):
                 raise DamagedFile(f"expected {count} rows, but only {len(features)} can be read", place=self._path)
             return features
-        features = self._features(self._raw(bbox=box))
+        features = self._features(bbox=box)
         boxes = np.array([feature.shape.bounds for feature in features], float).reshape(-1, 4)
         around.elsewhere += count - len(features) - len(nulls)
         return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
@@ -91,23 +85,27 @@ class _Layer:
         """Return whether all rows are in a spatial index; refuse a truncated file."""
         suffix, count = self._path.suffix.lower(), self._info["features"]
         if suffix == ".shp":  # an index may be older
-            return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
-        if suffix == ".gpkg":
-            index = f'"rtree_{self._name}_{self._info["geometry_name"]}"'
-            try:
-                return int(self._ask(sql=f"SELECT COUNT(*) AS n FROM {index}")[3][0][0]) == shapes
-            except RuntimeError:  # no index
-                return True
-        if not self._info["capabilities"]["random_read"]:
-            return False
+            return not any(self._path.with_suffix(index).exists() for index in (".qix", ".sbn"))
         try:
-            self._raw(fids=[count - 1], max_features=None)
+            if suffix == ".gpkg":
+                name, column = self._name.replace('"', '""'), self._info["geometry_name"]
+                rows = self._pyogrio.raw.read(self._path, sql=f'SELECT COUNT(*) AS n FROM "rtree_{name}_{column}"')
+                return int(rows[3][0][0]) == shapes
+            if not self._info["capabilities"]["random_read"]:
+                return False
+            self._read(fids=[count - 1])
         except RuntimeError:
+            if suffix == ".gpkg":  # no index
+                return True
             raise DamagedFile(f"expected {count} rows, but the last cannot be read", place=self._path) from None
         return True
 
-    def _features(self, read: tuple[Any, ...]) -> list[Feature]:
-        meta, numbers, shapes, fields = read
+    def _read(self, **chosen: Any) -> tuple[Any, ...]:
+        read: tuple[Any, ...] = self._pyogrio.raw.read(self._path, layer=self._name, return_fids=True, **chosen)
+        return read
+
+    def _features(self, **chosen: Any) -> list[Feature]:
+        meta, numbers, shapes, fields = self._read(max_features=5_000_000, **chosen)
         is_cut = self._path.suffix.lower() == ".shp"
         rows = (
             {
@@ -122,28 +120,27 @@ class _Layer:
 
 def _expect_whole(path: Path) -> None:
     """Check that a Shapefile's files are whole, with as many rows."""
-    sizes = {}
+    header, sizes = 100, {}  # [bytes]
     for suffix in (".shx", ".dbf"):
-        sidecar = next(
-            (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
-        )
+        sidecar = next((p for p in map(path.with_suffix, (suffix, suffix.upper())) if p.exists()), None)
         if sidecar is None:
             words = f"expected the {suffix} file next to it"
             raise DamagedFile(words, hint="a Shapefile is .shp, .shx and .dbf", place=path)
-        sizes[suffix] = read_bytes(sidecar, HEADER), sidecar.stat().st_size
-    for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
-        if len(begin) < HEADER or int.from_bytes(begin[24:28], "big") * 2 > size:
+        sizes[suffix] = read_bytes(sidecar, header), sidecar.stat().st_size
+    for begin, size in ((read_bytes(path, header), path.stat().st_size), sizes[".shx"]):
+        if len(begin) < header or int.from_bytes(begin[24:28], "big") * 2 > size:
             raise DamagedFile("expected a whole Shapefile, but its end is missing", place=path)
     begin, size = sizes[".dbf"]
     rows, first, each = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
-    if first + rows * each > size or rows != (sizes[".shx"][1] - HEADER) // ROW:
-        words = f"expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx"
-        raise DamagedFile(words, place=path)
+    indexed = (sizes[".shx"][1] - header) // 8
+    if first + rows * each > size or rows != indexed:
+        raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
 
 
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:
     def convert(corners: Corners) -> Corners:
-        return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, WRONG_SYSTEM)
+        hint = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
+        return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, hint)
 
     tags, blank, missing = dict(tags_of(row)), frozenset(blank_keys(row)), truncated(row)
     if shape is None:
