@@ -12,7 +12,7 @@ from ipoa_mission.cli.mission_source import Job
 from ipoa_mission.cli.output import print_json
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import Stage, fly_forecast
+from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
 from ipoa_mission.forecast.conformance import Deviation
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
@@ -57,18 +57,11 @@ def fly_there(
 ) -> tuple[tuple[str, ...], FlightRecord]:
     """Upload, arm, start, watch; `anyway`: continue after failed checks. Raises MissionError with `known` data."""
     remarks, known = list[str](), list[ContingenciesNow]()
+    stages = partial(_with_endings, job.forecast, vehicle, job.reserves, known)
+    options = ProcedureOptions(first, anyway, job.ignore, set_params, stages, remarks.append)
     try:
         with reporting_interrupt(""):  # between two stages
-            record = fly_forecast(
-                vehicle,
-                job.forecast,
-                first=first,
-                anyway=anyway,
-                ignore=job.ignore,
-                set_params=set_params,
-                stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
-                remark=remarks.append,
-            )
+            record = begin_mission(vehicle, load_mission(vehicle, job.forecast, options), options)
     except MissionError as error:
         state = vehicle.state
         error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)

@@ -1,10 +1,10 @@
-"""The one safe procedure to upload and fly a mission."""
+"""Upload and fly a mission on a vehicle."""
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager, nullcontext, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
@@ -35,23 +35,40 @@ class Stage(StrEnum):
     FLIGHT = "flying"
 
 
-#: Shows a stage's progress.
 Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
-
-
 Remark: TypeAlias = Callable[[str], None]
 
 
-def unheard(words: str) -> None:
-    """Ignore a remark."""
+def without_remarks(words: str) -> None:
+    """Drop a remark."""
 
 
-def unseen(stage: Stage) -> AbstractContextManager[Progress]:
+def without_progress(stage: Stage) -> AbstractContextManager[Progress]:
     return nullcontext(silent)
 
 
+@dataclass(frozen=True)
+class ProcedureOptions:
+    """The options of `fly_mission`, and codes of findings to `ignore`."""
+
+    first: int = 0
+    anyway: bool = False
+    ignore: Iterable[str] = ()
+    set_params: bool = False
+    stages: Stages = without_progress
+    remark: Remark = without_remarks
+
+
+DEFAULTS = ProcedureOptions()
+
+
 def upload_mission(
-    vehicle: Vehicle, mission: Mission, *, anyway: bool = False, ignore: Iterable[str] = (), stages: Stages = unseen
+    vehicle: Vehicle,
+    mission: Mission,
+    *,
+    anyway: bool = False,
+    ignore: Iterable[str] = (),
+    stages: Stages = without_progress,
 ) -> tuple[str, ...]:
     """Check a mission against this vehicle, upload it, and verify each list.
 
@@ -77,21 +94,20 @@ def upload_mission(
     """
     with stages(Stage.CHECK):
         remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
-    idle, others, lacking = _put(vehicle, mission, anyway, stages)
-    return (*remarks, *left.values(), *idle, *map(str, others), *lacking)
+    return (*remarks, *left.values(), *_upload(vehicle, mission, anyway, stages)[1])
 
 
-def _put(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
-) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
-    """Return whether its fence is idle, and differing and missing parameters."""
+def _upload(
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, remedy: str = ""
+) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
+    """Return differing parameters, and remarks."""
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
-    lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
-    return (idle,) if idle else (), others, lacking
+    lacking = (f"the vehicle has no parameter {name}" for name in missing)
+    return others, (*([idle] if idle else []), *(f"{other}{remedy}" for other in others), *lacking)
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
@@ -119,8 +135,8 @@ def fly_mission(
     first: int = 0,
     anyway: bool = False,
     set_params: bool = False,
-    stages: Stages = unseen,
-    remark: Remark = unheard,
+    stages: Stages = without_progress,
+    remark: Remark = without_remarks,
 ) -> FlightRecord:
     """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground.
 
@@ -152,91 +168,57 @@ def fly_mission(
         ...     fly_mission(vehicle, read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")).completed
         True
     """
-    forecast = Forecast(mission, scenario)
-    return fly_forecast(
-        vehicle, forecast, first=first, anyway=anyway, set_params=set_params, stages=stages, remark=remark
-    )
+    options = ProcedureOptions(first, anyway, (), set_params, stages, remark)
+    return begin_mission(vehicle, load_mission(vehicle, Forecast(mission, scenario), options), options)
 
 
-def fly_forecast(
-    vehicle: Vehicle,
-    forecast: Forecast,
-    *,
-    first: int = 0,
-    anyway: bool = False,
-    ignore: Iterable[str] = (),
-    set_params: bool = False,
-    stages: Stages = unseen,
-    remark: Remark = unheard,
-) -> FlightRecord:
-    how: dict[str, Any] = {"anyway": anyway, "stages": stages, "remark": remark}
-    own = load_mission(vehicle, forecast, ignore=ignore, set_params=set_params, **how)
-    return begin_mission(vehicle, own, first=first, **how)
-
-
-def load_mission(
-    vehicle: Vehicle,
-    forecast: Forecast,
-    *,
-    anyway: bool = False,
-    ignore: Iterable[str] = (),
-    set_params: bool = False,
-    stages: Stages = unseen,
-    remark: Remark = unheard,
-) -> Forecast:
-    mission = forecast.given
+def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> Forecast:
+    """Return the forecast with the vehicle's own parameters."""
+    mission, anyway, stages = forecast.given, options.anyway, options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)
-    if set_params:
+    if options.set_params:
         with stages(Stage.PARAMETERS) as show:
-            _set_parameters(vehicle, mission, show, remark)
+            _set_parameters(vehicle, mission, show, options.remark)
     with stages(Stage.CHECK):
         if not anyway:  # a parameter may be missing or lost
             expect_slow_landing(vehicle, forecast)
-        remarks, left = expect_fit(vehicle, mission, anyway, ignore), left_lists(vehicle, mission)
+        remarks, left = expect_fit(vehicle, mission, anyway, options.ignore), left_lists(vehicle, mission)
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
-    idle, others, lacking = _put(vehicle, mission, anyway, stages)
+    others, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     with suppress(NoAnswer):
         vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
-    for words in (*remarks, *left.values(), *idle, *(f"{other}: --set-params writes it" for other in others), *lacking):
-        remark(words)
+    for words in (*remarks, *left.values(), *notes):
+        options.remark(words)
     if not others or mission.autopilot is not vehicle.autopilot:
         return forecast
     own = mission.with_parameters({other.name: other.has for other in others})
     return Forecast(own, forecast.scenario, None if forecast.scenario else forecast.wind)
 
 
-def begin_mission(
-    vehicle: Vehicle,
-    forecast: Forecast,
-    *,
-    first: int = 0,
-    anyway: bool = False,
-    stages: Stages = unseen,
-    remark: Remark = unheard,
-) -> FlightRecord:
+def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> FlightRecord:
     def permit(there: Geodetic) -> None:
-        if not anyway:
-            expect_charge(vehicle, forecast, first)
+        if not options.anyway:
+            expect_charge(vehicle, forecast, options.first)
         try:
-            notes = check_start(forecast, first, there)
+            notes = check_start(forecast, options.first, there)
         except NotAtStart as elsewhere:
-            if not anyway:
+            if not options.anyway:
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
                 raise
             notes = (str(elsewhere),)
         for words in notes:
-            remark(words)
+            options.remark(words)
 
-    with stages(Stage.READY) as show:
-        vehicle.conformance.compare(_monitor(vehicle, forecast, first, remark))
-        vehicle.prepare(first, show, permit)
-    with stages(Stage.START) as show:
+    with options.stages(Stage.READY) as show:
+        vehicle.conformance.compare(_monitor(vehicle, forecast, options.first, options.remark))
+        vehicle.prepare(options.first, show, permit)
+    with options.stages(Stage.START) as show:
         vehicle.start(show)
-    with stages(Stage.FLIGHT) as show:
+    with options.stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
 
 
@@ -258,7 +240,7 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -
 
 
 def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: Remark) -> None:
-    others = other_values(vehicle, mission.parameters)[0]
+    others, _ = other_values(vehicle, mission.parameters)
     names = ", ".join(other.name for other in others)
     for n, other in enumerate(others):
         show(n / len(others), names)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
@@ -110,7 +110,7 @@ def _upload(
         yield lambda _, words: tell(words)
 
     remarks: list[str] = []
-    own = load_mission(vehicle, forecast, set_params=set_params, stages=stages, remark=remarks.append)
+    own = load_mission(vehicle, forecast, ProcedureOptions(set_params=set_params, stages=stages, remark=remarks.append))
     return own, tuple(remarks)
 
 
@@ -136,7 +136,7 @@ def _flown(
         answer(State(phase="preparing", words=words))
 
     vehicle.conformance.ends_held = False
-    record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
+    record = begin_mission(vehicle, forecast, ProcedureOptions(stages=stages, remark=remark))
     return record, watching[0].obeyed
 
 

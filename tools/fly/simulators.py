@@ -16,7 +16,7 @@ import numpy as np
 from ipoa_mission import connect
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import load_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, load_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.link.conversations import MissionRefused
@@ -76,11 +76,12 @@ def set_up(vehicle: Vehicle, wind: Wind) -> None:
 
 def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
     """Upload a mission; a simulator much faster than real time may give up a transfer."""
+    options = ProcedureOptions(set_params=True, anyway=anyway)
     for _ in range(TRANSFERS - 1):
         with suppress(MissionRefused, NoAnswer):
-            load_mission(vehicle, forecast, set_params=True, anyway=anyway)
+            load_mission(vehicle, forecast, options)
             return
-    load_mission(vehicle, forecast, set_params=True, anyway=anyway)
+    load_mission(vehicle, forecast, options)
 
 
 def newest_log(folder: Path) -> Path:
