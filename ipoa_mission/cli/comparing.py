@@ -14,7 +14,7 @@ from ipoa_mission.cli.output import notes, picked, print_json, print_lines, prin
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 
 if TYPE_CHECKING:
-    from ipoa_mission.flight.flown_clearance import FlownClearance
+    from ipoa_mission.flight.post_flight import FlownClearance
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.logs.flight_log import LoggedFlight
     from ipoa_mission.mission.items import Mission
@@ -61,8 +61,7 @@ def compare(
     """
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
-    from ipoa_mission.flight.flown_clearance import flown_clearance
-    from ipoa_mission.flight.landed import landed_elsewhere
+    from ipoa_mission.flight.post_flight import flown_clearance, landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
     from ipoa_mission.logs.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import Assumptions, compare_logged

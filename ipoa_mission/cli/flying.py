@@ -159,7 +159,7 @@ def _fly_there(
 
 
 def _where_it_landed(job: "Job", record: "FlightRecord") -> tuple[str, ...]:
-    from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
+    from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 
     return landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
 

@@ -30,7 +30,7 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
 
 def expect_plans(folder: Path, names: Iterable[str], report: bool, force: bool, ask: bool = True) -> None:
     """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
-    from ipoa_mission.flight.written import not_as_written
+    from ipoa_mission.flight.flight import not_as_written
 
     expect_free((path for name in names for path in not_as_written(folder, name, report)), force, ask)
 

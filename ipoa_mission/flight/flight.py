@@ -1,8 +1,10 @@
+import json
 import logging
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
@@ -11,7 +13,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unread_check import expect_plannable
 from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.files import MISSIONS, make_folder, read_text, write_atomically
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.flight_summary import (
     clearance_as_json,
@@ -24,16 +26,17 @@ from ipoa_mission.flight.flight_summary import (
     rounded,
     route_summary,
 )
-from ipoa_mission.flight.written import write_files
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest, written_with
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.mission.waypoints_file import left_out
+from ipoa_mission.mission.parameter_file import parameter_path, write_with_parameters
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
@@ -51,7 +54,6 @@ from ipoa_mission.wind import Wind
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
-BATTERY_CODES = frozenset({"battery-short", "battery-no-return"})  # not for flights of one battery each
 log = logging.getLogger(__name__)
 
 
@@ -112,7 +114,7 @@ class Flight:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return the remarks that are no warnings."""
+        """Return the remarks without warnings."""
         warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
         return tuple(remark for remark in self.remarks if remark not in warned)
 
@@ -129,8 +131,7 @@ class Flight:
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
-        budget = self.budget
-        ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
+        budget, ground, parameters = self.budget, landing_height(self.mission), dict(self.mission.parameters)
         return {
             "name": scenario.name,
             "version": version("ipoa-mission"),
@@ -225,7 +226,6 @@ def plan_for_batteries(
 
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
-    """Do not check the battery's reserve."""
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
@@ -236,7 +236,8 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     found_by_check = check(forecast)
-    refuse_errors([finding for finding in found_by_check if finding.code not in BATTERY_CODES])
+    of_the_battery = {"battery-short", "battery-no-return"}  # it may be split into flights of one battery each
+    refuse_errors([finding for finding in found_by_check if finding.code not in of_the_battery])
     refuse_unclear_returns(found_by_check, forecast)
     findings = tuple(finding for finding in found_by_check if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
@@ -249,3 +250,47 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, options, forecast, findings, remarks)
+
+
+def write_files(
+    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
+) -> tuple[tuple[Path, ...], dict[str, str]]:
+    """Write all files or none; return them with the digests of the first two.
+
+    `about` makes a NAME.json, parameters a NAME.params.
+
+    Raises:
+        BadInput: one cannot be written.
+    """
+    plan = folder / f"{name}.plan"
+    contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
+    digests = {path.name: digest(text) for path, text in contents.items()}
+    if about is not None:
+        contents[folder / f"{name}.json"] = as_text({**about, "sha256": digests})
+    write_with_parameters(mission, contents)
+    return (*contents, *([parameter_path(plan)] if mission.parameters else [])), digests
+
+
+def as_text(contents: Mapping[str, Any]) -> str:
+    return json.dumps(contents, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
+    """Return files that differ from `Flight.write`."""
+    about = folder / f"{name}.json"
+    digests = written_with(about)
+    missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
+    others = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
+    if about.exists() and not digests:
+        others.append(about)
+    page = folder / f"{name}.html"
+    if report and page.exists() and '<meta name="generator" content="ipoa-mission">' not in _text(page):
+        others.append(page)
+    return others
+
+
+def _text(path: Path) -> str:
+    try:
+        return read_text(path)
+    except BadInput:
+        return ""

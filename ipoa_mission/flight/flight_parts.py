@@ -6,18 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.flight import Flight, as_text, write_files
 from ipoa_mission.flight.flight_summary import rounded
-from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.number_format import seconds
 
-HEAD = ("flight", "items", "takes", "energy", "left")
-
 
 def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
+    head = "".join(f'<th scope="col">{name}</th>' for name in ("flight", "items", "takes", "energy", "left"))
     rows = ""
     for name, part in zip(names, parts, strict=True):
         budget = budget_of(part)

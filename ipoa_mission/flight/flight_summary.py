@@ -1,3 +1,5 @@
+"""The content of NAME.json: clearances, limits, energies, routes and findings, rounded."""
+
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -16,16 +18,13 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
 
-MILLIMETERS = 1000
-
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
     """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
-    kept = None if promise is None else promise.clearance
     if promise is None:
         return {}
-    confidence = "nominal" if promise.confidence is None else round(promise.confidence, 4)
-    others = [{"part": one.part, "limit": one.limit} | _kept_as_json(one) for one in promise.elsewhere]
+    kept, confidence = promise.clearance, "nominal" if promise.confidence is None else round(promise.confidence, 4)
+    others = [{"part": other.part, "limit": other.limit} | _kept_as_json(other) for other in promise.elsewhere]
     elsewhere = {"elsewhere": others} if others else {}
     return elsewhere if kept is None else _kept_as_json(kept) | {"confidence": confidence} | elsewhere
 
@@ -33,9 +32,9 @@ def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
 def _kept_as_json(kept: "Kept") -> dict[str, Any]:
     """Round to the millimeter: kept down, required up."""
     return {
-        "required_m": up(kept.required, MILLIMETERS),
-        "nominal_m": down(kept.nominal, MILLIMETERS),
-        "kept_m": down(kept.kept, MILLIMETERS),
+        "required_m": up(kept.required, 1000),
+        "nominal_m": down(kept.nominal, 1000),
+        "kept_m": down(kept.kept, 1000),
         "to": kept.to,
         "item": kept.item,
     }
@@ -101,7 +100,7 @@ def proof_as_json(proof: "Proof") -> dict[str, Any]:
 
 
 def findings_as_json(findings: "Iterable[Finding]") -> list[dict[str, Any]]:
-    return [{name: one for name, one in asdict(each).items() if name != "remedies"} for each in findings]
+    return [{name: value for name, value in asdict(each).items() if name != "remedies"} for each in findings]
 
 
 def rounded(value: float) -> float:

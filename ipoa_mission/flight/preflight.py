@@ -1,8 +1,9 @@
-"""Compare a mission with this very vehicle before the upload."""
+"""Compare a mission with this vehicle before the upload: version, home, own fence, battery, landing speed."""
 
 import logging
 import math
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
@@ -22,55 +23,11 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
-MAX_HOME_DISTANCE = 100.0  # [m] over the ground
-MAX_HEIGHT_DIFFERENCE = 5.0  # [m]
-CHARGED_SHARE = 0.95  # of a full battery
 log = logging.getLogger(__name__)
 
 
 class FarFromHome(MissionError):
     """Heights above home would refer to other ground."""
-
-
-def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tuple[str, ...]:
-    """Raise FarFromHome over 100 m away, if heights count from home, and not `anyway`."""
-    here = mission.home
-    distance, higher = apart(here, there), there.altitude - here.altitude
-    if distance > MAX_HOME_DISTANCE:
-        words = (
-            f"the vehicle's home is {_distance(distance)} from the mission's: "
-            f"it is at {_place(there)}, and the mission takes off at {_place(here)}"
-        )
-        if counts_from_home(mission) and not anyway:
-            raise FarFromHome(
-                words,
-                hint="heights count from the vehicle's home: plan from its position, or send with --anyway. "
-                "A vehicle moved since its last arming sets its home there after a restart "
-                f"(the built-in autopilot starts there with `mock --home {_words(here)}`)",
-            )
-        return (words,)
-    if math.isfinite(higher) and abs(higher) > MAX_HEIGHT_DIFFERENCE:
-        return (
-            f"the vehicle's home is {abs(higher):.1f} m {'higher' if higher > 0 else 'lower'} than the mission's "
-            f"({there.altitude:.1f} m AMSL, not {here.altitude:.1f} m); heights count from the vehicle's",
-        )
-    return ()
-
-
-def counts_from_home(mission: Mission) -> bool:
-    return any(item.has_position and plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in mission.items)
-
-
-def _distance(meters: float) -> str:
-    return f"{meters:.0f} m" if meters < 10_000 else f"{meters / 1000:.0f} km"
-
-
-def _place(place: Geodetic) -> str:
-    return f"{place.latitude_deg:.5f}, {place.longitude_deg:.5f}"
-
-
-def _words(place: Geodetic) -> str:
-    return f"{place.latitude_deg:.6f} {place.longitude_deg:.6f} {place.altitude:.1f}"
 
 
 class FastLanding(MissionError):
@@ -99,12 +56,11 @@ class LowBattery(MissionError):
 def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     """Raise LowBattery if less than the scenario's reserve remains; begin at item `first`."""
     left = vehicle.state.battery_left
-    if forecast.scenario is None or left is None or left >= CHARGED_SHARE:
+    if forecast.scenario is None or left is None or left >= 0.95:  # fully charged
         return
     from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
-    budget = budget_of(forecast)
-    if budget is None:
+    if (budget := budget_of(forecast)) is None:
         return
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
     now = budget.against_plan(left, begins)
@@ -167,7 +123,9 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False, ignore:
     aboard, remarks_aboard = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
     findings = (*remarks_aboard, *check_mission(aboard, ignore=ignore))
     refuse_errors([finding for finding in findings if not anyway or finding.code == NOT_MEASURED])
-    there = _home_of(vehicle)
+    there = None
+    with suppress(NoAnswer):
+        there = vehicle.home()
     return (
         *_compare_home(mission, there, anyway),
         *_compare_fence(mission, vehicle, there, anyway),
@@ -188,19 +146,35 @@ def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, a
     return wrong
 
 
-def _home_of(vehicle: Vehicle) -> Geodetic | None:
-    try:
-        return vehicle.home()
-    except NoAnswer:
-        return None
-
-
 def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
+    """Refuse a home over 100 m away, if heights count from home; remark on a height that differs by over 5 m."""
     if there is None:
         return ("the vehicle does not report its home: it was not compared with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
-    remarks = compare_homes(mission, there, anyway)
-    wrong = refusals(replace(mission, home=replace(there, altitude=mission.home.altitude)))
+    here, remarks = mission.home, list[str]()
+    distance, higher = apart(here, there), there.altitude - here.altitude
+    if distance > 100.0:
+        away = f"{distance:.0f} m" if distance < 10_000 else f"{distance / 1000:.0f} km"
+        words = (
+            f"the vehicle's home is {away} from the mission's: it is at {there.latitude_deg:.5f}, "
+            f"{there.longitude_deg:.5f}, and the mission takes off at {here.latitude_deg:.5f}, {here.longitude_deg:.5f}"
+        )
+        placed = (item for item in mission.items if item.has_position)
+        if not anyway and any(plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in placed):
+            raise FarFromHome(
+                words,
+                hint="heights count from the vehicle's home: plan from its position, or send with --anyway. "
+                "A vehicle moved since its last arming sets its home there after a restart (the built-in autopilot "
+                f"starts there with `mock --home {here.latitude_deg:.6f} {here.longitude_deg:.6f} "
+                f"{here.altitude:.1f}`)",
+            )
+        remarks.append(words)
+    elif math.isfinite(higher) and abs(higher) > 5.0:
+        remarks.append(
+            f"the vehicle's home is {abs(higher):.1f} m {'higher' if higher > 0 else 'lower'} than the mission's "
+            f"({there.altitude:.1f} m AMSL, not {here.altitude:.1f} m); heights count from the vehicle's"
+        )
+    wrong = refusals(replace(mission, home=replace(there, altitude=here.altitude)))
     if wrong and not anyway:
         raise Unsafe("\n".join(f"from the vehicle's position: {words}" for words in wrong))
     return (*remarks, *wrong)

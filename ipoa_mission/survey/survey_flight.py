@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.checks.unread_check import expect_plannable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.flight.flight import as_text, write_files
 from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, passed_over_as_json, rounded
-from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.about_file import LANDING_GROUND_KEY

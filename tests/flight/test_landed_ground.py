@@ -2,7 +2,7 @@ import json
 from pathlib import Path
 
 import ipoa_mission as api
-from ipoa_mission.flight.landed import landed_elsewhere
+from ipoa_mission.flight.post_flight import landed_elsewhere
 from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on

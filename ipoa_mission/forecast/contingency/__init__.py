@@ -1,7 +1,5 @@
-"""Compute the contingencies of a flight, in this order.
+"""Compute how a flight can end: RTL, LAND, SmartRTL and hold at each second.
 
-`stopping_points`: where and when an aborted flight stops. `return_routes`: the kind and route of its return.
-`contingency_paths`: the possible paths, and their distances to obstacles and ground. `shortfalls`: those too near, and
-a clear return altitude. `grades`: how surely a contingency is clear. `energy_budget`: energy by item, and the point of
-no return. `contingencies`: all of it in rows by time. `contingencies_now`: the rows at the present time of a flight.
+Read `contingencies` first: rows by time. `contingency_paths` has the paths and their distances. The time of an RTL on
+PX4: `energy_budget.flown_from`, then `vehicles/px4_multicopter/dynamics/navigator.py`.
 """

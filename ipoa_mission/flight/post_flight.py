@@ -1,3 +1,6 @@
+"""Compare a flight with its plan: the clearance that it kept, and the place where it landed."""
+
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -5,17 +8,44 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geometry import Points
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-#: From a flight's begin [m].
-MAX_DISTANCE_OF_HOME = 20_000.0
-#: Of vertical climb and descent [m].
-COLUMN_RADIUS = 3.0
+
+def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
+    if not record.completed or not record.path or not mission.rally:
+        return ()
+    end, frame = record.path[-1], LocalFrame(mission.home)
+    there = Geodetic(end.latitude_deg, end.longitude_deg, mission.home.altitude)
+    here = tuple(map(float, frame.local(there)[:2]))
+    distance, nearest = min((math.dist(here, place[:2]), n) for n, place in enumerate(rally_places(mission), start=1))
+    if distance > 10.0 or math.hypot(*here) <= distance:  # [m]
+        return ()
+    bearing = math.degrees(math.atan2(here[0], here[1])) % 360.0
+    return (f"it landed at rally point {nearest}, {math.hypot(*here):.0f} m {bearing:.0f}° from home",)
+
+
+def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
+    """Report other ground than expected, and the time to it."""
+    mission = forecast.mission
+    expected = landing_height(mission)
+    if expected is None or not record.completed or not record.path:
+        return ()
+    landed = round(record.path[-1].height, 1) + 0.0
+    if abs(landed - expected) < 1.0:  # [m]
+        return ()
+    other = Forecast(landing_on(mission, landed), wind=forecast.wind).estimate.total_s
+    return (
+        f"it landed {landed:.1f} m above home, but the ground there is {abs(expected - landed):.1f} m "
+        f"{'higher' if expected > landed else 'lower'}: is it a simulator with level ground? `mock --scenario` has the "
+        f"scenario's. The estimate to that landing is {other:.1f} s",
+    )
 
 
 @dataclass(frozen=True)
@@ -64,7 +94,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         return None
     begins = Geodetic(record.path[0].latitude_deg, record.path[0].longitude_deg)
     scenario.expect_here(begins)
-    if apart(begins, scenario.frame.home) > MAX_DISTANCE_OF_HOME:
+    if apart(begins, scenario.frame.home) > 20_000.0:  # [m]: of another place
         return None
     points, times = _flown(record, scenario), np.array([sample.time_s for sample in record.path])
     least, required = _least(points, scenario)
@@ -89,7 +119,7 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
         np.array([getattr(sample, name) for sample in record.path])
         for name in ("latitude_deg", "longitude_deg", "height")
     )
-    frame: LocalFrame = scenario.frame
+    frame = scenario.frame
     level = frame.to_local(latitude, longitude, frame.home.altitude)
     ground = float(scenario.airspace.ground(level[:1])[0])
     return frame.to_local(latitude, longitude, frame.home.altitude + ground + height)
@@ -108,11 +138,12 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
             clearances.append((ground, limits.height_above_ground))
         elif len(way) > 1:  # a climb or descent passes every height
             clearances.append((world.terrain_clearance(way), limits.height_above_ground))
-    return min(clearances, key=lambda one: one[0].distance - one[1])
+    return min(clearances, key=lambda pair: pair[0].distance - pair[1])
 
 
 def _in_column(points: Points) -> int:
-    outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN_RADIUS)
+    radius = 3.0  # of vertical climb and descent [m]
+    outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > radius)
     return int(outside[0]) if len(outside) else len(points)
 
 
