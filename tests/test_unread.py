@@ -1,4 +1,4 @@
-from ipoa_mission.checks.unread_check import IGNORE_HINT, check_unread
+from ipoa_mission.checks.unsafe import IGNORE_HINT, check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
 

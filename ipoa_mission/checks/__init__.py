@@ -1,1 +1,5 @@
-"""Checks of a mission before it flies."""
+"""Find the errors and risks of a mission; read `check` first.
+
+Each check yields findings of a code that `ipoa_mission/rules.py` explains. `unsafe` turns errors into refusals, and
+`start` checks a flight that begins elsewhere.
+"""

@@ -1,30 +1,64 @@
-"""Check the legs of a mission in a scenario's airspace."""
+"""Check the distances of legs, and of the flights that deviate from them, to obstacles, ground and bounds."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import takewhile
+from typing import Any
 
 import numpy as np
+import shapely
 
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
-from ipoa_mission.checks.way_home import remedy
+from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.contingency.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
+from ipoa_mission.forecast.deviation.law import not_measured
+from ipoa_mission.forecast.deviation.promise import Kept, Promise
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
-from ipoa_mission.planning.proof import Check, prove
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.planning.proof import Check, prove, prove_ground
 from ipoa_mission.scenario import Scenario
 
-# of positions to 1e-7 degrees and to millimeters
-ROUNDING = {"m": 0.02, "deg": 0.5}
-HOME_TOLERANCE = 1.0  # [m]
+ROUNDING = {"m": 0.02, "deg": 0.5}  # of positions to 1e-7 degrees and to millimeters
 
-ANGLES = {"climb", "descent"}
 
-# A climb or a descent is steep, and begins or ends on the ground.
-LIMITS = {
-    Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", *ANGLES},
-    Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
-    Phase.TAKEOFF: {"obstacles"},
-    Phase.LANDING: {"obstacles"},
-}
+def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
+    """Return a hint and changes of the scenario that make the way home clear.
+
+    Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
+    Near home there may be none: an autopilot does not climb to it there.
+    """
+    others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
+    mission, scenario = forecast.mission, forecast.world
+    by = mission.autopilot.parameter_table.return_height
+    is_clear, land = clear_in(scenario), Remedy(("route", "ending"), "land")
+    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0)):
+        name, value = by.name, by.spelled(altitude)
+        if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
+            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
+            return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), land)
+    return others, (land,)
+
+
+def heights_above(above: float) -> Iterator[float]:
+    return (float(height) for height in range(HEIGHT_STEP, MAX_HEIGHT + 1, HEIGHT_STEP) if height > above)
+
+
+def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
+    """Return a test of paths for the required clearance, with room for the deviation bound."""
+    roomy, required = with_room(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
+    spare = 0.0 if scenario.safety.chance is None else SAG
+
+    def is_clear(legs: Iterable[Leg]) -> bool:
+        return all(
+            roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
+            and all(check.slack >= spare for check in prove_ground(leg.points, roomy))
+            for leg in legs
+        )
+
+    return is_clear
 
 
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
@@ -34,12 +68,12 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
     """
     mission, scenario = forecast.mission, forecast.world
     offset = np.abs(scenario.frame.local(mission.home))
-    if offset.max() > HOME_TOLERANCE:
+    if offset.max() > 1.0:  # [m]
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding("home-differs", Severity.WARNING, 0, message)
     reported = set[str]()
     for leg in forecast.legs:
-        for check in broken(leg, scenario):
+        for check in broken_limits(leg, scenario):
             words = check.words()
             begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
             if words in reported and begins:
@@ -53,9 +87,13 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
                 yield item.error("leg-too-near", message, hint, remedies)
 
 
-def broken(leg: Leg, scenario: Scenario) -> list[Check]:
+def broken_limits(leg: Leg, scenario: Scenario) -> list[Check]:
     """Return the limits broken by more than rounding."""
-    limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
+    limits = {"obstacles"}  # a take-off and a landing are steep, and begin or end on the ground
+    if leg.phase in (Phase.CRUISE, Phase.RETURN):
+        limits |= {"ground", "ceiling", "bounds"}
+    if leg.phase is Phase.CRUISE and np.ptp(leg.points[:, :2], axis=0).max() >= ROUNDING["m"]:
+        limits |= {"climb", "descent"}
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
@@ -63,3 +101,52 @@ def broken(leg: Leg, scenario: Scenario) -> list[Check]:
 def _touches(check: Check, scenario: Scenario) -> bool:
     solid = check.limit in ("obstacles", "ground")
     return solid and check.nearest.distance < scenario.vehicle.radius - ROUNDING["m"]
+
+
+def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> Iterator[Finding]:
+    """Report each limit that too few flights keep.
+
+    It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
+    """
+    if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
+        yield Finding("wind-not-measured", Severity.WARNING, None, why)
+    for kept in promise.broken:
+        item = item_of(mission, kept.item)
+        touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
+        report = item.error if kept.forbids or touches else item.warning
+        yield report("flights-too-near", f"{_where(kept)}: {kept.words(promise.confidence)}")
+
+
+def _where(kept: Kept) -> str:
+    east, north, up = kept.place
+    part = f"{kept.part}, " if kept.part else ""
+    words = {"obstacles": f"to {kept.to}", "bounds": f"inside {kept.to}"}.get(kept.limit, "above the ground")
+    return f"{part}{words} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+
+
+def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
+    things = [thing for thing in forecast.world.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    for code in sorted({thing.code for thing in things}):
+        yield from _near(forecast, [thing for thing in things if thing.code == code], code)
+
+
+def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Finding]:
+    scenario = forecast.world
+    tree = shapely.STRtree([thing.shape for thing in things])
+    required = scenario.limits.obstacle_distance + scenario.route.tolerance
+    for leg in forecast.legs:
+        way = shapely.LineString(leg.points[:, :2])
+        near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
+        if near:
+            distances = [float(shapely.distance(way, thing.shape)) for thing in near]
+            first, distance = near[int(np.argmin(distances))], min(distances)
+            others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
+            where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
+            words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
+            item = item_of(forecast.mission, leg.seq)
+            sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]
+            heights = tuple(Remedy(("maps", n, key), value) for key, value in first.heights for n in sections)
+            if code == "not-read":
+                yield item.error("not-read", words, first.remedy, heights)
+            else:
+                yield item.error("map-not-understood", words, first.remedy, heights)

@@ -1,20 +1,23 @@
 """Find the errors and risks of a mission before it flies."""
 
-from collections.abc import Iterable, Iterator
+import math
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.checks.firmware_check import check_firmware, check_version, is_too_long
-from ipoa_mission.checks.positions import check_positions, unsound
-from ipoa_mission.checks.sound import sound_part
-from ipoa_mission.checks.way import check_way
+from ipoa_mission.checks.positions import check_positions, refusals, unsound
+from ipoa_mission.checks.unsafe import check_unread
+from ipoa_mission.checks.way import check_passing, check_way
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.items import LEFT_OUT, Mission
 from ipoa_mission.rules import expect_ignorable
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.promise import Promise
-    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.scenario import Scenario
 
 
@@ -42,12 +45,10 @@ def check_mission(
         ...     print(finding.severity, finding.code, finding.seq)
         warning return-too-near 4
     """
-    from ipoa_mission.forecast.forecast import Forecast
-
     return check(Forecast(mission, scenario), ignore)
 
 
-def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
+def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
     """Return the findings; `read` has those of reading the file."""
     mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
@@ -63,47 +64,77 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
-    if not unsound(positions) and mission.vehicle_type not in NO_AIRCRAFT:
+    is_sound = not unsound(positions)
+    if is_sound and mission.vehicle_type not in NO_AIRCRAFT:
         findings += check_way(forecast)
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
-        from ipoa_mission.checks.way import check_passing
-
         findings += check_passing(flown)
         if flown.mission.fence:
             from ipoa_mission.checks.fence import check_fence
 
             findings += check_fence(flown)
-        if scenario is None and mission.landing_ground is not None:
+        if scenario is not None:
+            findings += _check_world(flown, is_sound and not is_too_long(mission), findings)
+        elif mission.landing_ground is not None:
             from ipoa_mission.checks.ground_check import check_landings
 
             findings += check_landings(flown)
-        if scenario is not None:
-            from ipoa_mission.checks.energy_check import check_energy, check_wind
-            from ipoa_mission.checks.failsafe_return import check_failsafe_landing, check_failsafe_return
-
-            is_flown = not unsound(positions) and not is_too_long(mission)
-            promise = flown.promise_if_known if is_flown else None
-            findings += [*_check_world(flown, promise), *(check_wind(flown) if is_flown else ())]
-            findings += () if promise is None else check_energy(flown)
-            if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
-                findings += (*check_failsafe_return(flown), *check_failsafe_landing(flown))
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 
 
-def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:
-    from ipoa_mission.checks.airspace_check import check_airspace
-    from ipoa_mission.checks.clearance import check_clearance, check_passed_over
+def _check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
+    from ipoa_mission.checks.airspace_check import check_airspace, check_clearance, check_passed_over
+    from ipoa_mission.checks.contingency_check import (
+        check_energy,
+        check_failsafe_landing,
+        check_failsafe_return,
+        check_wind,
+    )
     from ipoa_mission.checks.ground_check import check_ground
-    from ipoa_mission.checks.unread_check import check_unread
 
-    findings = [*check_airspace(forecast)]
-    judged = {finding.seq for finding in findings}
-    yield from findings
+    promise = forecast.promise_if_known if is_flown else None
+    found = [*check_airspace(forecast)]
+    judged = {finding.seq for finding in found}
     if promise is not None:
         clearances = check_clearance(forecast.mission, forecast.world, promise)
-        yield from (finding for finding in clearances if finding.seq not in judged)
-    yield from check_unread(forecast.world.unread)
-    yield from check_passed_over(forecast)
-    yield from check_ground(forecast)
+        found += [finding for finding in clearances if finding.seq not in judged]
+    found += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
+    found += check_wind(forecast) if is_flown else ()
+    found += () if promise is None else check_energy(forecast)
+    if promise is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *found)):
+        found += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
+    return found
+
+
+def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
+    """Return the flight without wrong items; None where home itself is wrong.
+
+    A take-off without a place is one from home.
+    """
+    mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
+    if 0 in wrong:
+        return None
+    if not wrong:
+        return forecast
+    if None in wrong:  # the fence, or a rally point
+        mission = replace(mission, fence=(), rally=())
+    left_out: set[int] = set()
+    items = list(mission.items)
+    for seq in wrong - {None}:
+        assert seq is not None
+        item = items[seq - 1]
+        if item.command in TAKEOFFS and not item.has_position and 0 < mission.altitude_above_home(item) < math.inf:
+            home = mission.home
+            items[seq - 1] = replace(item, latitude_deg=home.latitude_deg, longitude_deg=home.longitude_deg)
+        else:
+            items[seq - 1] = LEFT_OUT
+            left_out.add(seq)
+    return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))
+
+
+def promise_if_flown(forecast: Forecast) -> "Promise | None":
+    """Return the promise; None where it cannot be flown or is unknown."""
+    mission = forecast.given
+    return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

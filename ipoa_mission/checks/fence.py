@@ -1,20 +1,20 @@
-"""Check a mission against its own geofence."""
+"""Check a mission against its own geofence, and against the fence of the vehicle's parameters."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
 import shapely
 
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.polygon import union_of
-
-CIRCLE_SEGMENTS = 90  # of a quarter: within 4e-5 radii of the circle
-EDGE_TOLERANCE = 0.05  # [m]
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:
@@ -29,9 +29,8 @@ def check_fence(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("outside-fence", Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
     for n, place in enumerate(mission.rally):
         if not allowed.covers(shapely.Point(frame.local(place)[:2])):
-            yield Finding(
-                "outside-fence", Severity.ERROR, None, f"rally[{n}]: expected inside the fence, but it lies outside"
-            )
+            words = f"rally[{n}]: expected inside the fence, but it lies outside"
+            yield Finding("outside-fence", Severity.ERROR, None, words)
     yield from _legs(forecast, allowed)
 
 
@@ -40,12 +39,9 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
         return None
     if len(part.vertices) < 3:
         return f"expected a polygon of three vertices or more, not {len(part.vertices)}"
-    reason = shapely.is_valid_reason(_area(part, frame))
-    return (
-        None
-        if reason == "Valid Geometry"
-        else f"expected a polygon with an inside, not with a {reason.split('[')[0].lower()}"
-    )
+    if (reason := shapely.is_valid_reason(_area(part, frame))) == "Valid Geometry":
+        return None
+    return f"expected a polygon with an inside, not with a {reason.split('[')[0].lower()}"
 
 
 def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
@@ -59,13 +55,13 @@ def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
 def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geometry:
     if isinstance(part, FenceCircle):
         center = frame.local(Geodetic(*part.center, frame.home.altitude))[:2]
-        return shapely.Point(center).buffer(part.radius, quad_segs=CIRCLE_SEGMENTS)
+        return shapely.Point(center).buffer(part.radius, quad_segs=90)  # within 4e-5 radii of the circle
     latitude, longitude = np.array(part.vertices).T
     return shapely.Polygon(frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2])
 
 
 def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
-    wide = allowed.buffer(EDGE_TOLERANCE)
+    wide = allowed.buffer(0.05)  # [m]
     reported: set[int] = set()
     for leg in forecast.legs:
         start, end = (wide.covers(shapely.Point(leg.points[n, :2])) for n in (0, -1))
@@ -79,3 +75,34 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
             continue
         reported.add(leg.seq)
         yield item_of(forecast.mission, leg.seq).error("outside-fence", message)
+
+
+def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
+    """Report each limit that a flight from home `there` would reach, with the furthest place.
+
+    The way home is among the legs. One flight in a hundred deviates farther from them than counted.
+    """
+    law, share, forecast = law_of(mission.autopilot), 0.01, Forecast(mission)
+    center, legs = forecast.frame.local(there)[:2], forecast.legs
+    heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
+    away = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
+    highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
+    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.phase is Phase.CRUISE]
+    return (
+        *_beyond(mission, fence.radius, away, "away from home", law.lateral(share)),
+        *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),
+        *_beyond(mission, fence.floor, lowest, "above home", -law.lowest.distance(share)),
+    )
+
+
+def _beyond(
+    mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
+) -> Iterator[str]:
+    sign = math.copysign(1.0, stray)
+    leg, value = max(reached, key=lambda place: sign * place[1], default=(None, 0.0))
+    if leg is None or sign * (value + stray - limit.value) < 0.0:
+        return
+    allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
+    flown = f"{value:.1f} m {where} ({value + stray:.1f} m with the deviation of flights)"
+    after = f" on {leg_name(leg)}" if leg.jumped_from >= 0 else ""
+    yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

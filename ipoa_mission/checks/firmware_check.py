@@ -1,15 +1,16 @@
-"""Report content that a firmware refuses, changes silently, or cannot fly."""
+"""Check a mission against the tables of its firmware: items that it refuses, changes silently, or cannot fly."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import (
     ENDINGS,
     FLOWN_TO,
     HOLDING,
+    JUMPS,
     LAST_NAV,
     MAY_PRECEDE_TAKEOFF,
     TAKEOFFS,
@@ -19,34 +20,31 @@ from ipoa_mission.autopilot.commands import (
     plain_frame,
 )
 from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
+from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.checks.jump_check import check_jumps
-from ipoa_mission.checks.numbered_finding import Numbered, numbered
+from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.checks.positions import out_of_range
-from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.itinerary.program import Steps, jump_target, program_of, tagged
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import to_wire, values_of
 
-if TYPE_CHECKING:
-    from ipoa_mission.scenario import Scenario
-
-DEVELOPMENT = "dev"  # of a version
+NOT_MEASURED = "version-not-measured"
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
     firmware = mission.autopilot.firmware(mission.firmware_version)
-    is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
+    is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
     wire = to_wire(mission)
     yield from _limits(mission, firmware, len(wire))
     for at in numbered(mission):
         yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
         yield from _params(at, firmware, mission)
-    yield from check_jumps(mission)
-    yield from check_waiting(mission)
+    yield from _jumps(mission)
+    yield from _waits(mission)
     yield from _refused(mission, firmware, wire)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
@@ -79,7 +77,8 @@ def _command_and_frame(
     item, name = at.item, command_name(at.item.command)
     placed, plain = item.command in firmware.placed, item.command in firmware.plain
     if not placed and not plain:
-        where = " in a mission: it belongs into the fence or rally list" if _is_fence(item, firmware) else ""
+        is_of_a_fence = item.command in firmware.fence or item.command in firmware.rally
+        where = " in a mission: it belongs into the fence or rally list" if is_of_a_fence else ""
         words = f"{firmware} does not take {name}{where}"
         yield at.error("command-not-taken", words, _taken_later(item, autopilot, firmware))
     elif item.command in firmware.never_flown:
@@ -129,10 +128,6 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
             yield Finding("fence-refused", Severity.ERROR, None, words)
 
 
-def _is_fence(item: Item, firmware: Firmware) -> bool:
-    return item.command in firmware.fence or item.command in firmware.rally
-
-
 def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Finding]:
     item = at.item
     for n, value in enumerate(item.params, start=1):
@@ -171,7 +166,12 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         else:
             words = "the mission has no take-off: it is for a vehicle that already flies"
             yield first.warning("takeoff-missing", words)
-    yield from _waits_armed(mission, first.seq)
+    if name := guidance.waits_armed:
+        disarm_time = {**mission.autopilot.parameter_table.moving, **mission.parameters}[name]
+        for at in numbered(mission)[: first.seq - 1]:
+            if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
+                words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
+                yield at.warning("disarms-waiting", words)
     least = 0.0
     if guidance.least_takeoff is not None:
         name, more = guidance.least_takeoff
@@ -189,17 +189,6 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
 
 def _flown(mission: Mission) -> list[Numbered]:
     return [at for at in numbered(mission) if at.item.command < Command.CONDITION_DELAY]
-
-
-def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
-    name = mission.autopilot.guidance.waits_armed
-    if not name:
-        return
-    disarm_time = {**mission.autopilot.parameter_table.moving, **mission.parameters}[name]
-    for at in numbered(mission)[: takeoff - 1]:
-        if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
-            words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
-            yield at.warning("disarms-waiting", words)
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
@@ -220,7 +209,7 @@ def _ending(mission: Mission) -> Iterator[Finding]:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
 
 
-def check_waiting(mission: Mission) -> Iterator[Finding]:
+def _waits(mission: Mission) -> Iterator[Finding]:
     last = max((at.seq for at in numbered(mission) if at.item.command <= LAST_NAV), default=0)
     for at in numbered(mission):
         if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
@@ -235,23 +224,10 @@ def check_waiting(mission: Mission) -> Iterator[Finding]:
                 yield at.warning("waits-until-clock", words)
 
 
-NOT_MEASURED = "version-not-measured"
-MEASURE_HINT = (
-    "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
-    "(in a scenario vehicle.unmeasured_version = true)"
-)
-
-
 def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
     """Report a version that was not measured, as an error unless `unmeasured`."""
     if (why := autopilot.not_measured(version)) is not None:
         yield _finding(why, unmeasured)
-
-
-def expect_measured(scenario: "Scenario") -> None:
-    """Raise Unsafe if the version was not measured, and not requested by `unmeasured_version`."""
-    vehicle = scenario.vehicle
-    refuse_errors(tuple(check_version(vehicle.autopilot, vehicle.version, vehicle.unmeasured_version)))
 
 
 def check_aboard(
@@ -267,5 +243,91 @@ def check_aboard(
 
 
 def _finding(why: str, unmeasured: bool) -> Finding:
-    severity = Severity.WARNING if unmeasured else Severity.ERROR
-    return Finding("version-not-measured", severity, None, why, None if unmeasured else MEASURE_HINT)
+    if unmeasured:
+        return Finding("version-not-measured", Severity.WARNING, None, why)
+    hint = "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
+    return Finding(
+        "version-not-measured", Severity.ERROR, None, why, f"{hint}(in a scenario vehicle.unmeasured_version = true)"
+    )
+
+
+def _jumps(mission: Mission) -> Iterator[Finding]:
+    jumps = [at for at in numbered(mission) if at.item.command in JUMPS]
+    profile = mission.autopilot.firmware(mission.firmware_version).jumps
+    found = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
+    yield from found
+    yield from _tags(mission)
+    yield from _too_many(mission, len(jumps), profile)
+    if jumps and not any(finding.code == "jump-target" for finding in found):
+        program = program_of(mission, mission.items)
+        in_turn = replace(program, jumping=replace(program.jump_profile, queues_actions=False), jumped={})
+        flown, _ = program.followed()
+        if program.stuck_at is not None:
+            words = (
+                f"from here jumps lead to jumps, or to items that do not move the vehicle: {mission.autopilot.model} "
+                "stays there in the air"
+            )
+            yield item_of(mission, program.stuck_at + 1).error("jump-no-way-on", words)
+        else:
+            yield from _at_other_times(mission, flown, in_turn.followed()[0])
+
+
+def _jump_target(mission: Mission, at: Numbered) -> Iterator[Finding]:
+    target, count = at.item.params[0], len(mission.items)
+    if at.item.command == Command.DO_JUMP_TAG:
+        if jump_target(mission.items, at.seq - 1) is None:
+            words = f"param1: expected the tag of a JUMP_TAG, not {target:g}"
+            yield at.error("jump-target", f"{words}: {mission.autopilot.model} ends the mission here, in the air")
+    elif not (math.isfinite(target) and float(target).is_integer() and 1 <= target <= count):
+        yield at.error("jump-target", f"param1: expected the number of an item, 1 to {count}, not {target:g}")
+    elif target == at.seq:
+        yield at.error("jump-target", "param1: expected another item, not the jump itself")
+
+
+def _repeats(mission: Mission, at: Numbered, profile: JumpProfile) -> Iterator[Finding]:
+    asked, most = at.item.params[1], profile.most_repeats
+    if asked == -1:
+        words = f"param2: {asked:g} repeats never end: the mission flies until someone ends it"
+        if not profile.repeats_without_end:
+            words += f"; {mission.autopilot.model} stores no sign: its repeats of {asked:g} depend on the board"
+        yield at.warning("jump-without-end", words)
+    elif not (0 <= asked <= most and float(asked).is_integer()):
+        yield at.error("jump-repeats", f"param2: expected a whole number of repeats from 0 to {most}, not {asked:g}")
+
+
+def _tags(mission: Mission) -> Iterator[Finding]:
+    for at in numbered(mission):
+        if at.item.command == Command.JUMP_TAG and math.isfinite(tag := at.item.params[0]):
+            first = next(tagged(mission.items, tag)) + 1
+            if first != at.seq:
+                yield at.warning("jump-tag-twice", f"item {first} has the tag {tag:g} too: jumps lead there")
+
+
+def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Finding]:
+    name = mission.autopilot.firmware(mission.firmware_version).name
+    words = f"the mission: {count} jumps, and {name} takes"
+    if count > profile.most:
+        yield Finding("too-many-jumps", Severity.ERROR, None, f"{words} the first {profile.most} that it meets")
+    elif count > profile.most_small:
+        words = f"{words} the first {profile.most_small} that it meets on a board with less than 500 kB of memory"
+        yield Finding("too-many-jumps", Severity.WARNING, None, words)
+
+
+def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:
+    done, due = _steps_of(flown), _steps_of(listed)
+    for index in sorted(due):
+        if done[index] == due[index] or mission.items[index].command == Command.JUMP_TAG:
+            continue
+        how = f"{len(done[index])} times, and the list has it {len(due[index])} times"
+        jump = next((n + 1 for n in range(index, -1, -1) if mission.items[n].command in JUMPS), 0)
+        if jump and done[index] and done[index][0] < due[index][0]:
+            how = f"a pass of the jump at item {jump} early"
+        yield item_of(mission, index + 1).warning("action-at-other-time", f"{mission.autopilot.model} runs it {how}")
+
+
+def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
+    found = defaultdict[int, list[int]](list)
+    for number, (passed, at) in enumerate(steps):
+        for index in passed if at is not None else ():
+            found[index].append(number)
+    return found

@@ -16,9 +16,6 @@ from ipoa_mission.forecast.itinerary.flown_legs import Phase
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
 
-LONG_LANDING_DEPTH = 5.0  # below home [m]
-HOME_TOLERANCE = 0.5  # [m]
-
 
 @dataclass(frozen=True)
 class Landing:
@@ -60,7 +57,7 @@ def check_ground(forecast: "Forecast") -> Iterator[Finding]:
     """Warn about ground at home that differs from home, and about landings."""
     scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
-    if abs(at_home) > HOME_TOLERANCE:
+    if abs(at_home) > 0.5:  # [m]
         yield Finding(
             "home-not-on-ground",
             Severity.WARNING,
@@ -83,7 +80,7 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
             hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
             message = f"{landing.where}: {touches_down(stretch, landing)}"
             yield landing.item.warning("fast-touchdown", message, hint)
-        elif landing.height < -LONG_LANDING_DEPTH:
+        elif landing.height < -5.0:  # [m]
             way = stretch.ends - landing.height
             slowly = f"flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
             message = f"{landing.where}: without a rangefinder the last {way:.0f} m are {slowly}"

@@ -6,13 +6,6 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.mission.items import Item, Mission
 
-LEG_NAMES = {
-    Phase.CRUISE: "the leg to it",
-    Phase.RETURN: "the way home",
-    Phase.TAKEOFF: "the climb",
-    Phase.LANDING: "the descent",
-}
-
 
 class Numbered(NamedTuple):
     seq: int
@@ -38,7 +31,8 @@ def item_of(mission: Mission, seq: int) -> Numbered:
 
 def leg_name(leg: Leg) -> str:
     """Return the name of a leg; after a jump with its begin."""
+    names = {Phase.CRUISE: "the leg to it", Phase.RETURN: "the way home", Phase.TAKEOFF: "the climb"}
+    name = names.get(leg.phase, "the descent")
     if leg.jumped_from < 0:
-        return LEG_NAMES[leg.phase]
-    begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
-    return f"{LEG_NAMES[leg.phase]} from {begin}, after a jump"
+        return name
+    return f"{name} from {f'item {leg.jumped_from}' if leg.jumped_from else 'home'}, after a jump"

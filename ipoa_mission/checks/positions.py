@@ -10,9 +10,8 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic, apart
 
-FAR_DISTANCE, MAX_DISTANCE = 10_000.0, 100_000.0  # [m] from home
-MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # [m] above home
-LOWEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] of a home
+MAX_DISTANCE = 100_000.0  # from home [m]
+MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # above home [m]
 POSITION_OPTIONAL = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
@@ -73,11 +72,7 @@ def home_elsewhere(mission: Mission) -> str | None:
 
 
 def refuse_unsound(mission: Mission) -> None:
-    """Refuse a mission that cannot be drawn.
-
-    Raises:
-        BadInput: with the first message of `refusals`.
-    """
+    """Raise BadInput for a mission that cannot be drawn."""
     for finding in unsound(check_positions(mission)):
         raise BadInput(finding.message, code=finding.code)
 
@@ -87,8 +82,8 @@ def refusals(mission: Mission) -> tuple[str, ...]:
 
 
 def unsound(positions: Iterable[Finding]) -> list[Finding]:
-    found = [one for one in positions if one.severity is Severity.ERROR or one.code == "home-elsewhere"]
-    return sorted(found, key=lambda one: one.code == "home-elsewhere")
+    found = [each for each in positions if each.severity is Severity.ERROR or each.code == "home-elsewhere"]
+    return sorted(found, key=lambda finding: finding.code == "home-elsewhere")
 
 
 def _home(mission: Mission) -> Iterator[Finding]:
@@ -99,8 +94,8 @@ def _home(mission: Mission) -> Iterator[Finding]:
         needed = any(item.has_position for item in mission.items)
         message = "home: expected a position, not latitude 0, longitude 0"
         yield Finding("home-unknown", Severity.ERROR if needed else Severity.WARNING, 0, message)
-    if not LOWEST_LAND <= home.altitude <= HIGHEST_LAND:
-        message = f"home: expected an altitude AMSL from {LOWEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
+    if not -450.0 <= home.altitude <= 9_000.0:
+        message = f"home: expected an altitude AMSL from -450 to 9000 m, not {home.altitude:g}"
         yield Finding("home-altitude", Severity.ERROR, 0, message)
 
 
@@ -133,7 +128,7 @@ def _far(at: Numbered, home: Geodetic) -> Iterator[Finding]:
     km = apart(home, Geodetic(item.latitude_deg, item.longitude_deg)) / 1000
     if km > MAX_DISTANCE / 1000:
         yield at.error("too-far", f"expected a position within {MAX_DISTANCE / 1000:g} km of home, not {km:.0f} km")
-    elif km > FAR_DISTANCE / 1000:
+    elif km > 10.0:
         yield at.warning("far", f"lies {km:.1f} km from home")
 
 

@@ -8,8 +8,6 @@ from pathlib import Path
 from ipoa_mission.finding import Finding
 from ipoa_mission.rules import RULES
 
-SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
-
 
 def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
     codes = sorted({finding.code for findings in found.values() for finding in findings})
@@ -36,5 +34,6 @@ def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
         for finding in findings
     ]
     driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}
-    log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    schema = "https://json.schemastore.org/sarif-2.1.0.json"
+    log = {"$schema": schema, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
     return json.dumps(log, indent=2) + "\n"

@@ -13,12 +13,7 @@ from ipoa_mission.forecast.itinerary.program import jump_target
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
 
-# Below the error of satellite positioning [m].
-HOME_RADIUS = 1.5
-# Without a scenario [m].
-UNCHECKED_START = 10.0
-# Of a vehicle on the ground [m].
-MIN_CLIMB = 2.5
+HOME_RADIUS = 1.5  # below the error of satellite positioning [m]
 
 
 class NotAtStart(MissionError):
@@ -42,7 +37,8 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     for n, item in enumerate(mission.items[first:], first):
         if item.command in JUMPS and (target := jump_target(mission.items, n)) is not None and target < first:
             raise BadInput(f"item {n + 1} jumps back to item {target + 1}, before item {first + 1}", place="--from")
-    beginning = (LEFT_OUT,) * (first - 1) + (takeoff(home, max(height, MIN_CLIMB)),)
+    climb = max(height, 2.5)  # [m], at least this from the ground
+    beginning = (LEFT_OUT,) * (first - 1) + (takeoff(home, climb),)
     return replace(mission, home=home, items=beginning + mission.items[first:])
 
 
@@ -58,7 +54,7 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
         return ()
     where = f"the vehicle is {distance:.1f} m from the mission's home"
     if scenario is None:
-        if distance > UNCHECKED_START:
+        if distance > 10.0:  # [m]
             raise NotAtStart(
                 f"{where}; without a scenario the way from there cannot be checked",
                 hint="bring it there, or plan from its place: `fly SCENARIO` checks the way",
@@ -78,7 +74,7 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
     begun = Forecast(begun_at(mission, first, home), scenario)
-    errors = [f for f in check_airspace(begun) if f.severity is Severity.ERROR]
+    errors = [finding for finding in check_airspace(begun) if finding.severity is Severity.ERROR]
     if errors:
         words = f"{where}; from there: {errors[0].message}"
         raise NotAtStart(words, hint="bring it to the mission's home, or plan from its place")

@@ -1,27 +1,29 @@
-"""Refuse a mission with errors."""
+"""Refuse a mission with errors, or a scenario of which something was not read."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.checks.firmware_check import check_version
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.unread import Unread
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 
 class Unsafe(MissionError):
     """The checks found errors; the message has one line for each."""
 
 
-# Errors without `--anyway`.
-STRICT_CODES = frozenset({"other-vehicle"})
-
-
 def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
-    """Raise `STRICT_CODES` to errors unless `anyway`; errors come first."""
+    """Take another class of vehicle for an error unless `anyway`; errors come first."""
     if anyway:
         return tuple(findings)
-    harder = [replace(one, severity=Severity.ERROR) if one.code in STRICT_CODES else one for one in findings]
+    harder = [replace(each, severity=Severity.ERROR) if each.code == "other-vehicle" else each for each in findings]
     return tuple(sorted(harder, key=lambda finding: finding.severity is Severity.WARNING))
 
 
@@ -40,7 +42,7 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
         codes = list(dict.fromkeys(error.code for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
         words = "\n".join(f"{error.message} [{error.code}]" for error in errors)
-        remedies = tuple(dict.fromkeys(one for error in errors for one in error.remedies))
+        remedies = tuple(dict.fromkeys(remedy for error in errors for remedy in error.remedies))
         raise Unsafe(words, hint="; ".join(hints) or None, remedies=remedies, known={"codes": codes})
     return tuple(findings)
 
@@ -55,9 +57,31 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
         return
     own = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
     codes = {"return-too-near", "land-too-near"}
-    unclear = [one for one in findings if one.code in codes or (one.code == "leg-too-near" and one.seq in own)]
+    unclear = [each for each in findings if each.code in codes or (each.code == "leg-too-near" and each.seq in own)]
     if unclear:
         hints = dict.fromkeys(
-            [*(one.hint for one in unclear if one.hint), '[safety] returns = "warn", to be warned only']
+            filter(None, (*(each.hint for each in unclear), '[safety] returns = "warn", to be warned only'))
         )
-        raise Unsafe("\n".join(one.message for one in unclear), hint="; or ".join(hints))
+        raise Unsafe("\n".join(each.message for each in unclear), hint="; or ".join(hints))
+
+
+def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
+    """Report content of a scenario's files that the readers skipped, and that may limit a flight."""
+    ignore = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+    for thing in things:
+        if thing.may_limit:
+            hint = "; ".join(filter(None, (thing.remedy, ignore)))
+            yield Finding("not-read", Severity.ERROR, None, thing.words, hint)
+
+
+def refuse_unread(scenario: "Scenario | None") -> None:
+    """Raise Unsafe if unread content may limit the flight, and the scenario does not ignore it."""
+    if scenario is not None and "not-read" not in scenario.safety.ignored:
+        refuse_errors([*check_unread(scenario.unread)])
+
+
+def expect_plannable(scenario: "Scenario") -> None:
+    """Raise Unsafe if the version was not measured, or content that may limit the flight was not read."""
+    vehicle = scenario.vehicle
+    refuse_errors([*check_version(vehicle.autopilot, vehicle.version, vehicle.unmeasured_version)])
+    refuse_unread(scenario)

@@ -1,3 +1,5 @@
+"""Report items after which the flight is unknown, circles of another sense, and waypoints that may be passed."""
+
 import math
 from collections.abc import Iterator
 
@@ -37,10 +39,6 @@ def check_way(forecast: Forecast) -> Iterator[Finding]:
             yield at.warning("circle-sense", words)
 
 
-HEIGHT_TOLERANCE = 0.001  # of PX4 between equal heights [m]
-NAMED_ITEMS = 5  # in a message
-
-
 def check_passing(forecast: Forecast) -> Iterator[Finding]:
     """Report an error for waypoints without a hold before a change of height, and a warning for all others.
 
@@ -52,7 +50,7 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
     if hold == 0.0:
         return
     rises = _rises(forecast)
-    climbing = [seq for seq, rise in rises.items() if not rise <= HEIGHT_TOLERANCE]
+    climbing = [seq for seq, rise in rises.items() if not rise <= 0.001]  # [m] of PX4
     level = [seq for seq in rises if seq not in climbing]
     hint = f"give each a hold of {hold:g} s (param1): the vehicle stops there and waits for its height"
     if climbing:
@@ -80,5 +78,5 @@ def _rises(forecast: Forecast) -> dict[int, float]:
 
 
 def _named(items: list[int]) -> str:
-    names = ", ".join(map(str, items[:NAMED_ITEMS])) + (" and others" if len(items) > NAMED_ITEMS else "")
+    names = ", ".join(map(str, items[:5])) + (" and others" if len(items) > 5 else "")
     return f"{'items' if len(items) > 1 else 'item'} {names}"

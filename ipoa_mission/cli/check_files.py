@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.checks.check import check as check_forecast
-from ipoa_mission.checks.sound import promise_if_flown
+from ipoa_mission.checks.check import promise_if_flown
 from ipoa_mission.checks.unsafe import strictly
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission

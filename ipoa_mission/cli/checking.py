@@ -103,8 +103,7 @@ def estimate(
     from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.firmware_check import check_version
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unread_check import refuse_unread
-    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.checks.unsafe import refuse_errors, refuse_unread
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast

@@ -38,7 +38,7 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unread_check import refuse_unread
+    from ipoa_mission.checks.unsafe import refuse_unread
     from ipoa_mission.cli.check_files import counted
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_given, read_world
@@ -109,7 +109,7 @@ def show(
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
     print_lines(f"{once}; {total}", *energy, *notes(remarks))
     if endings:
-        from ipoa_mission.checks.sound import promise_if_flown
+        from ipoa_mission.checks.check import promise_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
         from ipoa_mission.forecast.contingency.contingencies import Contingencies
 

@@ -10,8 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.autopilot.energy.consumption import Consumption
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.unread_check import expect_plannable
-from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
+from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, make_folder, read_text, write_atomically
 from ipoa_mission.finding import Finding, Severity

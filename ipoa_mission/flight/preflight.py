@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.fence import breaches
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
 from ipoa_mission.checks.ground_check import landings, touches_down
-from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError

@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.airspace_check import broken
-from ipoa_mission.checks.way_home import clear_in
+from ipoa_mission.checks.airspace_check import broken_limits, clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import Place
@@ -27,7 +26,7 @@ def expect_way_home(attempt: "Attempt") -> None:
     after = attempt.promise.flight.way[1]
     lands = any(one.comes_down and one.time > after for one in attempt.short)
     ways = attempt.forecast.ways_home
-    if lands or not clear_in(scenario)(ways) or any(broken(way, scenario) for way in ways):
+    if lands or not clear_in(scenario)(ways) or any(broken_limits(way, scenario) for way in ways):
         raise WayHomeBlocked("the straight way home is not clear")
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
+from ipoa_mission.checks.airspace_check import clear_in, heights_above
 from ipoa_mission.checks.ground_check import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
-from ipoa_mission.checks.way_home import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.mission.items import Mission, waypoint

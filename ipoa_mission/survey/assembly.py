@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 
 from ipoa_mission import Command, Frame
-from ipoa_mission.checks.way_home import clear_in
+from ipoa_mission.checks.airspace_check import clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points

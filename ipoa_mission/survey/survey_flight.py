@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.checks.unread_check import expect_plannable
+from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight import as_text, write_files

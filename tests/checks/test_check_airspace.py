@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.checks.airspace_check import broken
+from ipoa_mission.checks.airspace_check import broken_limits
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
@@ -284,7 +284,7 @@ def test_a_limit_is_broken_by_more_than_the_rounding_of_a_file(short: float, lim
     """Places in a file are whole 1e-7 degrees, 1.1 cm: a leg may be short by 2 cm, not by more."""
     north = 15.0 - 2.5 + short  # of the hall's south wall; the radius and the safety distance are 2.5 m
     leg = Leg(1, Phase.CRUISE, np.array([(0.0, north, 20.0), (100.0, north, 20.0)]))
-    assert [check.limit for check in broken(leg, world())] == limits
+    assert [check.limit for check in broken_limits(leg, world())] == limits
 
 
 def test_another_home_is_a_warning() -> None:

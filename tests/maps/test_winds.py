@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.unread_check import check_unread
+from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.winds import read_wind
 from ipoa_mission.scenario import Scenario, parse_scenario

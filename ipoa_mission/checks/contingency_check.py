@@ -1,20 +1,64 @@
-"""Check RTL and LAND from each place of a path."""
+"""Check that the battery lasts, that the vehicle makes progress in the wind, and RTL and LAND at each second."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.contingency.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
 from ipoa_mission.forecast.contingency.shortfalls import at_another_height, shortfalls
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Check, prove_ground
+from ipoa_mission.wind import CALM, Wind
 
-ROUNDING = 0.02  # [m]
-# The descent is a leg of the mission.
-LEG_GROUPS = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 1), "flies home", "RTL"))
+
+def check_energy(forecast: Forecast) -> Iterator[Finding]:
+    if forecast.world.vehicle.battery is None or not forecast.mission.items:
+        return
+    if (budget := budget_of(forecast)) is None or budget.battery is None:
+        return
+    if (short := budget.shortage) is not None:
+        left = (item.left for item in budget.items if item.left is not None)
+        number = next((n for n, share in enumerate(left) if share.likely < budget.battery.reserve), None)
+        seq = None if number is None else budget.items[number].seq
+        words = f"{short}" if seq is None else f"{short}; not enough from item {seq} on"
+        yield Finding("battery-short", Severity.ERROR, seq, words, short.hint)
+        return
+    if budget.eats_reserve:
+        taken, usable = budget.used.between, budget.battery.usable_wh
+        needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
+        words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
+        learned = forecast.mission.vehicle or forecast.world.vehicle.learned
+        hint = (
+            "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
+        )
+        is_learned = learned is not None and learned.energy_ratio is not None
+        yield Finding("battery-unsure", Severity.WARNING, None, words, None if is_learned else hint)
+    if (late := budget.no_return) is not None:
+        severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
+        yield Finding("battery-no-return", severity, late.seq, str(late), RETURN_HINT if budget.plans_returns else None)
+
+
+def check_wind(forecast: Forecast) -> Iterator[Finding]:
+    if not forecast.mission.items or not forecast.wind.strongest > 0:
+        return
+    for wind in dict.fromkeys((forecast.wind, forecast.wind.as_strong_as_may_be())):
+        if (why := _why_not(forecast, wind)) is not None and _why_not(forecast, CALM) is None:
+            words, hint = f"in wind up to {wind.strongest:g} m/s: {why}", "fly in less wind, slower, or another way"
+            yield Finding("wind-too-strong", Severity.ERROR, None, words, hint)
+            return
+
+
+def _why_not(forecast: Forecast, wind: Wind) -> str | None:
+    try:
+        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(sure=True)
+    except MissionError as error:
+        return str(error)
+    return None
 
 
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
@@ -31,8 +75,11 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     checked = ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
     near = np.where(assessments.taken[..., None] & checked[:, None, None], assessments.near - ways.required, 0.0)
     braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
-    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0
-    for legs, verb, order in LEG_GROUPS:
+    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - 0.02] = 0.0  # [m], rounding
+    for legs, verb, order in (  # the descent is a leg of the mission
+        (range(RETURNS), "brakes and climbs", "RTL or pause"),
+        (range(RETURNS, RETURNS + 1), "flies home", "RTL"),
+    ):
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
             seqs = np.unique(ways.stops().seqs_at(assessments.times[short < 0.0]))
@@ -52,12 +99,10 @@ def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs
 
 
 def _remedy(ways: ContingencyPaths) -> str | None:
-    by, short = (
-        ways.mission.autopilot.parameter_table.return_height,
-        list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))),
-    )
+    by = ways.mission.autopilot.parameter_table.return_height
+    short = list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL)))
     higher, left = at_another_height(ways, ways.forecast, short)
-    if any(one.part >= RETURNS for one in left):
+    if any(shortfall.part >= RETURNS for shortfall in left):
         return None
     value = higher.given.parameters[by.name]
     return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
