@@ -13,7 +13,7 @@ from ipoa_mission.files import MISSIONS
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.learned import LearnedVehicle
     from ipoa_mission.learn.evidence import Evidence
-    from ipoa_mission.learn.judge import LeftOut
+    from ipoa_mission.learn.fit import LeftOut
 
 
 def learn(
@@ -38,8 +38,7 @@ def learn(
 
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
-    from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, fit
-    from ipoa_mission.learn.judge import energy_error, left_out, median_errors
+    from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, energy_error, fit, left_out, median_errors
     from ipoa_mission.logs.vehicle_file import write_vehicle
 
     expect_free([out], force, ask=not as_json)

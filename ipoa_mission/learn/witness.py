@@ -11,8 +11,7 @@ from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import GRAVITY, Points, Vector
-from ipoa_mission.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged_track
-from ipoa_mission.learn.powers import PowerSeconds
+from ipoa_mission.learn.powers import AIRBORNE_HEIGHT, LoggedTrack, PowerSeconds, logged_track
 from ipoa_mission.logs.flight_log import LoggedFlight
 
 SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (0.2, 5, 10)  # of samples [s], averaged, correlated

@@ -18,8 +18,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
-from ipoa_mission.learn.fit import fit
-from ipoa_mission.learn.judge import left_out, median_errors, timed
+from ipoa_mission.learn.fit import fit, left_out, median_errors, timed
 from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly

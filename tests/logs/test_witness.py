@@ -18,8 +18,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.learn.evidence import Evidence, flights_in
-from ipoa_mission.learn.fit import fit
-from ipoa_mission.learn.judge import energy_error, left_out, median_errors, timed
+from ipoa_mission.learn.fit import energy_error, fit, left_out, median_errors, timed
 from ipoa_mission.learn.witness import Witness, hover_power
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import write_mission
@@ -138,7 +137,7 @@ def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> 
 def test_where_times_get_no_better_only_the_power_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = LearnedVehicle(ARDUPILOT, drag=Learned(0.5, 0.4, 0.6), hover_power=Learned(266.0, 260.0, 272.0))
     monkeypatch.setattr("ipoa_mission.learn.fit.fit", lambda *_: vehicle)
-    monkeypatch.setattr("ipoa_mission.learn.judge.fit", lambda *_: vehicle)
+    monkeypatch.setattr("ipoa_mission.learn.fit.fit", lambda *_: vehicle)
     out = tmp_path / "vehicle.toml"
     done = CliRunner().invoke(app, ["learn", *map(str, LOGS), "--out", str(out)])
     assert "do not improve other flights' times" in done.output
