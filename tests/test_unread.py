@@ -1,4 +1,4 @@
-from ipoa_mission.checks.unsafe import IGNORE_HINT, check_unread
+from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
 
@@ -17,5 +17,7 @@ def test_each_kind_is_listed_once_with_count_place_and_example() -> None:
 def test_only_what_may_limit_the_flight_is_an_error() -> None:
     (finding,) = check_unread([*TAGS, LINK])
     assert (finding.code, finding.severity) == ("not-read", Severity.ERROR)
-    assert finding.hint == f"save what it shows; {IGNORE_HINT}"
+    assert finding.hint == (
+        'save what it shows; if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+    )
     assert finding.message == "zones.kml: not read: NetworkLink: Placemark[0]"
