@@ -20,18 +20,28 @@ from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import lift, wind
 
-MAX_CONTROL_POINTS = 500
-LOOP_RADIUS = 20.0  # [m]
-LEAST_PRICE = 0.1  # per meter, that divides the price of turns
-LOOP_DISCOUNT = 0.98  # against flying to and fro
-LONG_DETOUR = 0.5  # of a climb's distance
-LOOKS_PER_LEG = 10
+
+@dataclass(frozen=True)
+class LatticeDetails:
+    """Fixed numbers of the lattice; `LatticeStrategy` has those that vary."""
+
+    max_control_points: int = 500
+    loop_radius: float = 20.0  # [m]
+    least_price: float = 0.1  # per meter, that divides the price of turns
+    loop_discount: float = 0.98  # against flying to and fro
+    long_detour: float = 0.5  # of a climb's distance
+    samples_per_leg: int = 10
+    gap_slack: float = 0.05  # that its neighbors lack, in steps
+    widest_gap: float = 1.5  # beyond the required width, in steps
+    centering_rounds: int = 6
+    centering_batch: int = 5000  # nodes
+    end_nodes: int = 64  # candidates to begin or end at
+    end_samples: int = 8  # to each of them
+
+
+DETAILS = LatticeDetails()
+
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
-GAP_SLACK = 0.05  # that its neighbors lack, in steps
-WIDEST_GAP = 1.5  # beyond the required width, in steps
-CENTERING_ROUNDS = 6
-CENTERED_AT_A_TIME = 5000
-END_NODES, LOOKS_TO_END = 64, 8  # candidates; samples to each
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +75,7 @@ class Lattice:
         needed = np.maximum(rise / climb, -rise / descent)
         too_steep = needed > (1 + 1e-6) * level
         lengths = np.hypot(np.where(too_steep, needed, level), rise) + self.winding * needed
-        return STRIDES, np.where(too_steep, LOOP_DISCOUNT * lengths, lengths)
+        return STRIDES, np.where(too_steep, DETAILS.loop_discount * lengths, lengths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +88,7 @@ class Guess:
 
     def candidate(self, problem: PreparedProblem, closer: int = 1) -> Candidate:
         inner = self.inner if self.shares is None else round(float(self.shares.sum()))
-        return follow(self.guide, min(closer * inner, MAX_CONTROL_POINTS), problem.task, self.shares)
+        return follow(self.guide, min(closer * inner, DETAILS.max_control_points), problem.task, self.shares)
 
 
 def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
@@ -109,9 +119,9 @@ def _climbing(
         detour = np.inf
         if problem.climbs_limited:
             lifted, detour = lift(way, problem, step)
-            if detour < LONG_DETOUR:
+            if detour < DETAILS.long_detour:
                 yield Guess(lifted, None, inner)
-        if both or detour >= LONG_DETOUR:
+        if both or detour >= DETAILS.long_detour:
             yield Guess(*wind(way, inner, problem, step), inner)
 
 
@@ -137,8 +147,8 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
     slack[between], threat[between] = problem.survey(nodes[between])
-    radius = min(LOOP_RADIUS, float(size[:2].min()) / 4)
-    winding = problem.rules.turning / max(problem.rules.length, LEAST_PRICE) / radius
+    radius = min(DETAILS.loop_radius, float(size[:2].min()) / 4)
+    winding = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
     _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
     slack, price = slack.reshape(count), price.reshape(count)
@@ -163,7 +173,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
         before, after = (padded.take(range(k, k + slack.shape[axis]), axis) for k in (0, 2))
-        between |= slack - (before + after) / 2 > GAP_SLACK * step
+        between |= slack - (before + after) / 2 > DETAILS.gap_slack * step
     doubtful = (slack < 0) & (slack > -np.linalg.norm(spacing) / 2)
     return np.asarray(doubtful & ~_least_around(~(between & doubtful), 1))
 
@@ -172,8 +182,8 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
     """Return the places with the most slack around nodes (n, 3)."""
     lower, upper = _region(problem)
     centered = [nodes[:0]]
-    for some in (nodes[k : k + CENTERED_AT_A_TIME] for k in range(0, len(nodes), CENTERED_AT_A_TIME)):
-        for closer in range(1, CENTERING_ROUNDS + 1):
+    for some in (nodes[k : k + DETAILS.centering_batch] for k in range(0, len(nodes), DETAILS.centering_batch)):
+        for closer in range(1, DETAILS.centering_rounds + 1):
             offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
             trials = np.clip(some[:, None] + offsets, lower, upper)
             slack = problem.survey(trials.reshape(-1, 3))[0].reshape(trials.shape[:2])
@@ -191,10 +201,10 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
     for way in routes:
         points, cut = _cuts(way, problem)
         points[cut] = _centered(points[cut], lattice.spacing, problem)
-        kept = cut | (np.arange(len(points)) % LOOKS_PER_LEG == 0)
+        kept = cut | (np.arange(len(points)) % DETAILS.samples_per_leg == 0)
         mended.append(points[kept])
-        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // LOOKS_PER_LEG
-        narrow = np.nonzero(kept)[0][still] // LOOKS_PER_LEG
+        still = np.nonzero(_cuts(mended[-1], problem)[1])[0] // DETAILS.samples_per_leg
+        narrow = np.nonzero(kept)[0][still] // DETAILS.samples_per_leg
         closed.append(way[np.union1d(narrow, narrow + 1)])
     if not len(closed[0]):
         return mended
@@ -204,9 +214,9 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
 
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
-    shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
+    shares = np.linspace(0.0, 1.0, DETAILS.samples_per_leg, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
-    return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
+    return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % DETAILS.samples_per_leg > 0)
 
 
 def _whole(points: Points) -> NDArray[np.void]:
@@ -219,7 +229,7 @@ def _occupy_gaps(
     """Move nodes (n, 3), with slack and threat, to narrow gaps in their cells."""
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
-    widest = 2 * problem.limits.obstacle_distance + WIDEST_GAP * float(spacing[:2].max())
+    widest = 2 * problem.limits.obstacle_distance + DETAILS.widest_gap * float(spacing[:2].max())
     slack_before, most = slack.copy(), np.full(len(slack), -np.inf)
     for places in gap_places(problem, widest, float(spacing[:2].max()), heights):
         number = np.round((places - lower) / spacing).astype(int)
@@ -236,11 +246,12 @@ def _occupy_gaps(
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
-    few = np.argpartition(away, END_NODES)[:END_NODES] if len(free) > END_NODES else np.arange(len(free))
+    few = np.argpartition(away, DETAILS.end_nodes) if len(free) > DETAILS.end_nodes else np.arange(len(free))
+    few = few[: DETAILS.end_nodes]
     few = free[few[np.argsort(away[few])]]
-    shares = np.linspace(0.0, 1.0, LOOKS_TO_END)[:, None, None]
+    shares = np.linspace(0.0, 1.0, DETAILS.end_samples)[:, None, None]
     legs = place + shares * (lattice.places[few] - place)
-    slack = problem.survey(legs.reshape(-1, 3))[0].reshape(LOOKS_TO_END, -1).min(axis=0)
+    slack = problem.survey(legs.reshape(-1, 3))[0].reshape(DETAILS.end_samples, -1).min(axis=0)
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 

@@ -3,6 +3,7 @@
 A steep piece is replaced by turns of a sheared helix on an ellipse.
 """
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -11,15 +12,23 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.problem import PreparedProblem, corners
 
-TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
-AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # of the ellipse
-ELLIPSE_SIDES = 16
-LOOP_LEVELS = 9
-LIFT_SLOPE_SHARE = 0.97  # of the steepest
-LOOP_SLOPE_SHARE = 0.85  # of the steepest
-CONTROL_PER_TURN = 12
-LOOP_SLOPE_FACTOR = 1.3  # times the limit; less steep pieces the polish mends
-SHORTEST_DETOUR = 0.5  # shorter ones need no loop [m]
+
+@dataclass(frozen=True)
+class LoopShape:
+    """Loops that are tried, and their slopes."""
+
+    turns: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
+    axis_ratios: tuple[float, ...] = (1.0, 2.0, 4.0, 8.0, 16.0)  # of the ellipse
+    sides: int = 16  # of the ellipse
+    levels: int = 9
+    lift_slope_share: float = 0.97  # of the steepest
+    slope_share: float = 0.85  # of the steepest
+    control_points_per_turn: int = 12
+    slope_factor: float = 1.3  # times the limit; less steep pieces the polish mends
+    shortest_detour: float = 0.5  # shorter ones need no loop [m]
+
+
+LOOPS = LoopShape()
 
 
 def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
@@ -56,8 +65,8 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
     guide, turning = np.vstack(pieces), np.concatenate(loops)
     guide[-1] = way[-1]
     legs = leg_lengths(guide)
-    straight = max(float(legs[~turning].sum()), SHORTEST_DETOUR)
-    return guide, np.where(turning, CONTROL_PER_TURN / ELLIPSE_SIDES, inner * legs / straight)
+    straight = max(float(legs[~turning].sum()), LOOPS.shortest_detour)
+    return guide, np.where(turning, LOOPS.control_points_per_turn / LOOPS.sides, inner * legs / straight)
 
 
 def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
@@ -70,7 +79,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
     stops = [0, *corners(way, problem.task.places[1:-1]), len(way) - 1]
     for first, last in pairwise(stops):
         along, height = traveled[first : last + 1] - traveled[first], way[first : last + 1, 2]
-        climb, descent = LIFT_SLOPE_SHARE * rules.climb * along, LIFT_SLOPE_SHARE * rules.descent * along
+        climb, descent = LOOPS.lift_slope_share * rules.climb * along, LOOPS.lift_slope_share * rules.descent * along
         after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
         before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
         lifted[first + 1 : last, 2] = (before + climb)[1:-1]
@@ -79,7 +88,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
             (after[-1] - height[-1], rules.descent, along[-1] - along[np.argmax(height + descent)]),
         ):
             if missing > 2 * step:
-                longest = max(longest, float(missing / slope / max(within, SHORTEST_DETOUR)))
+                longest = max(longest, float(missing / slope / max(within, LOOPS.shortest_detour)))
     return lifted, longest if _free(lifted, problem) else np.inf
 
 
@@ -105,7 +114,7 @@ def _runs(way: Points) -> list[tuple[int, int]]:
 
 def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:
     step, rules = np.diff(way, axis=0), problem.rules
-    level = LOOP_SLOPE_FACTOR * np.hypot(step[:, 0], step[:, 1])
+    level = LOOPS.slope_factor * np.hypot(step[:, 0], step[:, 1])
     return np.asarray(np.maximum(step[:, 2] / rules.climb, -step[:, 2] / rules.descent) > level)
 
 
@@ -117,17 +126,17 @@ def _free(way: Points, problem: PreparedProblem) -> bool:
 def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Points | None:
     """Return loops from a to b, without a, (k, 3), best aligned with `ahead` (2,)."""
     rise = float(b[2] - a[2])
-    needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / LOOP_SLOPE_SHARE
-    if needed < SHORTEST_DETOUR:
+    needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / LOOPS.slope_share
+    if needed < LOOPS.shortest_detour:
         return None
-    for turns in TURNS:
+    for turns in LOOPS.turns:
         shapes = _ellipses(needed / turns)
         slack = _room(shapes, a, b, problem)
         begins = shapes[:, 1] - shapes[:, -1]
         aligned = begins @ ahead / np.linalg.norm(begins, axis=1)
         for k in np.argsort(-aligned):
             if slack[k] >= max(0.5 * slack.max(), 0.0) and _room(_closely(shapes[k], problem), a, b, problem)[0] >= 0:
-                share = np.arange(1, ELLIPSE_SIDES * turns + 1) / (ELLIPSE_SIDES * turns)
+                share = np.arange(1, LOOPS.sides * turns + 1) / (LOOPS.sides * turns)
                 points = a + share[:, None] * (b - a)
                 points[:, :2] += np.tile(np.roll(shapes[k], -1, axis=0), (turns, 1))
                 return points
@@ -136,8 +145,8 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Poi
 
 def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedProblem) -> Vector:
     """Return the least slack of shapes (s, k, 2) around places from a to b, (s,) [m]."""
-    spots = a + np.linspace(0.0, 1.0, LOOP_LEVELS)[:, None] * (b - a)
-    around = np.empty((len(shapes), LOOP_LEVELS, shapes.shape[1], 3))
+    spots = a + np.linspace(0.0, 1.0, LOOPS.levels)[:, None] * (b - a)
+    around = np.empty((len(shapes), LOOPS.levels, shapes.shape[1], 3))
     around[..., :2] = spots[:, None, :2] + shapes[:, None]
     around[..., 2] = spots[:, None, 2]
     slack = problem.survey(around.reshape(-1, 3))[0]
@@ -157,15 +166,15 @@ def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np
 
 def _ellipses(length: float) -> NDArray[np.float64]:
     """Return ellipses through or around the origin, (s, SIDES, 2), both ways."""
-    angle = 2 * np.pi * np.arange(ELLIPSE_SIDES) / ELLIPSE_SIDES
+    angle = 2 * np.pi * np.arange(LOOPS.sides) / LOOPS.sides
     ellipses = []
-    for longer in AXIS_RATIOS:
+    for longer in LOOPS.axis_ratios:
         for turned in np.pi * np.arange(8 if longer > 1 else 1) / 8:
             axes = np.array([(np.cos(turned), np.sin(turned)), (-np.sin(turned), np.cos(turned))])
             corners = np.column_stack([longer * np.cos(angle), np.sin(angle)]) @ axes
             corners *= length / np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).sum()
-            for start in range(0, ELLIPSE_SIDES, 2):
+            for start in range(0, LOOPS.sides, 2):
                 shape = np.roll(corners, -start, axis=0)
                 for through in (1.0, 0.0):
-                    ellipses += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(ELLIPSE_SIDES)]]
+                    ellipses += [shape - through * shape[0], (shape - through * shape[0])[-np.arange(LOOPS.sides)]]
     return np.array(ellipses)

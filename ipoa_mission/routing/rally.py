@@ -1,6 +1,7 @@
 """Place as few rally points as possible."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +13,20 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.world.frame import Geodetic
 
-MAX_RALLY_POINTS = 4
-PLACE_STEP = 25.0  # along the path [m]
-LATERAL_DISTANCES = (0.0, 15.0, 30.0)  # from the path [m]
-LANDING_CLEARANCE = 2.0  # around a landing place [m]
-SAMPLE_COUNT = 60
-LEAST_SEPARATION = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
+
+@dataclass(frozen=True)
+class RallySearch:
+    """Candidate places of rally points."""
+
+    max_points: int = 4
+    place_step: float = 25.0  # along the path [m]
+    lateral_distances: tuple[float, ...] = (0.0, 15.0, 30.0)  # from the path [m]
+    landing_clearance: float = 2.0  # around a landing place [m]
+    sample_count: int = 60
+    least_separation: float = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
+
+
+SEARCH = RallySearch()
 
 
 def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
@@ -27,7 +36,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     if not len(places):
         return
     begin, end = ways.in_air
-    times = np.linspace(begin, end, SAMPLE_COUNT)
+    times = np.linspace(begin, end, SEARCH.sample_count)
     stopped = ways.stops().at(times)[1]
     height = ways.at(Contingency.RTL, times).ways[:, 0, 3, 2]
     home = np.zeros(3)
@@ -40,7 +49,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
         goals, clear = goals[keep], clear[:, keep]
     away = np.linalg.norm(stopped[:, None, :2] - goals[None, :, :2], axis=2)
     chosen = [0]
-    while len(goals) > 1 and len(chosen) <= MAX_RALLY_POINTS:
+    while len(goals) > 1 and len(chosen) <= SEARCH.max_points:
         gains = [_served(clear, away, [*chosen, n]) for n in range(1, len(goals))]
         best = int(np.argmax(gains)) + 1
         if gains[best - 1] <= _served(clear, away, chosen):
@@ -68,15 +77,15 @@ def _places(forecast: Forecast) -> Points:
     track = forecast.promise.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
-    at = np.arange(0.0, traveled[-1] + PLACE_STEP, PLACE_STEP)
+    at = np.arange(0.0, traveled[-1] + SEARCH.place_step, SEARCH.place_step)
     spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     kept: list[np.ndarray] = [np.zeros(2)]
-    for distance in LATERAL_DISTANCES:
+    for distance in SEARCH.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in kept) >= LEAST_SEPARATION:
+                if min(float(np.hypot(*(spot - other))) for other in kept) >= SEARCH.least_separation:
                     kept.append(spot)
     level = np.array(kept[1:]).reshape(-1, 2)
     return np.column_stack([level, forecast.world.airspace.ground(level)])
@@ -87,10 +96,10 @@ def _with_room(ways: ContingencyPaths, places: Points) -> Points:
         return places
     air = ways.roomy.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
-    near, _ = air.legs_clearance(top, places, ways.required + LANDING_CLEARANCE)
+    near, _ = air.legs_clearance(top, places, ways.required + SEARCH.landing_clearance)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
     inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
-    return places[(near >= ways.required + LANDING_CLEARANCE) & (inside > 0.0)]
+    return places[(near >= ways.required + SEARCH.landing_clearance) & (inside > 0.0)]
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:

@@ -25,12 +25,22 @@ from ipoa_mission.world.obstacles import Obstacle
 
 # Tight places, whether gaps stay open, and share of the lowest spare height. Less room is quicker and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
-HOPELESS_SLACK = -0.15  # [m]
-MAX_MOVES, MAX_VAIN_MOVES = 4, 2  # of a path, and in a row with little gain
-LEAST_GAIN = 0.01  # of a move [m]
-MAX_SEARCHES = 6
-REPEATED_SEARCHES = 1  # with more room
-SEED_COUNT = 2
+
+
+@dataclass(frozen=True)
+class SeekEffort:
+    """Limits of the search for a path with room."""
+
+    hopeless_slack: float = -0.15  # [m]
+    max_moves: int = 4  # of a path
+    max_vain_moves: int = 2  # in a row with little gain
+    least_gain: float = 0.01  # of a move [m]
+    max_searches: int = 6
+    repeated_searches: int = 1  # with more room
+    seed_count: int = 2
+
+
+EFFORT = SeekEffort()
 
 
 class TooNear(NoPath):
@@ -78,7 +88,7 @@ def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
         return None
 
 
-def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEARCHES) -> Attempt:
+def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.max_searches) -> Attempt:
     """Return the first attempt that holds, of at most `plans` paths.
 
     Raises:
@@ -88,7 +98,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEA
     """
     expect_wide(scenario)
     nearest: Attempt | None = None
-    tries = ((number, room) for number in range(seed, seed + SEED_COUNT) for room in _rooms(scenario))
+    tries = ((number, room) for number in range(seed, seed + EFFORT.seed_count) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
         try:
             plan = plan_path(room.world, seed=number, progress=progress)
@@ -123,7 +133,7 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
     for room in _first_rooms(scenario):
         yield room
         latest, before = room, room.needs
-        for _ in range(0 if _as_printed(scenario) else REPEATED_SEARCHES):
+        for _ in range(0 if _as_printed(scenario) else EFFORT.repeated_searches):
             if latest.closed or latest.needs is before:
                 break
             before = latest.needs
@@ -155,18 +165,19 @@ def _as_printed(scenario: Scenario) -> bool:
 
 def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     """Return the best attempt after moving the plan aside; record the needs in `room`."""
-    latest = best = best_route(plan, scenario, HOPELESS_SLACK)
+    latest = best = best_route(plan, scenario, EFFORT.hopeless_slack)
     in_vain = 0
-    for _ in range(0 if _as_printed(scenario) else MAX_MOVES):
+    for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
-        if best.holds or in_vain == MAX_VAIN_MOVES:
+        if best.holds or in_vain == EFFORT.max_vain_moves:
             break
         room.needs = room.needs.more(latest, scenario)
         wider = (room.needs.room(room.world, scenario, gaps) for gaps in (False, True))
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = best_route(replace(latest.plan, curve=moved), scenario, max(HOPELESS_SLACK, best.slack + LEAST_GAIN))
-        in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
+        promising = max(EFFORT.hopeless_slack, best.slack + EFFORT.least_gain)
+        latest = best_route(replace(latest.plan, curve=moved), scenario, promising)
+        in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     return best

@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.planning.strategy import LatticeStrategy
-from ipoa_mission.planning.winding import LIFT_SLOPE_SHARE, lift
+from ipoa_mission.planning.winding import LOOPS, lift
 from ipoa_mission.world.terrain import Grid
 from tests.quick_search import QUICK
 
@@ -46,8 +46,8 @@ def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
     assert (lifted[:, 2] >= way[:, 2]).all()
     step = np.diff(lifted[1:-1], axis=0)
     level = np.hypot(step[:, 0], step[:, 1])
-    assert (step[:, 2] <= LIFT_SLOPE_SHARE * np.tan(CLIMB) * level + 1e-9).all()
-    assert (-step[:, 2] <= LIFT_SLOPE_SHARE * np.tan(DESCENT) * level + 1e-9).all()
+    assert (step[:, 2] <= LOOPS.lift_slope_share * np.tan(CLIMB) * level + 1e-9).all()
+    assert (-step[:, 2] <= LOOPS.lift_slope_share * np.tan(DESCENT) * level + 1e-9).all()
     assert lifted[1, 2] == pytest.approx(290.0)  # went straight up
 
 
@@ -58,6 +58,6 @@ def test_a_descent_that_is_too_short_for_its_height_needs_a_detour(distance: flo
     height = 250.0
     crest = np.array([goal[0] - distance, goal[1], height])
     _, detour = lift(np.array([start, (0.0, 700.0, height), crest, goal]), problem, STEP)
-    within = distance * LIFT_SLOPE_SHARE
+    within = distance * LOOPS.lift_slope_share
     missing = (height - goal[2]) / np.tan(DESCENT) - within
     assert detour == pytest.approx(max(missing, 0.0) / distance if long else 0.0, abs=0.02)
