@@ -33,9 +33,9 @@ from ipoa_mission.link.dialogue import Cancelled as Cancelled
 from ipoa_mission.link.dialogue import NoAnswer as NoAnswer
 from ipoa_mission.link.dialogue import TimeUp as TimeUp
 from ipoa_mission.link.line import Contested as Contested
+from ipoa_mission.link.line import SignsOtherwise as SignsOtherwise
+from ipoa_mission.link.line import SpeaksMavlink1 as SpeaksMavlink1
 from ipoa_mission.link.logbook import FlightRecord as FlightRecord
-from ipoa_mission.link.no_reply import SignsOtherwise as SignsOtherwise
-from ipoa_mission.link.no_reply import SpeaksMavlink1 as SpeaksMavlink1
 from ipoa_mission.link.onboard_list import ReplacedSince as ReplacedSince
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
 from ipoa_mission.link.reconnect import NotTheSameVehicle as NotTheSameVehicle

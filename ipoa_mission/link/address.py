@@ -8,8 +8,6 @@ from ipoa_mission.errors import BadInput
 
 LOOPBACK = "127.0.0.1"
 DEFAULT_BAUD = 57600
-_NETWORK = re.compile(r"(?P<kind>\w+):(//)?(?P<host>\[[0-9a-fA-F:.]+\]|[^:/\[\]]*):(?P<port>\d{1,9})/?", re.ASCII)
-_SERIAL = re.compile(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", re.ASCII)
 
 
 class Transport(StrEnum):
@@ -18,16 +16,6 @@ class Transport(StrEnum):
     TCP_OUT = "tcp"
     TCP_IN = "tcpin"
     SERIAL = "serial"
-
-
-_SPELLINGS = {
-    "udp": Transport.UDP_IN,  # as in MAVSDK and mavutil
-    "udpin": Transport.UDP_IN,
-    "udpout": Transport.UDP_OUT,
-    "tcp": Transport.TCP_OUT,
-    "tcpout": Transport.TCP_OUT,
-    "tcpin": Transport.TCP_IN,
-}
 
 
 @dataclass(frozen=True)
@@ -45,10 +33,13 @@ class Address:
 
 
 def parse_address(url: str) -> Address:
-    if match := _SERIAL.fullmatch(url):
+    if match := re.fullmatch(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", url, re.ASCII):
         return Address(Transport.SERIAL, device=match["device"], baud=int(match["baud"] or DEFAULT_BAUD))
-    match = _NETWORK.fullmatch(url)
-    if match is None or match["kind"] not in _SPELLINGS:
+    host = r"(?P<host>\[[0-9a-fA-F:.]+\]|[^:/\[\]]*)"
+    match = re.fullmatch(
+        rf"(?P<kind>udp|udpin|udpout|tcp|tcpout|tcpin):(//)?{host}:(?P<port>\d{{1,9}})/?", url, re.ASCII
+    )
+    if match is None:
         raise BadInput(
             f"expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD, "
             f"not {url!r}",
@@ -58,4 +49,5 @@ def parse_address(url: str) -> Address:
     port = int(match["port"])
     if port > 65535:
         raise BadInput(f"expected a port up to 65535, not {port}", place="link")
-    return Address(_SPELLINGS[match["kind"]], match["host"].strip("[]") or LOOPBACK, port)
+    kind = {"udp": "udpin", "tcpout": "tcp"}.get(match["kind"], match["kind"])  # udp: as in MAVSDK and mavutil
+    return Address(Transport(kind), match["host"].strip("[]") or LOOPBACK, port)

@@ -17,12 +17,6 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 
 Peer: TypeAlias = Hashable
 MAX_READ = 65536
-MAX_CONNECTIONS = 16
-TCP_TIMEOUT_S = 10.0  # [s] without progress: closed
-RECEIVE_BUFFER = 4 << 20  # [bytes] PX4 streams thousands of frames a second
-CLOSED = "the other side closed the connection"
-CLOSED_HINT = "was the autopilot, or what relays it, restarted?"
-MAX_UNSENT = 2048  # [bytes] for a serial line: 0.3 s at 57600 baud
 
 
 class LinkDown(MissionError):
@@ -57,18 +51,15 @@ def open_channel(url: str) -> Channel:
             case _:
                 return SerialChannel(address)
     except (OSError, ValueError) as error:
+        hint = "is another ground station using it?" if "in use" in str(error) else None
+        if isinstance(error, ConnectionRefusedError):
+            hint = "nothing listens there: is the autopilot (or the simulation) running?"
         words = f"cannot be opened: {_reason(error)}"
-        raise LinkDown(words, hint=_hint(error), code="link-not-opened", place=address) from error
+        raise LinkDown(words, hint=hint, code="link-not-opened", place=address) from error
 
 
 def _reason(error: Exception) -> str:
     return getattr(error, "strerror", None) or str(error)
-
-
-def _hint(error: Exception) -> str | None:
-    if isinstance(error, ConnectionRefusedError):
-        return "nothing listens there: is the autopilot (or the simulation) running?"
-    return "is another ground station using it?" if "in use" in str(error) else None
 
 
 class RealTime:
@@ -96,7 +87,7 @@ class UdpChannel(RealTime):
         is_out = address.transport is Transport.UDP_OUT
         self._socket = socket.socket(_family(address.host), socket.SOCK_DGRAM)
         self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)  # PX4 sends thousands of frames a second
         self._remote: Any = None
         try:
             if is_out:
@@ -148,6 +139,7 @@ def _is_loopback(host: str) -> bool:
 
 class TcpChannel(RealTime):
     datagrams = False
+    MAX_CONNECTIONS = 16
 
     def __init__(self, address: Address) -> None:
         super().__init__()
@@ -155,14 +147,14 @@ class TcpChannel(RealTime):
         self._connections: list[socket.socket] = []
         if address.transport is Transport.TCP_IN:
             self._listener = socket.create_server(
-                (address.host, address.port), family=_family(address.host), backlog=MAX_CONNECTIONS
+                (address.host, address.port), family=_family(address.host), backlog=self.MAX_CONNECTIONS
             )
             self._listener.setblocking(False)
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)
             self._adopt(connection)
-            with suppress(AttributeError):
-                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * TCP_TIMEOUT_S))
+            with suppress(AttributeError):  # close after 10 s without progress
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, 10_000)
 
     @property
     def port(self) -> int:
@@ -171,23 +163,23 @@ class TcpChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         watched = [*self._connections, *([self._listener] if self._listener else [])]
         if not watched:
-            raise LinkDown(CLOSED, CLOSED_HINT)
+            raise _closed()
         ready, _, _ = select.select(watched, [], [], max(0.0, until - self.now()))
         got: list[tuple[bytes, Peer]] = []
-        for one in ready:
-            if one is self._listener:
+        for connection in ready:
+            if connection is self._listener:
                 self._accept()
                 continue
             try:
-                data = one.recv(MAX_READ)
+                data = connection.recv(MAX_READ)
             except BlockingIOError:
                 continue
             except OSError:
                 data = b""
             if data:
-                got.append((data, one))
+                got.append((data, connection))
             else:
-                self._drop(one)
+                self._drop(connection)
         return got
 
     def send(self, data: bytes, peer: Peer | None) -> None:
@@ -221,7 +213,7 @@ class TcpChannel(RealTime):
             connection, _ = self._listener.accept()  # type: ignore[union-attr]
         except OSError:
             return
-        if len(self._connections) >= MAX_CONNECTIONS:
+        if len(self._connections) >= self.MAX_CONNECTIONS:
             connection.close()
         else:
             self._adopt(connection)
@@ -239,11 +231,16 @@ class TcpChannel(RealTime):
         self._connections.remove(connection)
         connection.close()
         if self._listener is None:
-            raise LinkDown(CLOSED, CLOSED_HINT)
+            raise _closed()
+
+
+def _closed() -> LinkDown:
+    return LinkDown("the other side closed the connection", "was the autopilot, or what relays it, restarted?")
 
 
 class SerialChannel(RealTime):
     datagrams = False
+    MAX_UNSENT = 2048  # bytes: 0.3 s at 57600 baud
 
     def __init__(self, address: Address) -> None:
         super().__init__()
@@ -262,7 +259,7 @@ class SerialChannel(RealTime):
 
     def send(self, data: bytes, peer: Peer | None) -> None:
         """Queue a whole frame, or drop it while the line does not drain."""
-        if len(self._unsent) + len(data) <= MAX_UNSENT:
+        if len(self._unsent) + len(data) <= self.MAX_UNSENT:
             self._unsent += data
         with _broken_by_errors():
             self._write()
@@ -278,11 +275,8 @@ class SerialChannel(RealTime):
 
     def _write(self) -> None:
         """Write only what the line takes at once: else pyserial blocks for ever."""
-        if self._unsent and self._is_ready():
+        if self._unsent and (os.name != "posix" or select.select([], [self._port], [], 0)[1]):
             self._unsent = self._unsent[self._port.write(self._unsent) :]
-
-    def _is_ready(self) -> bool:
-        return os.name != "posix" or bool(select.select([], [self._port], [], 0)[1])
 
 
 @contextmanager

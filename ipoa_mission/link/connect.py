@@ -9,13 +9,12 @@ from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, numbered
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.line import Line, SignsOtherwise
 from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
-from ipoa_mission.link.no_reply import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
 #: For the first heartbeat, and for others after it [s].
@@ -69,14 +68,14 @@ def connect(
         return borrow(link, log)
     line = open_line(link, log, signer)
     try:
-        return meet(line, system, patience, fast, anyway, reading)
+        return meet(line, system, ConnectionOptions(patience, fast, anyway, reading))
     except NoAnswer as silence:
         line.close()
         if log is not None:
             _drop_unanswered(Path(log))
-        words = f"{silence}"
         hint = "is the autopilot running, and does it send to this address?"
-        raise NoAnswer(words, hint=hint, code="not-heard", place=link if isinstance(link, str) else "connect") from None
+        place = link if isinstance(link, str) else "connect"
+        raise NoAnswer(f"{silence}", hint=hint, code="not-heard", place=place) from None
     except BaseException:
         line.close()
         raise
@@ -95,30 +94,24 @@ def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = 
     return Line(again(), codec, log, again)
 
 
-def meet(
-    line: Line,
-    system: int | None = None,
-    patience: Patience = SPECIFIED,
-    fast: bool = True,
-    anyway: bool = False,
-    reading: bool = False,
-) -> Vehicle:
+def meet(line: Line, system: int | None = None, options: ConnectionOptions | None = None) -> Vehicle:
     """Raise as `connect` does; pings meanwhile fit the first timers to the round trip."""
+    options = options or ConnectionOptions()
     autopilots: dict[int, FoundVehicle] = {}
     trips: dict[int, float] = {}
-    until = line.now() + min(PRESENCE_S, patience.total_s)
+    until = line.now() + min(PRESENCE_S, options.patience.total_s)
     is_met = is_doubted = False
     while line.now() < until:
         heard = line.receive(until)
         if not is_doubted and _rejected(line, system):
             is_doubted = True
-            until = min(until, line.now() + DOUBTED_S)
+            until = min(until, line.now() + 3.0)
         autopilots |= autopilots_in(heard)
         trips |= round_trips_in(heard, line.now())
         if not is_met and (system in autopilots if system is not None else autopilots):
             is_met = True
             until = line.now() + OTHER_HEARTBEATS_S
-            if reading or all(one.kind.is_flown for one in autopilots.values()):
+            if options.reading or all(vehicle.kind.is_flown for vehicle in autopilots.values()):
                 line.send(Ping(round(line.now() * 1e6), 0))
     if (disbelieved := _rejected(line, system)) and not (autopilots if system is None else system in autopilots):
         raise disbelieved
@@ -128,20 +121,17 @@ def meet(
     if not autopilots:
         raise NoAnswer("no autopilot is heard", code="not-heard")
     if system is None and len(autopilots) > 1:
-        words = f"several vehicles are heard: {', '.join(_named(autopilots[one]) for one in sorted(autopilots))}"
+        names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(autopilots.items()))
+        words = f"several vehicles are heard: {names}"
         raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
-    one = autopilots[system] if system is not None else autopilots.popitem()[1]
-    if not (reading or one.kind.is_flown):
-        raise NotFlown(one.kind, f"vehicle {one.system}")
-    if not anyway:
-        line.expect_alone(one.system)
-    return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
+    found = autopilots[system] if system is not None else autopilots.popitem()[1]
+    if not (options.reading or found.kind.is_flown):
+        raise NotFlown(found.kind, f"vehicle {found.system}")
+    if not options.anyway:
+        line.expect_alone(found.system)
+    return Vehicle(line, found, options, trips.get(found.system))
 
 
 def _rejected(line: Line, system: int | None) -> SignsOtherwise | None:
     doubted = line.doubted()
     return next(iter(doubted.values()), None) if system is None else doubted.get(system)
-
-
-def _named(one: FoundVehicle) -> str:
-    return f"{one.system} ({one.kind})"

@@ -35,6 +35,8 @@ Take = Callable[[int, ItemAt], int]
 DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
 #: Both firmwares repeat their request within a second [s].
 REFUSAL_TIMEOUT_S = 3.0
+#: For words that explain a refusal [s].
+REASON_TIMEOUT_S = 0.3
 
 
 class MissionRefused(MissionError):
@@ -256,7 +258,7 @@ def _answered(question: RequestList | ClearAll) -> Dialogue[int]:
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    heard: Message | None = yield Pause(0.3)
+    heard: Message | None = yield Pause(REASON_TIMEOUT_S)
     while heard is not None:
         texts.note(heard)
         heard = yield None

@@ -101,9 +101,7 @@ def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
 
 
 def wait(seconds: float) -> Dialogue[None]:
-    heard = yield Pause(seconds)
-    while heard is not None:
-        heard = yield None
+    yield from until(lambda: False, seconds)
 
 
 @dataclass(frozen=True)
@@ -141,7 +139,7 @@ class Tempo:
     SLOW_LINK_REPEATS = 5
 
     def __init__(self, patience: Patience) -> None:
-        self._patience = patience
+        self.patience = patience
         self._shortest = 0.0
         self._loses = False
         self._mean: float | None = None
@@ -150,8 +148,8 @@ class Tempo:
         self._doubts = 0
 
     def wait_s(self, item: bool) -> float:
-        usual = self._patience.item_s if item else self._patience.answer_s
-        if not self._patience.adapt:
+        usual = self.patience.item_s if item else self.patience.answer_s
+        if not self.patience.adapt:
             return usual
         if self._mean is not None:
             usual = max(self._mean + 4 * self._spread, self.FASTEST_S)
@@ -174,9 +172,9 @@ class Tempo:
 
         PX4 repeats each question over a slow link. After a loss each repeat is answered.
         """
-        if self._loses or not self._patience.adapt:
-            return self._patience.echo_s
-        return max(self._patience.echo_s, self._shortest)
+        if self._loses or not self.patience.adapt:
+            return self.patience.echo_s
+        return max(self.patience.echo_s, self._shortest)
 
     def lost(self) -> None:
         """The repeat is too late for an echo."""

@@ -1,3 +1,5 @@
+"""Vehicles on a link by their heartbeats, and their firmware versions."""
+
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle
@@ -6,21 +8,14 @@ from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.autopilot.kind import Kind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
-from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Carrier, Line
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, Heartbeat, MavAutopilot, Ping
+from ipoa_mission.link.orders import message_request, order
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
 
-VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
-#: Today's request and its predecessor.
-VERSION_REQUESTS = (
-    CommandLong(
-        VehicleCommand.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    ),
-    CommandLong(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)),
-)
+VERSIONS_S = 3.0
 
 
 @dataclass(frozen=True)
@@ -41,12 +36,14 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
 
 def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
     silent, versions = set(systems), dict[int, Version]()
-    until, orders = line.now() + seconds, cycle(VERSION_REQUESTS)
+    until = line.now() + seconds
+    # today's request and its predecessor
+    turns = cycle((message_request("AUTOPILOT_VERSION"), order(VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES, 1.0)))
     while silent and line.now() < until:
-        order = next(orders)
+        request = next(turns)
         for system in sorted(silent):
-            line.send(order, Target(system, AUTOPILOT_COMPONENT))
-        again = min(line.now() + VERSION_ROUND_S, until)
+            line.send(request, Target(system, AUTOPILOT_COMPONENT))
+        again = min(line.now() + 0.7, until)
         while silent and line.now() < again:
             for heard in line.receive(again):
                 if isinstance(heard.message, AutopilotVersion) and heard.system in silent:

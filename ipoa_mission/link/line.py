@@ -1,6 +1,9 @@
+"""The ground station's end of a link, and `converse`, which holds a dialogue with one vehicle on it."""
+
 import logging
 import math
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -8,19 +11,48 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, T, Tempo, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Silence, T, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_run import ItemFrames, ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
-from ipoa_mission.link.no_reply import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.routes import CLAIM_S, Routes
+from ipoa_mission.link.signing import Doubt
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.vehicle_state import NotFlown
 
 log = logging.getLogger(__name__)
-HEARTBEAT_S = 1.0
 NOTICE_S = 0.1  # until Ctrl-C is noticed
-MAV_TYPE_GCS = 6
+CAUSE_S = 5.0  # of silence, until its cause is reported
+
+
+class SpeaksMavlink1(MissionError):
+    """The vehicle is heard in MAVLink 1 only, and ignores MAVLink 2."""
+
+    def __init__(self, system: int) -> None:
+        super().__init__(
+            f"vehicle {system} speaks MAVLink 1 only, and does not answer to MAVLink 2",
+            hint="set it to MAVLink 2 on this link (ArduPilot: SERIALn_PROTOCOL 2, PX4: MAV_PROTO_VER 2)",
+        )
+
+
+class SignsOtherwise(MissionError):
+    """The vehicle's signing and ours differ: it ignores us."""
+
+    def __init__(self, system: int, doubt: Doubt | None) -> None:
+        ours = "give the key that it has: --key FILE"
+        words, hint = {
+            None: ("it signs its messages, and does not answer our unsigned ones", ours),
+            Doubt.UNSIGNED: (
+                "it does not sign, and only messages signed with our key are accepted",
+                "give it this key, or connect without one",
+            ),
+            Doubt.FOREIGN: ("it signs with another key than ours", ours),
+            Doubt.STALE: (
+                "it signs with our key, but its timestamps are old",
+                "is its clock wrong, or this computer's? Or are old messages replayed?",
+            ),
+        }[doubt]
+        super().__init__(f"vehicle {system} is there, but {words}", hint=hint)
 
 
 class Carrier(Protocol):
@@ -105,7 +137,7 @@ class Line:
 
     def receive(self, until: float) -> list[Heard]:
         """Return messages to us or to everyone; send our heartbeat when due."""
-        self._keep_present()
+        self._send_heartbeat()
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
             heard += self._hear(data, peer)
@@ -120,7 +152,7 @@ class Line:
         frames, peers, begun_at = self._frames, self._routes.to(target), run.at
         heard: list[Heard] | None = None
         while heard is None:
-            self._keep_present()
+            self._send_heartbeat()
             limit = min(until, run.sent_s + run.wait_s)
             got = channel.receive(min(limit, self._next_heartbeat))
             now = channel.now()
@@ -140,26 +172,27 @@ class Line:
             self._is_old[target] = False
         return heard
 
-    def _keep_present(self) -> None:
+    def _send_heartbeat(self) -> None:
+        """Each second, as type MAV_TYPE_GCS."""
         now = self.channel.now()
         if now >= self._next_heartbeat:
-            self._next_heartbeat = now + HEARTBEAT_S
-            self.send(Heartbeat(MAV_TYPE_GCS, MavAutopilot.INVALID))
+            self._next_heartbeat = now + 1.0
+            self.send(Heartbeat(6, MavAutopilot.INVALID))
 
     def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
         heard: list[Heard] = []
         now = self.channel.now()
         framer = self._routes.framer(peer)
         for frame in framer.datagram(data) if self.channel.datagrams else framer.feed(data):
-            one = self.codec.decode(frame)
-            if one is None or not self._is_known(one, peer, now):
+            decoded = self.codec.decode(frame)
+            if decoded is None or not self._is_known(decoded, peer, now):
                 continue
             if self._log:
                 self._log.write(frame, self.channel.unix_s())
             if self.overhearing:
                 self.overhearing(frame)
-            if one.message is not None and one.is_for(self.codec.system, self.codec.component):
-                heard.append(one)
+            if decoded.message is not None and decoded.is_for(self.codec.system, self.codec.component):
+                heard.append(decoded)
         return heard
 
     def contested(self, system: int) -> bool:
@@ -210,24 +243,24 @@ class Line:
         if self.codec.signer:
             self.codec.signer.close()
 
-    def _is_known(self, one: Heard, peer: Peer, now: float) -> bool:
+    def _is_known(self, heard: Heard, peer: Peer, now: float) -> bool:
         """Check for the known peer of a name; note its rivals."""
-        name = Target(one.system, one.component)
+        name = Target(heard.system, heard.component)
         before = self._routes.holder(name)
         if self._routes.claim(name, peer, now):
             if before != peer:
                 self._rivals.pop(name, None)
             self._routes.learn(name, peer, now)
-            self._is_old[name] = is_old(one.raw) and self._is_old.get(name, True)
-            if is_signed(one.raw):
+            self._is_old[name] = is_old(heard.raw) and self._is_old.get(name, True)
+            if is_signed(heard.raw):
                 self._signing.add(name)
             return True
-        if isinstance(one.message, Heartbeat) and one.message.autopilot != MavAutopilot.INVALID:
+        if isinstance(heard.message, Heartbeat) and heard.message.autopilot != MavAutopilot.INVALID:
             first, last = self._rivals.get(name, (now, now))
             self._rivals[name] = (first if now - last < CLAIM_S else now, now)
-            if not self._is_warned and self.contested(one.system):
+            if not self._is_warned and self.contested(heard.system):
                 self._is_warned = True
-                log.warning("another vehicle with system id %d is on the link; it is not listened to", one.system)
+                log.warning("another vehicle with system id %d is on the link; it is not listened to", heard.system)
         return False
 
     def __enter__(self) -> "Line":
@@ -237,25 +270,28 @@ class Line:
         self.close()
 
 
+@dataclass(frozen=True)
+class Listening:
+    """`overhear` gets each message; raise TimeUp at `until`, on the line's clock, and Silence after `quiet_s`."""
+
+    overhear: Callable[[Message], None] = lambda message: None
+    until: float = math.inf
+    quiet_s: float = math.inf
+
+
 def converse(
-    line: Carrier,
-    target: Target,
-    dialogue: Dialogue[T],
-    patience: Patience,
-    tempo: Tempo | None = None,
-    overhear: Callable[[Message], None] | None = None,
-    until: float = math.inf,
-    quiet_s: float = math.inf,
+    line: Carrier, target: Target, dialogue: Dialogue[T], tempo: Tempo, listening: Listening | None = None
 ) -> T:
     """Hold a dialogue with one vehicle.
 
-    Raise `Cancelled` in it at Ctrl-C (a second one ends it), `TimeUp` at `until`, `Silence` after `quiet_s`. Raise
-    SpeaksMavlink1 or SignsOtherwise if the target never answers.
+    Raise `Cancelled` in it at Ctrl-C (a second one ends it), and the errors of `listening`. Raise SpeaksMavlink1 or
+    SignsOtherwise if the target never answers.
     """
-    now = line.now
+    listening = listening or Listening()
+    now, until, quiet_s = line.now, listening.until, listening.quiet_s
     heard_s = now()
     with noted_interrupts() as interrupt:
-        exchange = Exchange(dialogue, now(), patience, tempo)
+        exchange = Exchange(dialogue, now(), tempo.patience, tempo)
         try:
             while not exchange.finished:
                 for message in exchange.outgoing():
@@ -270,8 +306,7 @@ def converse(
                     if (heard.system, heard.component) == target and heard.message is not None:
                         if now() - heard_s >= quiet_s:
                             break
-                        if overhear:
-                            overhear(heard.message)
+                        listening.overhear(heard.message)
                         exchange.receive(heard.message, now())
                         heard_s = now()
                 if exchange.was_answered:

@@ -31,18 +31,18 @@ class Pipe(Protocol):
 
 class PerfectPipe:
     def __init__(self) -> None:
-        self._held: list[bytes] = []
+        self._waiting: list[bytes] = []
 
     def push(self, data: bytes, now: float) -> None:
-        self._held.append(data)
+        self._waiting.append(data)
 
     def pop(self, now: float) -> list[bytes]:
-        held, self._held = self._held, []
-        return held
+        waiting, self._waiting = self._waiting, []
+        return waiting
 
     @property
     def deadline(self) -> float:
-        return -math.inf if self._held else math.inf
+        return -math.inf if self._waiting else math.inf
 
 
 class Loopback:

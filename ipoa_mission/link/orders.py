@@ -50,6 +50,10 @@ def order(number: int, *params: float) -> CommandLong:
     return CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
 
 
+def message_request(name: str) -> CommandLong:
+    return order(VehicleCommand.REQUEST_MESSAGE, float(message_number(name)))
+
+
 def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
     return order(VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
@@ -105,7 +109,7 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
 
 def _requested(name: str, kind: type[M], pause_s: float, requests: int = MESSAGE_REQUESTS) -> Dialogue[M | None]:
     """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
-    request = CommandLong(VehicleCommand.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    request = message_request(name)
     step: Step = Ask(request)
     has_answered = False
     while True:

@@ -11,10 +11,10 @@ from ipoa_mission.link import orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.conversations import observed
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
-from ipoa_mission.link.line import NOTICE_S, Carrier, converse
+from ipoa_mission.link.line import NOTICE_S, Carrier, Listening, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Current, Heartbeat, Message
 from ipoa_mission.link.onboard_list import OnboardList, prove
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
@@ -126,7 +126,7 @@ class LinkLoss:
                 return None
             dialogue = observed(recognize(stranger, known), lambda heard: stranger.expect_flown())
             end_s = min(self._since_s + GIVE_UP_S, self._until_s)
-            converse(self._line, target, dialogue, patience, overhear=note, until=end_s, quiet_s=SILENT_S)
+            converse(self._line, target, dialogue, Tempo(patience), Listening(note, end_s, SILENT_S))
             return messages
         except LinkDown as down:
             self._is_open, self._open_s, self._why = False, self._line.now() + RETRY_S, str(down)

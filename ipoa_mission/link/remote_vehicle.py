@@ -8,7 +8,7 @@ from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
-from ipoa_mission.link.line import Carrier, converse
+from ipoa_mission.link.line import Carrier, Listening, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
@@ -70,12 +70,8 @@ class RemoteVehicle:
         return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
-        patience, tempo = self._patience, self._tempo
-        return converse(self.line, self._target, dialogue, patience, tempo, self._overhear, self._until, quiet_s)
-
-    @property
-    def _target(self) -> Target:
-        return Target(self.system, AUTOPILOT_COMPONENT)
+        target, listening = Target(self.system, AUTOPILOT_COMPONENT), Listening(self._overhear, self._until, quiet_s)
+        return converse(self.line, target, dialogue, self._tempo, listening)
 
     @contextmanager
     def _in_time(self) -> Iterator[None]:

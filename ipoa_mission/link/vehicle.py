@@ -3,7 +3,7 @@ import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from ipoa_mission.autopilot.commands import LAST_NAV
@@ -15,7 +15,6 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.departure import (
     LIMITS,
     NEEDED_STREAMS,
@@ -28,19 +27,18 @@ from ipoa_mission.link.departure import (
 )
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, await_booted
-from ipoa_mission.link.flight_order import SHOWN_S, FlightOrder, pause, resume, return_to_launch
+from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import FlightRecord, Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
-from ipoa_mission.link.mode_watch import ModeWatch
 from ipoa_mission.link.onboard_list import ListWatcher, OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
-from ipoa_mission.link.vehicle_state import NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, to_wire
@@ -50,6 +48,16 @@ from ipoa_mission.world.frame import Geodetic
 log = logging.getLogger(__name__)
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
+
+
+@dataclass(frozen=True)
+class ConnectionOptions:
+    """As `connect` explains them."""
+
+    patience: Patience = SPECIFIED
+    fast: bool = True
+    anyway: bool = False
+    reading: bool = False
 
 
 class Vehicle(RemoteVehicle):
@@ -66,13 +74,11 @@ class Vehicle(RemoteVehicle):
         self,
         line: Carrier,
         heard: FoundVehicle,
-        patience: Patience = SPECIFIED,
-        fast: bool = True,
+        options: ConnectionOptions | None = None,
         round_trip_s: float | None = None,
-        anyway: bool = False,
     ) -> None:
-        super().__init__(line, heard, patience, round_trip_s)
-        self._fast, self._anyway = fast, anyway
+        self._options = options or ConnectionOptions()
+        super().__init__(line, heard, self._options.patience, round_trip_s)
         self._mission: Mission | None = None
         self._onboard_lists: dict[int, OnboardList] = {}
         self._logbook = Logbook((), self.autopilot)
@@ -134,7 +140,7 @@ class Vehicle(RemoteVehicle):
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._onboard_lists.pop(kind, None)
             list_id = None
-            if self._fast and job.has_checksum and kind == MissionType.MISSION:
+            if self._options.fast and job.has_checksum and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
                     list_id = self._tell(upload_by_file(job, progress))
             self._onboard_lists[kind] = OnboardList(
@@ -219,7 +225,7 @@ class Vehicle(RemoteVehicle):
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
         onboard_lists, home = tuple(self._onboard_lists.values()), self.autopilot.counts_home
         self._departure = Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
-        if not self._anyway:
+        if not self._options.anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
             self._tell(prepare(self._departure, self.ready_s))

@@ -1,3 +1,6 @@
+"""The state that a vehicle reports, and a watch of its mode in flight."""
+
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -9,11 +12,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
 
+log = logging.getLogger(__name__)
 ON_GROUND = 1  # MAV_LANDED_STATE
-#: MAV_SYS_STATUS_PREARM_CHECK, in the present mode.
-PREARM_CHECK = 0x10000000
+PREARM_CHECK = 0x10000000  # MAV_SYS_STATUS_PREARM_CHECK, in the present mode
+SETTLED_S = 1.0  # a mode this long has replaced the mission's
 IN_AIR_HEIGHT = 0.5  # [m] above home, if nothing better is known
-MAX_WARNINGS = 50
 
 
 class NotReady(MissionError):
@@ -86,7 +89,7 @@ class VehicleState:
             case SystemStatus(present, _, health):
                 self.may_arm = bool(health & PREARM_CHECK) if present & PREARM_CHECK else None
             case Text(severity, text) if severity <= WARNING:
-                self.warnings = [*self.warnings[1 - MAX_WARNINGS :], text.rstrip("\t ")]
+                self.warnings = [*self.warnings[-49:], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
         """Raise NotFlown unless all heartbeats were of one supported vehicle."""
@@ -135,3 +138,53 @@ class VehicleState:
         item = "" if self.current is None else f", at item {self.current.seq}"
         after = self.autopilot.modes.does_next(self.custom_mode)
         return f"the vehicle is armed and in the air{height}, in {mode}{item}: {after}"
+
+
+@dataclass
+class ModeWatch:
+    """`words`: how the vehicle has left its mission. `was_away`: its reason may have been missed."""
+
+    state: VehicleState
+    words: str = ""
+    was_away: bool = False
+    _modes: frozenset[int] = frozenset()
+    _mode: int | None = None
+    _since_s: float = 0.0
+    _is_reported: bool = False
+    _warnings: list[tuple[float, str]] = field(default_factory=list)
+
+    @contextmanager
+    def watched(self, modes: frozenset[int]) -> Iterator[None]:
+        self.words, self._mode, self._modes = "", None, modes
+        self._warnings.clear()
+        try:
+            yield
+        finally:
+            self._modes = frozenset()
+
+    def note(self, message: Message, now_s: float) -> None:
+        """`state` has noted the message already."""
+        if isinstance(message, Text) and message.severity <= WARNING:
+            self._warnings.append((now_s, message.text.strip()))
+        mode = self.state.custom_mode
+        if not self._modes or mode is None or not self.state.armed or not self.state.in_air:
+            return
+        if mode != self._mode:
+            self._mode, self._since_s, self._is_reported = mode, now_s, False
+        if mode in self._modes:
+            if self.words:
+                log.warning("the vehicle goes on with its mission")
+            self.words, self.was_away = "", False
+        elif now_s - self._since_s >= SETTLED_S and not self._is_reported:
+            self._is_reported, self.words = True, self._left()
+            modes, hint = self.state.autopilot.modes, "a pilot or a ground station can take it over"
+            if mode not in modes.returns | modes.lands:
+                hint += "; or stop watching by Ctrl-C, then `resume` or `rtl` orders it on"
+            log.warning("%s (%s)", self.words, hint)
+
+    def _left(self) -> str:
+        since_s = self._since_s - 3.0  # warnings this old may be the reason
+        warnings = list(dict.fromkeys(text for when, text in self._warnings if when >= since_s))
+        why = "its reason may not have been heard" if self.was_away else "does not say why"
+        reason = f"; it says: {'; '.join(warnings)}" if warnings else f", and {why}"
+        return f"the vehicle has left its mission: {self.state}{reason}"

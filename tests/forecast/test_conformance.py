@@ -14,8 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.conformance_watch import Conformance
-from ipoa_mission.link.flight_order import FlightOrder
+from ipoa_mission.link.flight_order import Conformance, FlightOrder
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.vehicle_state import VehicleState

@@ -15,7 +15,7 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.upload import Replaced
-from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
@@ -51,7 +51,7 @@ class Booting(BuiltInAutopilot):
 
 def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehicle:
     line = Line(Loopback(Station(autopilot)), Codec(245, 190))
-    return meet(line, patience=replace(SPECIFIED, total_s=total_s))
+    return meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=total_s)))
 
 
 class Told:

@@ -10,12 +10,13 @@ from types import SimpleNamespace
 import pytest
 
 from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import MAX_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
+from ipoa_mission.link.channel import LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Text
+from ipoa_mission.link.vehicle import ConnectionOptions
 from tests.quick_link import hurry
 from tests.refused import refuses
 
@@ -68,7 +69,7 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     for frame in sent:
         serial.send(frame, None)
     assert time.monotonic() - began < 5.0
-    assert len(serial._unsent) <= MAX_UNSENT
+    assert len(serial._unsent) <= SerialChannel.MAX_UNSENT
     framer = Framer()
     got: list[bytes] = []
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):
@@ -91,7 +92,9 @@ def test_a_verb_on_a_serial_line_that_does_not_drain_ends_when_the_user_s_patien
     for _ in range(2000):
         serial.send(full, None)
     os.write(cable.vehicle, AUTOPILOT)
-    vehicle = meet(Line(serial, Codec(245, 190)), patience=replace(SPECIFIED, total_s=0.5), fast=False)
+    vehicle = meet(
+        Line(serial, Codec(245, 190)), options=ConnectionOptions(patience=replace(SPECIFIED, total_s=0.5), fast=False)
+    )
     began = time.monotonic()
     with pytest.raises((TimeUp, NoAnswer)):
         vehicle.clear()

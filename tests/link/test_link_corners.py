@@ -5,10 +5,9 @@ from typing import Any
 import pytest
 
 from ipoa_mission.link.codec import numbered
-from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.flight_order import FlightOrder
+from ipoa_mission.link.flight_order import Conformance, FlightOrder
 from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight

@@ -11,11 +11,12 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
@@ -50,7 +51,7 @@ def _press_at(moment: int, number: int) -> None:
 def aboard(family: Autopilot, fast: bool = False) -> tuple[Line, Mock, Callable[[tuple[Item, ...]], None]]:
     mock = Mock(family, HOME)
     line = Line(Loopback(Station(mock), BadPipe(SLOW, 0), BadPipe(SLOW, 1)), Codec(245, 190))
-    vehicle = meet(line, fast=fast)
+    vehicle = meet(line, options=ConnectionOptions(fast=fast))
     return line, mock, lambda items: vehicle.upload_items(items, MissionType.MISSION)
 
 
@@ -160,10 +161,10 @@ def stubborn() -> Dialogue[None]:
 
 
 def test_a_conversation_may_end_well_and_a_second_press_ends_it_at_once() -> None:
-    assert converse(Line(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), SPECIFIED) == "ended well"
+    assert converse(Line(Pressing(5.0), Codec(245, 190)), Target(1, 1), pausing(), Tempo(SPECIFIED)) == "ended well"
     line = Line(Pressing(5.0, 6.0), Codec(245, 190))
     with pytest.raises(KeyboardInterrupt):
-        converse(line, Target(1, 1), stubborn(), SPECIFIED)
+        converse(line, Target(1, 1), stubborn(), Tempo(SPECIFIED))
     assert 6.0 <= line.channel.now() < 6.2
 
 
@@ -207,9 +208,9 @@ def waiting() -> Dialogue[str]:
 
 def test_a_press_in_the_moment_in_which_a_conversation_ends_is_not_lost() -> None:
     undisturbed = Pressing()
-    assert converse(Line(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), SPECIFIED) == "done"
+    assert converse(Line(undisturbed, Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED)) == "done"
     with pytest.raises(KeyboardInterrupt):
-        converse(Line(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), SPECIFIED)
+        converse(Line(Pressing(undisturbed.waited_at), Codec(245, 190)), Target(1, 1), waiting(), Tempo(SPECIFIED))
 
 
 def test_a_press_in_the_last_moment_of_an_upload_is_told_to_be_too_late() -> None:

@@ -16,6 +16,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
+from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
@@ -116,7 +117,7 @@ def test_a_whole_list_takes_one_frame_each_way_an_item_and_few_of_them_reach_the
     reached: list[Message] = []
     mock = Mock(autopilot, HOME)
     channel = Counting(Station(mock, signer=Signer(key) if key else None))
-    vehicle = meet(Line(channel, Codec(*US, Signer(key) if key else None)), fast=False)
+    vehicle = meet(Line(channel, Codec(*US, Signer(key) if key else None)), options=ConnectionOptions(fast=False))
     items = items_of(autopilot, 300)
     monkeypatch.setattr(vehicle, "_overhear", reached.append)
     said, heard = channel.said, channel.heard

@@ -15,7 +15,7 @@ from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Count, Heartbeat, Message
-from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
@@ -98,7 +98,7 @@ def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmwa
 @pytest.mark.parametrize(("firmware", "mav_type"), [(3, 1), (12, 20), (0, 2)])
 def test_it_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str) -> None:
     line, channel = line_to(firmware, mav_type)
-    vehicle = meet(line, fast=False, reading=True)
+    vehicle = meet(line, options=ConnectionOptions(fast=False, reading=True))
     vehicle.download_items(0)
     channel.said.clear()
     with refuses("not-flown"):
@@ -115,7 +115,7 @@ def test_every_multicopter_is_taken(mav_type: int) -> None:
 def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> None:
     """Two vehicles with one id, one after the other, or by turns."""
     line, channel = line_to(3, 2)
-    vehicle = meet(line, fast=False)
+    vehicle = meet(line, options=ConnectionOptions(fast=False))
     vehicle.upload(MISSION)
     for told in ((3, 1), (3, 2)):
         channel.far.autopilot.told = told  # type: ignore[attr-defined]
@@ -140,7 +140,7 @@ def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
 ) -> None:
     """Nor is it disarmed."""
     line, channel = line_to(3, 2)
-    vehicle = meet(line, fast=False)
+    vehicle = meet(line, options=ConnectionOptions(fast=False))
     channel.turning = after, other
     with pytest.raises(NotFlown):
         fly_all(vehicle)
@@ -150,7 +150,7 @@ def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
 
 def test_what_a_companion_says_with_the_ids_of_the_autopilot_tells_nothing_of_it() -> None:
     line, channel = line_to(3, 2)
-    vehicle = meet(line, fast=False)
+    vehicle = meet(line, options=ConnectionOptions(fast=False))
     vehicle.state.armed = True
     channel.far.autopilot.told = 8, 18  # type: ignore[attr-defined]
     vehicle._hold(wait(3.0))

@@ -11,10 +11,9 @@ from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, Message, Text
-from ipoa_mission.link.mode_watch import SETTLED_S, ModeWatch
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.link.vehicle_state import ON_GROUND, VehicleState
+from ipoa_mission.link.vehicle_state import ON_GROUND, SETTLED_S, ModeWatch, VehicleState
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station

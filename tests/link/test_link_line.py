@@ -18,6 +18,7 @@ from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, Mi
 from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
+from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -128,7 +129,7 @@ def test_a_vehicle_that_is_not_there_is_an_error(monkeypatch: pytest.MonkeyPatch
 def test_an_upload_ends_when_the_user_s_patience_does(family: Autopilot) -> None:
     slow = Faults(delay_s=0.2)
     line = Line(Loopback(Station(Mock(family, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
-    vehicle = meet(line, patience=replace(SPECIFIED, total_s=5.0), fast=False)
+    vehicle = meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=5.0), fast=False))
     begun = line.channel.now()
     legs = (waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(50))
     with refuses("time-up", "", "attempt 1") as late:

@@ -16,6 +16,7 @@ from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
+from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
@@ -72,7 +73,7 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
         ) as server,
     ):
         try:
-            vehicle = meet(line, reading=True)  # a generic vehicle
+            vehicle = meet(line, options=ConnectionOptions(reading=True))  # a generic vehicle
             vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
             told = next(json.loads(words) for words in server.stderr if words.startswith("{"))

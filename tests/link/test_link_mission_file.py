@@ -13,7 +13,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.conversations import KeepsChanging
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, Tempo, TimeUp
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import (
@@ -32,7 +32,7 @@ from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Mess
 from ipoa_mission.link.mission_upload_file import pack_mission, unpack_mission, upload_by_file
 from ipoa_mission.link.onboard_list import prove
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
-from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle import ConnectionOptions, Vehicle
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
@@ -50,7 +50,7 @@ CLIENT = Target(245, 190)
 def aboard(faults: Faults, seed: int = 0, fast: bool = True, family: Autopilot = ARDUPILOT) -> tuple[Vehicle, Mock]:
     mock = Mock(family, HOME)
     line = Line(Loopback(Station(mock), BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1)), Codec(*CLIENT))
-    return meet(line, fast=fast), mock
+    return meet(line, options=ConnectionOptions(fast=fast)), mock
 
 
 def heard_by(mock: Mock) -> list[object]:
@@ -129,7 +129,7 @@ def test_px4_has_no_such_file() -> None:
     vehicle.upload_items(items_of(Autopilot.PX4, 5), MissionType.MISSION)
     assert not any(isinstance(message, FileTransfer) for message in heard)
     with refuses("file-refused", "", "MISSION/mission.dat"):
-        converse(line_of(vehicle), Target(1, 1), read_file(MISSION_FILE), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), read_file(MISSION_FILE), Tempo(SPECIFIED))
 
 
 def test_a_file_that_reads_back_differently_is_an_error() -> None:
@@ -137,14 +137,14 @@ def test_a_file_that_reads_back_differently_is_an_error() -> None:
     mock._files = FileService(True, 650, mock.transfers.listed, lambda items: True)
     job = Upload(items_of(ARDUPILOT, 5), ARDUPILOT)
     with pytest.raises(ReadBackDiffers):
-        converse(line_of(vehicle), Target(1, 1), upload_by_file(job), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), upload_by_file(job), Tempo(SPECIFIED))
 
 
 def test_silence_says_what_was_asked() -> None:
     vehicle, mock = aboard(Faults())
     mock.receive = lambda *anything: None  # type: ignore[method-assign]
     with refuses("no-answer", "", "reset"):
-        converse(line_of(vehicle), Target(1, 1), write_file("x", b"y"), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), write_file("x", b"y"), Tempo(SPECIFIED))
 
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
@@ -241,7 +241,9 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
     vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
     mock.transfers.stores[MissionType.MISSION].clear()
     with pytest.raises(Replaced):
-        converse(line_of(vehicle), Target(1, 1), prove(vehicle._onboard_lists.values(), vehicle.state), SPECIFIED)
+        converse(
+            line_of(vehicle), Target(1, 1), prove(vehicle._onboard_lists.values(), vehicle.state), Tempo(SPECIFIED)
+        )
 
 
 def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
@@ -256,7 +258,9 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
             receive(message, source, now)
 
     mock.receive = deaf_at_first  # type: ignore[method-assign]
-    told = converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), SPECIFIED)
+    told = converse(
+        line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
+    )
     assert told == file_checksum(pack_mission(()))
     assert len(set(numbers)) == 4
 
@@ -271,7 +275,7 @@ def test_who_makes_no_checksums_is_read_all_the_same_and_who_falls_silent_is_an_
         None if isinstance(message, FileTransfer) else receive(message, *rest)
     )
     with refuses("no-answer", "", "MISSION/mission.dat"):
-        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED))
     begun = vehicle.line.now()
     assert len(vehicle.download_items(MissionType.MISSION)) == 5
     assert vehicle.line.now() - begun < 40.0

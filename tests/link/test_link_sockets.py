@@ -6,7 +6,7 @@ from contextlib import closing
 import pytest
 
 from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import MAX_CONNECTIONS, LinkDown, TcpChannel, UdpChannel
+from ipoa_mission.link.channel import LinkDown, TcpChannel, UdpChannel
 from tests.refused import refuses
 
 
@@ -77,7 +77,7 @@ def test_one_connection_that_ends_leaves_the_others(served: TcpChannel) -> None:
 
 
 def test_more_connections_than_are_served_are_closed(served: TcpChannel) -> None:
-    clients = [joined(served) for _ in range(MAX_CONNECTIONS + 1)]
+    clients = [joined(served) for _ in range(TcpChannel.MAX_CONNECTIONS + 1)]
     try:
         assert clients[-1].recv(1) == b""
         served.send(b"x", None)

@@ -11,11 +11,11 @@ from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.line import CAUSE_S, Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
-from ipoa_mission.link.no_reply import CAUSE_S
 from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
@@ -103,7 +103,7 @@ def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None
 def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
     net = Net(one=station(), other=station())
     line = line_on(net)
-    vehicle = meet(line, anyway=True)
+    vehicle = meet(line, options=ConnectionOptions(anyway=True))
     vehicle.upload(suited(vehicle, MISSION))
     assert line.contested(1)
     assert is_exact(net, "one")
@@ -216,7 +216,7 @@ def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_
             net.ends["one"].receive(frame, "twin", now)
         return []
 
-    vehicle = meet(line_on(net), fast=False)
+    vehicle = meet(line_on(net), options=ConnectionOptions(fast=False))
     opened = line_of(vehicle).codec.encode(Count(31), VEHICLE, 0.0)
     net.ends["one"].receive(opened, "us", net.now())
     net.strangers.append(disturb)
@@ -277,7 +277,7 @@ class Drip(Net):
 @pytest.mark.parametrize("family", registered())
 def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
     net = Drip(one=station(family))
-    vehicle = meet(line_on(net), fast=False)
+    vehicle = meet(line_on(net), options=ConnectionOptions(fast=False))
     vehicle.upload(suited(vehicle, MISSION))
     assert is_exact(net, "one", family)
     assert len(vehicle.download().items) == len(MISSION.items)
