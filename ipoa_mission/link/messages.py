@@ -5,6 +5,7 @@ Received numbers stay integers: an unknown one is no error.
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import dataclass_transform
 
 from ipoa_mission.mission.items import Item
 
@@ -70,25 +71,26 @@ AUTOPILOT_COMPONENT = 1
 STATION_SYSTEM, STATION_COMPONENT = 245, 190
 
 
+@dataclass_transform(frozen_default=True)
 @dataclass(frozen=True)
 class Message:
-    pass
+    """Each subclass is a frozen dataclass."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True)(cls)
 
 
-@dataclass(frozen=True)
 class Count(Message):
     count: int
     kind: int = MissionType.MISSION
 
 
-@dataclass(frozen=True)
 class Request(Message):
     seq: int
     kind: int = MissionType.MISSION
     legacy: bool = False
 
 
-@dataclass(frozen=True)
 class ItemAt(Message):
     """MISSION_ITEM_INT; `current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
 
@@ -98,7 +100,6 @@ class ItemAt(Message):
     current: int = 0
 
 
-@dataclass(frozen=True)
 class Ack(Message):
     """MISSION_ACK with the `Result`; PX4 adds its id of the list (0: none)."""
 
@@ -107,24 +108,20 @@ class Ack(Message):
     opaque_id: int = 0
 
 
-@dataclass(frozen=True)
 class RequestList(Message):
     kind: int = MissionType.MISSION
 
 
-@dataclass(frozen=True)
 class ClearAll(Message):
     kind: int = MissionType.MISSION
 
 
-@dataclass(frozen=True)
 class SetCurrent(Message):
     """MISSION_SET_CURRENT (superseded by command 224, which PX4 lacks)."""
 
     seq: int
 
 
-@dataclass(frozen=True)
 class Current(Message):
     """MISSION_CURRENT; states: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
 
@@ -138,19 +135,16 @@ class Current(Message):
     mission_id: int = 0
 
 
-@dataclass(frozen=True)
 class Reached(Message):
     seq: int
 
 
-@dataclass(frozen=True)
 class WritePartialList(Message):
     start_index: int
     end_index: int
     kind: int = MissionType.MISSION
 
 
-@dataclass(frozen=True)
 class Heartbeat(Message):
     type: int
     autopilot: int
@@ -163,7 +157,6 @@ class Heartbeat(Message):
         return bool(self.base_mode & ARMED_FLAG)
 
 
-@dataclass(frozen=True)
 class Text(Message):
     """STATUSTEXT; severity 0 (emergency) to 7 (debug); chunks of a long text share an `id`."""
 
@@ -173,7 +166,6 @@ class Text(Message):
     chunk_seq: int = 0
 
 
-@dataclass(frozen=True)
 class Event(Message):
     """EVENT of PX4; the ground station has its words."""
 
@@ -182,7 +174,6 @@ class Event(Message):
     arguments: bytes = b""
 
 
-@dataclass(frozen=True)
 class Ping(Message):
     """PING; a request is addressed to (0, 0)."""
 
@@ -190,7 +181,6 @@ class Ping(Message):
     seq: int
 
 
-@dataclass(frozen=True)
 class TimeSync(Message):
     """TIMESYNC [ns]: a question has `tc1` 0."""
 
@@ -198,14 +188,12 @@ class TimeSync(Message):
     ts1: int
 
 
-@dataclass(frozen=True)
 class CommandLong(Message):
     command: int
     params: tuple[float, float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     confirmation: int = 0
 
 
-@dataclass(frozen=True)
 class CommandInt(Message):
     """COMMAND_INT; x and y on the command's own scale."""
 
@@ -217,7 +205,6 @@ class CommandInt(Message):
     z: float
 
 
-@dataclass(frozen=True)
 class CommandAck(Message):
     command: int
     result: int
@@ -225,18 +212,15 @@ class CommandAck(Message):
     result_param2: int = 0
 
 
-@dataclass(frozen=True)
 class SetMode(Message):
     base_mode: int
     custom_mode: int
 
 
-@dataclass(frozen=True)
 class ParamRequestList(Message):
     """PARAM_REQUEST_LIST."""
 
 
-@dataclass(frozen=True)
 class ParamRequestRead(Message):
     """PARAM_REQUEST_READ by name, or by index unless -1."""
 
@@ -244,14 +228,12 @@ class ParamRequestRead(Message):
     param_index: int = -1
 
 
-@dataclass(frozen=True)
 class ParamSet(Message):
     param_id: str
     param_value: float
     param_type: int = 9
 
 
-@dataclass(frozen=True)
 class ParamValue(Message):
     """PARAM_VALUE; type 9 is a float."""
 
@@ -262,7 +244,6 @@ class ParamValue(Message):
     param_index: int
 
 
-@dataclass(frozen=True)
 class MessageInterval(Message):
     """MESSAGE_INTERVAL [us]; 0 unknown, -1 never."""
 
@@ -270,7 +251,6 @@ class MessageInterval(Message):
     interval_us: int
 
 
-@dataclass(frozen=True)
 class RequestDataStream(Message):
     """REQUEST_DATA_STREAM: MAV_DATA_STREAM (0: all) at a rate [Hz]."""
 
@@ -279,7 +259,6 @@ class RequestDataStream(Message):
     start_stop: int = 1
 
 
-@dataclass(frozen=True)
 class FileTransfer(Message):
     """251 bytes of MAVFTP."""
 

@@ -1,9 +1,6 @@
-from dataclasses import dataclass
-
 from ipoa_mission.link.messages import Message
 
 
-@dataclass(frozen=True)
 class AutopilotVersion(Message):
     """`capabilities`: bits of MAV_PROTOCOL_CAPABILITY."""
 
@@ -12,7 +9,6 @@ class AutopilotVersion(Message):
     uid: int = 0
 
 
-@dataclass(frozen=True)
 class ProtocolVersion(Message):
     """MAVLink's version times 100."""
 
@@ -21,7 +17,6 @@ class ProtocolVersion(Message):
     max_version: int
 
 
-@dataclass(frozen=True)
 class HomePosition(Message):
     """Altitude AMSL [m]."""
 
@@ -30,14 +25,12 @@ class HomePosition(Message):
     altitude: float
 
 
-@dataclass(frozen=True)
 class GlobalOrigin(Message):
     latitude_deg: float
     longitude_deg: float
     altitude: float
 
 
-@dataclass(frozen=True)
 class Position(Message):
     """Altitude AMSL, height above home [m]; velocity north, east, down [m/s]; yaw [rad]."""
 
@@ -50,7 +43,6 @@ class Position(Message):
     yaw: float = 0.0
 
 
-@dataclass(frozen=True)
 class LocalPosition(Message):
     """North, east, down from the origin [m], and velocity [m/s]."""
 
@@ -59,7 +51,6 @@ class LocalPosition(Message):
     velocity: tuple[float, float, float]
 
 
-@dataclass(frozen=True)
 class Gps(Message):
     """A fix of type 3 is three-dimensional."""
 
@@ -72,7 +63,6 @@ class Gps(Message):
     satellites_visible: int = 12
 
 
-@dataclass(frozen=True)
 class Attitude(Message):
     """[rad]"""
 
@@ -82,7 +72,6 @@ class Attitude(Message):
     yaw: float
 
 
-@dataclass(frozen=True)
 class Hud(Message):
     """Speeds [m/s], altitude AMSL [m], heading [deg]."""
 
@@ -94,7 +83,6 @@ class Hud(Message):
     climb: float
 
 
-@dataclass(frozen=True)
 class SystemStatus(Message):
     """Sensor bits; battery voltage [V], remaining [%], current [A]."""
 
@@ -106,7 +94,6 @@ class SystemStatus(Message):
     current: float = -0.01  # negative: not measured
 
 
-@dataclass(frozen=True)
 class BatteryStatus(Message):
     """Voltage [V], current [A], remaining [%]; negative: not measured."""
 
@@ -116,7 +103,6 @@ class BatteryStatus(Message):
     battery_remaining: int = -1
 
 
-@dataclass(frozen=True)
 class WindEstimate(Message):
     """ArduPilot's estimate: from direction [deg], speed [m/s]."""
 
@@ -124,14 +110,12 @@ class WindEstimate(Message):
     speed: float
 
 
-@dataclass(frozen=True)
 class WindVelocity(Message):
     """PX4's estimate: north, east, down [m/s]."""
 
     velocity: tuple[float, float, float]
 
 
-@dataclass(frozen=True)
 class ExtendedState(Message):
     """`landed_state`: 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
 
@@ -139,7 +123,6 @@ class ExtendedState(Message):
     vtol_state: int = 0
 
 
-@dataclass(frozen=True)
 class SystemTime(Message):
     """Seconds since 1970 and since boot."""
 
@@ -147,7 +130,6 @@ class SystemTime(Message):
     boot_s: float
 
 
-@dataclass(frozen=True)
 class RadioStatus(Message):
     """Sent by the radio itself, so never signed."""
 

@@ -40,14 +40,12 @@ class Fixes:
         return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
 
 
-@dataclass(frozen=True)
 class Held(Message):
     """The vehicle holds these items; no message of the link."""
 
     items: tuple[Item, ...]
 
 
-@dataclass(frozen=True)
 class Begun(Message):
     """The item at `seq` of `total` begins; no message of the link."""
 
