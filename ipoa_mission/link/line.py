@@ -56,6 +56,8 @@ class SignsOtherwise(MissionError):
 
 
 class Carrier(Protocol):
+    """Carry messages; the defaults are of a link that hides its peers and cannot be opened again."""
+
     def now(self) -> float: ...
 
     def send(self, message: Message, target: Target = EVERYONE) -> None: ...
@@ -63,25 +65,32 @@ class Carrier(Protocol):
     def receive(self, until: float) -> list[Heard]:
         """Return messages at once, or none at `until`."""
 
+    def close(self) -> None: ...
+
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
         """Take the steps of a run until something else is heard."""
+        return self.receive(min(until, run.sent_s + run.wait_s))
 
     def understands(self, target: Target) -> None:
         """Note that this target answers us."""
+        return
 
     def no_reply_cause(self, target: Target) -> MissionError | None:
         """Return why a heard target never answers, if known."""
+        return None
 
-    def expect_alone(self, system: int) -> None: ...
+    def expect_alone(self, system: int) -> None:
+        """Raise Contested if two vehicles use this system id."""
+        return
 
     @property
     def reopens(self) -> bool:
         """Check whether `reopen` can repair the link."""
+        return False
 
     def reopen(self) -> None:
         """Raise LinkDown, or open the link; all peers are then unknown."""
-
-    def close(self) -> None: ...
+        return
 
 
 class Contested(MissionError):
@@ -95,7 +104,7 @@ class Contested(MissionError):
         )
 
 
-class Line:
+class Line(Carrier):
     """Hold a ground station's end of a link; `again` opens a new channel."""
 
     def __init__(
@@ -146,7 +155,7 @@ class Line:
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
         channel, holder = self.channel, self._routes.holder(target)
         if holder is None or self._routes.framer(holder).is_torn:
-            return self.receive(min(until, run.sent_s + run.wait_s))
+            return super().carry_on(run, target, until, is_over)
         if self._frames is None or self._frames.run is not run:
             self._frames = ItemFrames(run, self.codec, target)
         frames, peers, begun_at = self._frames, self._routes.to(target), run.at

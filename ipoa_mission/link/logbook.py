@@ -8,6 +8,7 @@ from ipoa_mission.autopilot.commands import LAST_NAV, Command
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
+from ipoa_mission.link.vehicle_state import IN_AIR_HEIGHT
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic, apart
@@ -16,14 +17,7 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import Deviation
 
 COMPLETE = 5  # MISSION_STATE
-#: From the place of its LAND, horizontally [m].
-LANDING_RADIUS = 20.0
-#: For a heartbeat that confirms an acknowledged arming [s].
-ARMING_CONFIRMATION_S = 3.0
-#: More precise than the next heartbeat.
-DISARMING = ("Disarming motors", "Disarmed")
-DISARMING_TEXT_S = 2.0  # until the disarmed heartbeat
-IN_AIR_HEIGHT = 0.5  # above home [m]
+LANDING_RADIUS = 20.0  # around the place of its LAND [m]
 
 
 @dataclass(frozen=True)
@@ -102,7 +96,7 @@ class Logbook:
         flown = [index for index, item in enumerate(items) if item.command < LAST_NAV]
         self._final = flown[-1] if flown else len(items) - 1
         self._texts: list[str] = []
-        self._clock = 0.0
+        self.clock_s = 0.0  # since the vehicle's boot
         self._current = self._first
         self._flight: _Recording | None = None
         self._was_away = False
@@ -130,11 +124,6 @@ class Logbook:
         return self._flight.zero if self._flight else 0.0
 
     @property
-    def clock_s(self) -> float:
-        """[s] since the vehicle's boot."""
-        return self._clock
-
-    @property
     def modes(self) -> frozenset[int]:
         returns = bool(self._items) and self._items[self._final].command == Command.NAV_RETURN_TO_LAUNCH
         modes = self._autopilot.modes
@@ -149,24 +138,25 @@ class Logbook:
         flight = self._flight
         match message:
             case Position(time_s=time_s) | LocalPosition(time_s=time_s) | Attitude(time_s=time_s):
-                self._advance(time_s)
+                self.clock_s = max(time_s, self.clock_s)
                 if flight and isinstance(message, Position) and flight.disarmed_s is None:
-                    flight.path.append(self._sample(message, flight.zero))
+                    place = (message.latitude_deg, message.longitude_deg, message.altitude, message.height)
+                    flight.path.append(Sample(time_s - flight.zero, *place, math.hypot(*message.velocity)))
             case SystemTime(boot_s=time_s):
-                self._advance(time_s)
+                self.clock_s = max(time_s, self.clock_s)
             case CommandAck(number, CommandResult.ACCEPTED) if (
                 number == Command.COMPONENT_ARM_DISARM and not self.armed
             ):
                 self._begin()
             case Text(_, text):
                 self._texts.append(text)
-                if flight and text.startswith(DISARMING):
-                    flight.disarming_s = self._clock - flight.zero
+                if flight and text.startswith(("Disarming motors", "Disarmed")):  # earlier than the next heartbeat
+                    flight.disarming_s = self.clock_s - flight.zero
             case Heartbeat():
                 self._note_heartbeat(message)
             case Reached(seq) if flight and flight.disarmed_s is None:
                 self._turn_to(flight, seq)
-                flight.reached.setdefault(seq - self._first, self._clock - flight.zero)
+                flight.reached.setdefault(seq - self._first, self.clock_s - flight.zero)
             case Current(seq, _, state):
                 self._current = seq
                 if flight and flight.disarmed_s is None:
@@ -178,27 +168,23 @@ class Logbook:
         self._was_away = True
 
     def record(self) -> FlightRecord:
-        flight = self._flight if self._flight and self._flight.confirmed else _Recording(self._clock, self._first)
+        flight = self._flight if self._flight and self._flight.confirmed else _Recording(self.clock_s, self._first)
         reached = {index: t for index, t in sorted(flight.reached.items()) if 0 <= index < len(self._items)}
         why_not = self._why_not(flight)
         if self.lands:
             reached.pop(self._final, None)
             if not why_not and flight.disarmed_s is not None:
                 reached[self._final] = flight.disarmed_s
-        since = self._clock - flight.zero if flight.disarmed_s is None else flight.disarmed_s
+        since = self.clock_s - flight.zero if flight.disarmed_s is None else flight.disarmed_s
         end = since if self.lands else reached.get(self._final, since)
-        flying = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
-        return FlightRecord(
-            reached, end, tuple(flight.path), tuple(self._texts), not why_not, why_not, self.armed, flying
-        )
-
-    def _advance(self, time_s: float) -> None:
-        self._clock = max(time_s, self._clock)
+        in_air = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
+        path, texts = tuple(flight.path), tuple(self._texts)
+        return FlightRecord(reached, end, path, texts, not why_not, why_not, self.armed, in_air)
 
     def _begin(self) -> None:
         self.armed = True
         self._texts.clear()
-        self._flight = _Recording(self._clock, self._current, current=self._current)
+        self._flight = _Recording(self.clock_s, self._current, current=self._current)
 
     def _note_heartbeat(self, heartbeat: Heartbeat) -> None:
         if heartbeat.armed and not self.armed:
@@ -206,47 +192,42 @@ class Logbook:
         flight = self._flight
         if flight is None or flight.disarmed_s is not None:
             return
-        since = self._clock - flight.zero
+        since = self.clock_s - flight.zero
         if heartbeat.armed:
             flight.confirmed, flight.mode, self._was_away = True, heartbeat.custom_mode, False
         elif flight.confirmed:
             self.armed, flight.landed_in_link_loss = False, self._was_away
             if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
                 flight.mode = heartbeat.custom_mode
-            flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < DISARMING_TEXT_S else since
-        elif since > ARMING_CONFIRMATION_S:
+            flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < 2.0 else since
+        elif since > 3.0:  # no heartbeat confirms the acknowledged arming
             self.armed, self._flight = False, None
 
     def _turn_to(self, flight: _Recording, seq: int) -> None:
         if flight.current < seq < self._first + len(self._items):
             for index in range(flight.current - self._first, seq - self._first):
-                flight.reached.setdefault(index, self._clock - flight.zero)
+                flight.reached.setdefault(index, self.clock_s - flight.zero)
         flight.current = max(flight.current, seq)
-
-    def _sample(self, at: Position, zero: float) -> Sample:
-        speed = math.hypot(*at.velocity)
-        return Sample(at.time_s - zero, at.latitude_deg, at.longitude_deg, at.altitude, at.height, speed)
 
     def _why_not(self, flight: _Recording) -> str:
         if not self.lands:
             return "the mission ends in the air"
         if flight.disarmed_s is None:
             return "the vehicle is not down and disarmed"
+        off_m = self._landing_offset(flight)
         mode = "" if flight.mode is None else f", in {self._autopilot.modes.name(flight.mode)}"
         if not (self.is_flown or flight.current >= self._final + self._first):
             item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
             if flight.landed_in_link_loss:
-                return f"it was last heard at {item}, and landed while the link was lost{self._place(flight)}{mode}"
+                place = f", {off_m:.0f} m from the place of its LAND" if off_m else ""
+                return f"it was last heard at {item}, and landed while the link was lost{place}{mode}"
             return f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
             return f"it left its mission before the landing{mode}"
-        off_m = self._landing_offset(flight)
         return f"it landed {off_m:.0f} m from the place of its LAND" if off_m > LANDING_RADIUS else ""
 
-    def _place(self, flight: _Recording) -> str:
-        return f", {off_m:.0f} m from the place of its LAND" if (off_m := self._landing_offset(flight)) else ""
-
     def _landing_offset(self, flight: _Recording) -> float:
+        """Return the horizontal distance from the place of a final LAND [m]."""
         last = self._items[self._final]
         if last.command != Command.NAV_LAND or not last.has_position or not flight.path:
             return 0.0
@@ -275,7 +256,7 @@ def watch(
             count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
-        for aside in observers:
-            yield from aside.look(heard, logbook.clock_s)
+        for observer in observers:
+            yield from observer.look(heard, logbook.clock_s)
         if is_over():
             return logbook.record()

@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.autopilot import default_autopilot, registered
 from ipoa_mission.autopilot.kind import Kind
 from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput, MissionError, imported
-from ipoa_mission.link import wire
+from ipoa_mission.link import upload, wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
@@ -22,7 +22,7 @@ from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
-from ipoa_mission.link.item_run import ItemRun
+from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.messages import (
     NO_MISSION,
     STATION_COMPONENT,
@@ -36,22 +36,12 @@ from ipoa_mission.link.onboard_list import OnboardList
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
-from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.progress import Progress, count, silent
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
-VERDICT_S = 1.5  # PX4's check of the mission
-_RESULTS = {
-    "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
-    "UNSUPPORTED": Result.UNSUPPORTED,
-    "DENIED": Result.DENIED,
-    "INVALID_ARGUMENT": Result.INVALID,
-    "INVALID_SEQUENCE": Result.INVALID_SEQUENCE,
-    "TRANSFER_CANCELLED": Result.OPERATION_CANCELLED,
-}
 
 
 def connect(
@@ -64,9 +54,7 @@ def connect(
         LinkDown, NoAnswer: there is no such link, or no vehicle on it.
         NotFlown: it is not a multicopter of ArduPilot or PX4.
     """
-    if log is not None:
-        words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
-        raise BadInput(words, code="backend-cannot", place="log")
+    _expect_no_log(log)
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
@@ -91,10 +79,14 @@ def connect(
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
     """A program's own System stays open. Raise BadInput for a `.tlog`, or NoAnswer."""
+    _expect_no_log(log)
+    return MavsdkVehicle(None, system)
+
+
+def _expect_no_log(log: object) -> None:
     if log is not None:
         words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
         raise BadInput(words, code="backend-cannot", place="log")
-    return MavsdkVehicle(None, system)
 
 
 def _mavsdk_url(address: Address) -> str:
@@ -104,8 +96,8 @@ def _mavsdk_url(address: Address) -> str:
     return f"{scheme}://{address.host}:{address.port}"
 
 
-class MavsdkLine:
-    """By MAVSDK's plugin for messages in JSON."""
+class MavsdkLine(Carrier):
+    """By MAVSDK's plugin for messages in JSON; MAVSDK does not report senders."""
 
     def __init__(self, instance: Any, system: Any) -> None:
         direct = import_module("mavsdk.plugins.mavlink_direct")
@@ -118,9 +110,6 @@ class MavsdkLine:
 
     def now(self) -> float:
         return time.monotonic()
-
-    def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        return self.receive(min(until, run.sent_s + run.wait_s))
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         name, fields = wire.write(message)
@@ -137,22 +126,7 @@ class MavsdkLine:
             return []
         while not self._queue.empty():
             heard.append(self._queue.get())
-        return [self._read(one) for one in heard if one.system_id == self._system]
-
-    def understands(self, target: Target) -> None:
-        """Do nothing: `no_reply_cause` is always None."""
-
-    def no_reply_cause(self, target: Target) -> None:
-        """Do nothing: MAVSDK adapts to the protocol version."""
-
-    def expect_alone(self, system: int) -> None:
-        """Do nothing: MAVSDK does not report senders."""
-
-    @property
-    def reopens(self) -> bool:
-        return False
-
-    def reopen(self) -> None: ...
+        return [self._read(raw) for raw in heard if raw.system_id == self._system]
 
     def close(self) -> None:
         self._direct.unsubscribe_message(self._handle)
@@ -180,8 +154,7 @@ def _from_json(value: Any) -> Any:
 
 class MavsdkVehicle(Vehicle):
     def __init__(self, instance: Any, system: Any, reading: bool = False) -> None:
-        plugins = "mavsdk.plugins"
-        mission_raw = import_module(f"{plugins}.mission_raw")
+        mission_raw = import_module("mavsdk.plugins.mission_raw")
         self._raw, self._transfer_error = mission_raw.MissionRaw(system), mission_raw.MissionRawError
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
@@ -227,7 +200,10 @@ class MavsdkVehicle(Vehicle):
         self._listen()
         state = self.state
         state.current = None
-        if self._hold(until(lambda: state.current is not None and state.current.mission_state > NO_MISSION, VERDICT_S)):
+        is_known = until(
+            lambda: state.current is not None and state.current.mission_state > NO_MISSION, upload.VERDICT_S
+        )
+        if self._hold(is_known):
             return
         if state.current is not None and state.current.mission_state == NO_MISSION:
             raise Unflyable("; ".join(state.warnings))
@@ -240,12 +216,8 @@ class MavsdkVehicle(Vehicle):
         begin(list(rows), lambda result, _: results.put(result))
         was_cancelled = False
         while True:
-            if (
-                interrupt.is_pending
-                and not was_cancelled
-                and self.autopilot.protocol_profile.judges_later
-                and kind == 0
-            ):
+            keeps_old = self.autopilot.protocol_profile.judges_later and kind == MissionType.MISSION
+            if interrupt.is_pending and not was_cancelled and keeps_old:
                 was_cancelled = True
                 raw.cancel_mission_upload()
             try:
@@ -277,17 +249,23 @@ class MavsdkVehicle(Vehicle):
                 raise NoAnswer("the vehicle does not answer") from refusal
             self._listen()
             words = "; ".join(self.state.warnings) or f"MAVSDK calls it {name}"
-            raise MissionRefused(_RESULTS.get(name, Result.ERROR), kind, words=words) from refusal
+            results = {
+                "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
+                "UNSUPPORTED": Result.UNSUPPORTED,
+                "DENIED": Result.DENIED,
+                "INVALID_ARGUMENT": Result.INVALID,
+                "INVALID_SEQUENCE": Result.INVALID_SEQUENCE,
+                "TRANSFER_CANCELLED": Result.OPERATION_CANCELLED,
+            }
+            raise MissionRefused(results.get(name, Result.ERROR), kind, words=words) from refusal
 
     def _listen(self) -> None:
         while heard := self.line.receive(self.line.now()):
-            for one in heard:
-                if one.message is not None:
-                    self._overhear(one.message)
+            for message in (frame.message for frame in heard):
+                if message is not None:
+                    self._overhear(message)
 
     def _mavsdk_item(self, seq: int, item: Item, kind: int) -> Any:
-        x, y = coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)
-        current = int(seq == 0)
-        return self._item(
-            seq, item.frame, item.command, current, int(item.autocontinue), *item.params, x, y, item.altitude, int(kind)
-        )
+        place = (wire.coordinate(degrees, item.frame) for degrees in (item.latitude_deg, item.longitude_deg))
+        numbers = (seq, item.frame, item.command, int(seq == 0), int(item.autocontinue), *item.params)
+        return self._item(*numbers, *place, item.altitude, int(kind))

@@ -2,16 +2,14 @@
 
 import select
 from collections.abc import Callable, Collection
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime
 from ipoa_mission.link.codec import number_of
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Message
-
-if TYPE_CHECKING:
-    from ipoa_mission.link.line import Line
 
 PEER = "mavutil"  # mavutil does not report its last sender
 
@@ -63,17 +61,15 @@ def as_pymavlink(frame: bytes) -> Any:
     return dialect_of(number_of(frame)).MAVLink(None).decode(bytearray(frame))
 
 
-def own_line(line: object) -> "Line":
+def own_line(line: object) -> Line:
     """Raise BadInput for MAVSDK's."""
-    from ipoa_mission.link.line import Line
-
     if not isinstance(line, Line):
         raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's", code="backend-cannot")
     return line
 
 
 def messages_from(
-    line: "Line", system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
+    line: Line, system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
 ) -> list[Any]:
     """Return those in `names` (empty: all); `note` all."""
     frames, until = list[bytes](), line.now() + seconds

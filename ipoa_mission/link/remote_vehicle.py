@@ -9,6 +9,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, Listening, converse
+from ipoa_mission.link.mavutil_channel import messages_from, own_line, payload_of
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
@@ -41,14 +42,10 @@ class RemoteVehicle:
 
     def send(self, message: Any) -> None:
         """Send to the message's own target; raise BadInput for an unknown dialect."""
-        from ipoa_mission.link.mavutil_channel import own_line, payload_of
-
         own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
         """Return the vehicle's messages as pymavlink's; `names`: only those."""
-        from ipoa_mission.link.mavutil_channel import messages_from, own_line
-
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:

@@ -6,7 +6,7 @@ import sys
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link import mavsdk_backend
+from ipoa_mission.link import upload
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
@@ -55,7 +55,7 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
 def main(url: str) -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background jobs ignore it
     hurry()
-    mavsdk_backend.VERDICT_S = 0.3
+    upload.VERDICT_S = 0.3
     legs = [waypoint(Geodetic(47.4 + 0.0002 * n, 8.5), 30.0) for n in (1, 2, 3)]
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:
