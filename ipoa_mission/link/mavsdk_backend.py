@@ -198,12 +198,9 @@ class MavsdkVehicle(Vehicle):
     def _expect_flyable(self) -> None:
         """PX4 reports it in MISSION_CURRENT after a while."""
         self._listen()
-        state = self.state
+        state, timeout_s = self.state, upload.VERDICT_S
         state.current = None
-        is_known = until(
-            lambda: state.current is not None and state.current.mission_state > NO_MISSION, upload.VERDICT_S
-        )
-        if self._hold(is_known):
+        if self._hold(until(lambda: state.current is not None and state.current.mission_state > NO_MISSION, timeout_s)):
             return
         if state.current is not None and state.current.mission_state == NO_MISSION:
             raise Unflyable("; ".join(state.warnings))
