@@ -152,30 +152,27 @@ class RequestStyle:
     rebukes: bool = False
 
 
-BY_REQUEST_INT = RequestStyle()
-
-
 def fetch(
-    count: int, kind: int, take: Take, style: RequestStyle = BY_REQUEST_INT, run: ItemsRead | None = None
+    count: int, kind: int, take: Take, style: RequestStyle | None = None, run: ItemsRead | None = None
 ) -> Dialogue[int]:
     """Pass the items from `run.at` (else 0) to `take`; return its first result other than ACCEPTED.
 
     The caller sends the closing Ack. Raise MissionRefused or NoAnswer.
     """
     doubt: int | None = None
-    here = run or ItemsRead(kind, count, at=0)
-    while here.at < count:
-        step: Step = Ask(Request(here.at, kind, style.legacy), item=True, run=run)
+    style, reading = style or RequestStyle(), run or ItemsRead(kind, count, at=0)
+    while reading.at < count:
+        step: Step = Ask(Request(reading.at, kind, style.legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
             except NoAnswer as silence:
                 if doubt is not None:
-                    raise MissionRefused(doubt, kind, here.at) from None
-                raise NoAnswer(f"{silence} after {here.at} of {count} items of the {list_name(kind)}") from None
+                    raise MissionRefused(doubt, kind, reading.at) from None
+                raise NoAnswer(f"{silence} after {reading.at} of {count} items of the {list_name(kind)}") from None
             step = None
             match heard:
-                case ItemAt(s, _, k) as item if k == kind and s == here.at:
+                case ItemAt(s, _, k) as item if k == kind and s == reading.at:
                     result = take(s, item)
                     if result != Result.ACCEPTED:
                         return result
@@ -185,8 +182,8 @@ def fetch(
                 case Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case Ack(result, k) if k == kind and result != Result.ACCEPTED:
-                    raise MissionRefused(result, kind, here.at)
-        here.at += 1
+                    raise MissionRefused(result, kind, reading.at)
+        reading.at += 1
     return Result.ACCEPTED
 
 

@@ -26,18 +26,17 @@ STREAMS_S = {  # [s]; ArduPilot sends none unasked
     "EXTENDED_SYS_STATE": 0.2,
 }
 NEEDED_STREAMS = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
-ARMING = "arm"
-DISARM_ATTEMPTS = 3
-STREAM_REQUESTS = 3  # an answer may belong to an earlier request
 
 
 @dataclass(frozen=True)
 class DepartureLimits:
     stream_s: float = 4.0
+    stream_requests: int = 3  # an answer may belong to an earlier request
     ready_s: float = 180.0
     check_s: float = 3.0  # per readiness check
     retry_s: float = 1.0
     arming_attempts: int = 5  # a ready vehicle may need a moment more
+    disarm_attempts: int = 3
     climb_s: float = 120.0
     climbed_below: float = 0.5  # the requested height [m]
 
@@ -49,7 +48,7 @@ class NotYet(CommandRefused):
     """Not armed, for reasons that pass with time."""
 
     def __init__(self, result: int, words: str) -> None:
-        super().__init__(ARMING, result, words)
+        super().__init__("arm", result, words)
         self.words = words
 
 
@@ -77,7 +76,7 @@ class Departure:
 def subscribe(state: VehicleState) -> Dialogue[None]:
     unheard, refused = list(STREAMS_S), set[str]()
     state.heard -= set(NEEDED_STREAMS.values())
-    for _ in range(STREAM_REQUESTS):
+    for _ in range(LIMITS.stream_requests):
         for name in unheard:
             is_refused = not (yield from stream(name, STREAMS_S[name]))
             refused = refused | {name} if is_refused else refused - {name}
@@ -191,7 +190,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             if is_last:
                 if has_reason and not reasons.lasting(words):
                     raise NotYet(result, words)
-                raise CommandRefused(ARMING, result, words)
+                raise CommandRefused("arm", result, words)
         yield from _begin(departure)
     except MissionError as aborted:
         if may_be_armed:
@@ -235,16 +234,16 @@ def _height(state: VehicleState) -> float:
     return -1.0 if state.position is None else state.position.height
 
 
-def _order(what: str, number: int, *params: float) -> Dialogue[None]:
+def _order(action: str, number: int, *params: float) -> Dialogue[None]:
     result, words = yield from command(number, *params)
     if result != CommandResult.ACCEPTED:
-        raise CommandRefused(what, result, words)
+        raise CommandRefused(action, result, words)
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
     """Disarm a vehicle that newly reports to be on the ground; leave any other alone."""
     try:
-        for attempt in range(DISARM_ATTEMPTS):
+        for attempt in range(LIMITS.disarm_attempts):
             if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):
                 return
             state.landed_state = None

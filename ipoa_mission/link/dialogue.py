@@ -21,7 +21,6 @@ from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
-ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
 
 class Unfinished(MissionError):
@@ -192,6 +191,10 @@ class Tempo:
 
 
 class Exchange(Generic[T]):
+    """Run a dialogue against a clock: `receive` messages, `tick` at the `deadline`, send the `outgoing` ones."""
+
+    ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
+
     def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
         self.finished = False
         self.was_answered = False
@@ -264,7 +267,7 @@ class Exchange(Generic[T]):
         step = self._resume(message)
         if step is None and not self.finished:
             return
-        self.was_answered |= isinstance(message, ANSWERS) and not isinstance(self._awaited, Pause)
+        self.was_answered |= isinstance(message, self.ANSWERS) and not isinstance(self._awaited, Pause)
         if isinstance(self._awaited, Ask):
             if self._repeats == 0:
                 self._tempo.sample(now - self._sent)

@@ -104,7 +104,7 @@ class FlightOrder:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
             self._steps.clear()
 
-    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
         state = self._state
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
@@ -240,7 +240,7 @@ class Conformance:
         reaction = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
         return f"{reaction}, because {self.deviations[-1]}"
 
-    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
         """Compare a position with the forecast; order the reaction to a deviation."""
         yield from ()
         if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < 0.2:

@@ -236,7 +236,7 @@ class Logbook:
 
 
 class Observer(Protocol):
-    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
         """`now_s` is on the vehicle's clock."""
 
 
@@ -257,6 +257,6 @@ def watch(
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
         for observer in observers:
-            yield from observer.look(heard, logbook.clock_s)
+            yield from observer.observe(heard, logbook.clock_s)
         if is_over():
             return logbook.record()

@@ -11,8 +11,6 @@ from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Message
 
-PEER = "mavutil"  # mavutil does not report its last sender
-
 
 class MavutilChannel(RealTime):
     """Nobody else may read the connection meanwhile."""
@@ -34,7 +32,7 @@ class MavutilChannel(RealTime):
             data = self._connection.recv(MAX_READ) if ready else b""
         except (OSError, ValueError) as error:
             raise LinkDown(f"the link broke: {error}") from error
-        return [(bytes(data), PEER)] if data else []
+        return [(bytes(data), "mavutil")] if data else []  # it does not report the sender
 
     def send(self, data: bytes, peer: Peer | None) -> None:
         try:
@@ -81,5 +79,5 @@ def messages_from(
                     note(heard.message)
     finally:
         line.overhearing = None
-    found = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == system]
-    return [message for message in found if not names or message.get_type() in names]
+    messages = [message for frame in frames if (message := as_pymavlink(frame)).get_srcSystem() == system]
+    return [message for message in messages if not names or message.get_type() in names]

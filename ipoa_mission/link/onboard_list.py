@@ -14,8 +14,6 @@ from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
-NO_TOTAL = 65535  # MISSION_CURRENT.total of no mission
-CURRENT_TIMEOUT_S = 1.5
 CHECK_INTERVAL_S = 10.0  # [s] of the vehicle's clock
 
 
@@ -47,85 +45,85 @@ class OnboardList:
     def _other(self, current: Current) -> str:
         if self.list_id and current.mission_id not in (0, self.list_id):
             return f"it has the id {current.mission_id}, and ours has {self.list_id}"
-        total = current.total
+        total, unknown = current.total, (0, 65535)
         sent = len(self.job.items) - self.job.autopilot.counts_home
-        if total in (0, NO_TOTAL) and current.mission_state == NO_MISSION:
+        if total in unknown and current.mission_state == NO_MISSION:
             return "there is none any more"
-        return f"it has {total} items, and ours has {sent}" if total not in (0, NO_TOTAL, sent) else ""
+        return f"it has {total} items, and ours has {sent}" if total not in (*unknown, sent) else ""
 
 
 class ReplacedSince(MissionError):
     """The list proved before the arming was replaced."""
 
-    def __init__(self, holding: OnboardList) -> None:
-        super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
+    def __init__(self, onboard: OnboardList) -> None:
+        super().__init__(f"the {list_name(onboard.job.kind)} on the vehicle is no longer ours: {onboard.changed}")
 
 
 def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
     """Prove each list by its id or checksum, else item by item; raise Replaced or NotReady."""
-    for holding in onboard_lists:
-        if not (holding.list_id and (yield from _is_named(holding, state))):
-            holding.list_id = (yield from _read_again(holding.job)) or holding.list_id
-        holding.changed, holding.is_reported = "", False
+    for onboard in onboard_lists:
+        if not (onboard.list_id and (yield from _is_named(onboard, state))):
+            onboard.list_id = (yield from _read_again(onboard.job)) or onboard.list_id
+        onboard.changed, onboard.is_reported = "", False
 
 
-def _is_named(holding: OnboardList, state: VehicleState) -> Dialogue[bool]:
-    if (numbers := holding.job.numbers) is not None:
+def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
+    if (numbers := onboard.job.numbers) is not None:
         try:
-            yield from open_list(holding.job.kind)  # refused while another station uploads
-            return (yield from list_checksum(holding.job.kind, numbers)) == holding.list_id
+            yield from open_list(onboard.job.kind)  # refused while another station uploads
+            return (yield from list_checksum(onboard.job.kind, numbers)) == onboard.list_id
         except (MissionRefused, NoAnswer) as nothing:
-            raise _unknown(holding.job, nothing) from None
+            raise _unknown(onboard.job, nothing) from None
     state.current = None
-    yield from until(lambda: state.current is not None, CURRENT_TIMEOUT_S)
-    return holding.is_confirmed_by(state.current)
+    yield from until(lambda: state.current is not None, 1.5)
+    return onboard.is_confirmed_by(state.current)
 
 
-def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
+def read_again(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
     """A replacement may have the length of a list without an id."""
-    if holding.is_watched or holding.changed:
+    if onboard.is_watched or onboard.changed:
         return
     try:
-        yield from prove([holding], state)
+        yield from prove([onboard], state)
     except Replaced as replaced:
-        holding.changed = f"when it was read after the flight, {replaced.difference}"
+        onboard.changed = f"when it was read after the flight, {replaced.difference}"
 
 
 class ListWatcher:
     """Check at intervals; arming moves home, so another checksum only means to read again."""
 
-    def __init__(self, holding: OnboardList) -> None:
-        self._holding = holding
+    def __init__(self, onboard: OnboardList) -> None:
+        self._onboard = onboard
         self._due_s = -math.inf
         self._asked: set[int] = set()
 
-    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        holding, numbers = self._holding, self._holding.job.numbers
-        if holding.changed or numbers is None:
+    def observe(self, heard: Message, now_s: float) -> Dialogue[None]:
+        onboard, numbers = self._onboard, self._onboard.job.numbers
+        if onboard.changed or numbers is None:
             return
         answer = checksum_answer(heard, self._asked)
         if answer is not None and answer.checksum is not None:
             self._asked.clear()
-            if answer.checksum != holding.list_id:
+            if answer.checksum != onboard.list_id:
                 yield from self._read_again()
         elif now_s >= self._due_s:
             self._due_s = now_s + CHECK_INTERVAL_S
-            question = checksum_question(holding.job.kind, numbers, self._asked)
+            question = checksum_question(onboard.job.kind, numbers, self._asked)
             yield Remark(question)
 
     def _read_again(self) -> Dialogue[None]:
         try:
-            self._holding.list_id = (yield from _read_again(self._holding.job)) or self._holding.list_id
+            self._onboard.list_id = (yield from _read_again(self._onboard.job)) or self._onboard.list_id
         except Replaced as replaced:
-            self._holding.changed = str(replaced.difference)
+            self._onboard.changed = str(replaced.difference)
         except NotReady:  # another station may be uploading
             return
 
 
 def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:
-    for holding in onboard_lists:
-        if holding.changed:
-            raise ReplacedSince(holding)
+    for onboard in onboard_lists:
+        if onboard.changed:
+            raise ReplacedSince(onboard)
 
 
 def _read_again(job: Upload) -> Dialogue[int]:

@@ -1,3 +1,5 @@
+"""Dialogues for commands, messages on request, and parameters."""
+
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -28,22 +30,14 @@ M = TypeVar("M", bound=Message)
 
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
-#: MAV_PARAM_TYPE of integers, which PX4 sends bit by bit.
-INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
-#: An unknown parameter is met with silence.
-PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
-PROOFS_OF_ABSENCE = 4
-SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
-#: Then another value counts as kept.
-SET_TIMEOUTS_S = (1.0, 2.0, 4.0)
-MESSAGE_REQUESTS, REFUSAL_PAUSE_S = 5, 0.3
+PARAMETER_ROUND_S = 0.7
 
 
 class CommandRefused(MissionError):
-    def __init__(self, what: str, result: int, words: str = "") -> None:
-        self.what, self.result = what, result
+    def __init__(self, action: str, result: int, words: str = "") -> None:
+        self.action, self.result = action, result
         name = CommandResult(result).name if result in set(CommandResult) else str(result)
-        super().__init__(f"{what}: the vehicle answered {name}" + (f": {words}" if words else ""))
+        super().__init__(f"{action}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
 
 def order(number: int, *params: float) -> CommandLong:
@@ -62,9 +56,10 @@ def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
     return send_command(order(number, *params))
 
 
-def send_command(one: CommandLong) -> Dialogue[tuple[int, str]]:
-    texts, number = VehicleTexts(), one.command
-    step: Step = Ask(one)
+def send_command(message: CommandLong) -> Dialogue[tuple[int, str]]:
+    """Return the CommandResult, and the vehicle's words about a refusal."""
+    texts, number = VehicleTexts(), message.command
+    step: Step = Ask(message)
     while True:
         heard = yield step
         step = None
@@ -107,7 +102,7 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
     return result == CommandResult.ACCEPTED
 
 
-def _requested(name: str, kind: type[M], pause_s: float, requests: int = MESSAGE_REQUESTS) -> Dialogue[M | None]:
+def _requested(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
     """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
     request = message_request(name)
     step: Step = Ask(request)
@@ -123,7 +118,7 @@ def _requested(name: str, kind: type[M], pause_s: float, requests: int = MESSAGE
         match heard:
             case CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
                 has_answered = True
-                step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSAL_PAUSE_S)
+                step = Pause(pause_s if result == CommandResult.ACCEPTED else 0.3)
             case None:
                 requests -= 1
                 if requests == 0:
@@ -152,48 +147,48 @@ def about() -> Dialogue[AutopilotVersion | None]:
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
-    Each round also asks for parameters that exist: their answers prove unanswered ones absent.
+    An unknown parameter is met with silence. Each round also asks for parameters that exist: four of their answers
+    prove unanswered ones absent.
     """
+    table, rounds_s = autopilot.parameter_table, [PARAMETER_ROUND_S] * 6 + [2.0] * 5
     values: dict[str, ParamValue] = {}
     proofs = 0
 
     def missing() -> list[Sequence[str]]:
         return [names for names in wanted if not any(name in values for name in names)]
 
-    for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
-        if not missing() or proofs == PROOFS_OF_ABSENCE or (n >= PARAMETER_ROUNDS and (values or proofs)):
+    for n, seconds in enumerate(rounds_s):
+        if not missing() or proofs == 4 or (n >= 6 and (values or proofs)):
             break
-        known = autopilot.parameter_table.surely_there[
-            n % len(autopilot.parameter_table.surely_there)
-        ]  # twice in a row would count as an echo
+        known = table.surely_there[n % len(table.surely_there)]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
             yield Remark(ParamRequestRead(name))
-        heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
+        heard = yield Pause(seconds)
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                proofs += (is_known := any(heard.param_id in names for names in autopilot.parameter_table.surely_there))
+                proofs += (is_known := any(heard.param_id in names for names in table.surely_there))
                 if is_known or not missing():
                     break
             heard = yield None
-    found = {name: values[name] for names in wanted for name in names if name in values}
-    if wanted and not found and not proofs:
+    reported = {name: values[name] for names in wanted for name in names if name in values}
+    if wanted and not reported and not proofs:
         raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")
-    return found
+    return reported
 
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
     """Verify by the last value heard; raise NoAnswer (unknown), BadInput (type) or MissionError (not kept)."""
-    found = yield from parameters([(name,)], autopilot)
-    if name not in found:
+    reported = yield from parameters([(name,)], autopilot)
+    if name not in reported:
         raise NoAnswer(f"the vehicle has no parameter {name}", code="unknown-parameter")
-    kind = found[name].param_type
+    kind = reported[name].param_type
     try:
         order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
     except BadInput as error:
         raise error.at(name) from None
     kept: float | None = None
-    for seconds in SET_TIMEOUTS_S:
+    for seconds in (1.0, 2.0, 4.0):
         yield Remark(order)
         heard = yield Pause(seconds)
         while heard is not None:
@@ -209,15 +204,20 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
     """Decode a value: some autopilots send an integer's bits as a float."""
-    if heard.param_type not in INT_TYPES or not autopilot.parameter_table.packs_integers:
+    if not _is_packed(heard.param_type, autopilot):
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
     """Raise BadInput if the type has no such value."""
-    if kind not in INT_TYPES or not autopilot.parameter_table.packs_integers:
+    if not _is_packed(kind, autopilot):
         return value
     if not abs(value) < 2**31:
         raise BadInput(f"expected a value of 32 bits, not {value:g}")
     return float(struct.unpack("<f", struct.pack("<i", round(value)))[0])
+
+
+def _is_packed(kind: int, autopilot: Autopilot) -> bool:
+    """Check for a MAV_PARAM_TYPE of integers, of up to 32 bits, that are sent bit by bit."""
+    return 1 <= kind <= 6 and autopilot.parameter_table.packs_integers

@@ -25,8 +25,6 @@ log = logging.getLogger(__name__)
 SILENT_S = 3.0  # counts as a link loss
 GIVE_UP_S = 300.0
 RETRY_S = 1.0
-SHOWN_S = 2.0  # for position and current item
-CLOCK_RESET_S = 1.0  # a clock this much behind was reset
 
 
 class NotTheSameVehicle(MissionError):
@@ -46,7 +44,7 @@ class KnownVehicle:
     state: VehicleState
     clock_s: float
     about: AutopilotVersion | None
-    holding: OnboardList | None
+    onboard: OnboardList | None
 
 
 class LinkLoss:
@@ -104,16 +102,16 @@ class LinkLoss:
     def _identified(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, tell: Callable[[str], None]
     ) -> list[Message] | None:
-        stranger, messages = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
+        candidate, messages = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
 
         def note(message: Message) -> None:
-            stranger.note(message)
+            candidate.note(message)
             messages.append(message)
             self._look(tell)
 
         target = Target(known.system, AUTOPILOT_COMPONENT)
         try:
-            while Heartbeat not in stranger.heard and not self._is_over:
+            while Heartbeat not in candidate.heard and not self._is_over:
                 self._look(tell)
                 if interrupt.take():
                     raise Cancelled("cancelled")
@@ -122,9 +120,9 @@ class LinkLoss:
                         note(heard.message)
                     elif autopilots_in([heard]):
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
-            if Heartbeat not in stranger.heard:
+            if Heartbeat not in candidate.heard:
                 return None
-            dialogue = observed(recognize(stranger, known), lambda heard: stranger.expect_flown())
+            dialogue = observed(recognize(candidate, known), lambda heard: candidate.expect_flown())
             end_s = min(self._since_s + GIVE_UP_S, self._until_s)
             converse(self._line, target, dialogue, Tempo(patience), Listening(note, end_s, SILENT_S))
             return messages
@@ -161,23 +159,23 @@ class LinkLoss:
             tell(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
 
 
-def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
+def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
     """Ask questions only.
 
     Raises:
         OtherKind, Replaced, IdentityChanged: it is another vehicle, or holds another mission.
         NotReady, NoAnswer: it does not report its list.
     """
-    stranger.expect_flown()
+    candidate.expect_flown()
     clock = yield from orders.clock()
-    if clock is not None and clock.boot_s < known.clock_s - CLOCK_RESET_S:
-        raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {stranger}")
+    if clock is not None and clock.boot_s < known.clock_s - 1.0:
+        raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {candidate}")
     before, about = known.about, (yield from orders.about())
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
         raise IdentityChanged("its AUTOPILOT_VERSION is another one")
-    if known.holding is not None:
-        yield from prove([known.holding], stranger)
-    yield from until(lambda: stranger.heard >= {Current, Position}, SHOWN_S)
+    if known.onboard is not None:
+        yield from prove([known.onboard], candidate)
+    yield from until(lambda: candidate.heard >= {Current, Position}, 2.0)
 
 
 def _with(words: str, *more: str) -> str:
@@ -185,4 +183,4 @@ def _with(words: str, *more: str) -> str:
 
 
 def _description(known: KnownVehicle) -> str:
-    return "it is the same vehicle" + ("" if known.holding is None else ", with the mission that was uploaded")
+    return "it is the same vehicle" + ("" if known.onboard is None else ", with the mission that was uploaded")

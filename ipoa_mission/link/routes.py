@@ -9,8 +9,6 @@ from ipoa_mission.link.codec import Framer, Target
 
 #: Silence that ends a claim [s].
 CLAIM_S = 5.0
-#: Between two transfers of a peer [s].
-REST_S = 1.0
 MAX_PEERS = 32
 
 
@@ -36,8 +34,8 @@ class Routes:
         A full table drops an entry silent for `CLAIM_S`, else one never addressed, else stores nothing.
         """
         if self._heard.pop((name, peer), None) is None:
-            for one in [one for one, when in self._heard.items() if one[0] == name and now - when >= CLAIM_S]:
-                del self._heard[one]
+            for entry in [entry for entry, when in self._heard.items() if entry[0] == name and now - when >= CLAIM_S]:
+                del self._heard[entry]
         if len(self._heard) >= MAX_PEERS and not self._make_room(now):
             return
         self._heard[name, peer] = now
@@ -51,12 +49,12 @@ class Routes:
         return True
 
     def release(self, name: Target, now: float) -> None:
-        """End a claim after `REST_S`."""
+        """End a claim after a second, in which the peer may begin its next transfer."""
         holder, _ = self._claims[name]
-        self._claims[name] = (holder, now - CLAIM_S + REST_S)
+        self._claims[name] = (holder, now - CLAIM_S + 1.0)
 
     def heard_s(self, name: Target) -> float | None:
-        return max((when for (one, _), when in self._heard.items() if one == name), default=None)
+        return max((when for (known, _), when in self._heard.items() if known == name), default=None)
 
     def holder(self, name: Target) -> Peer | None:
         holder, _ = self._claims.get(name, (None, 0.0))
@@ -77,10 +75,8 @@ class Routes:
     def _make_room(self, now: float) -> bool:
         oldest, when = next(iter(self._heard.items()))
         if now - when < CLAIM_S:
-            strangers = (one for one in self._heard if one[0] not in self._spoken_to)
-            stranger = next(strangers, None)
-            if stranger is None:
+            if (unaddressed := next((entry for entry in self._heard if entry[0] not in self._spoken_to), None)) is None:
                 return False
-            oldest = stranger
+            oldest = unaddressed
         del self._heard[oldest]
         return True

@@ -1,4 +1,4 @@
-"""A record is the time [us since 1970] as eight bytes big-endian, and the raw frame."""
+"""Telemetry logs. A record is the time [us since 1970] as eight bytes big-endian, and the raw frame."""
 
 import errno
 import logging
@@ -15,7 +15,6 @@ from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_fram
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
-REORDERED_GAP = 128  # from here on a frame counts as reordered
 
 
 class TlogWriter:
@@ -90,7 +89,7 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
             known = True
         sender, number = numbered(frame)
         lost = (number - last.get(sender, number - 1) - 1) % 256
-        missing.frames[sender[0]] += lost if lost < REORDERED_GAP else 0
+        missing.frames[sender[0]] += lost if lost < 128 else 0  # else it is reordered
         missing.there[sender[0]] += 1
         last[sender] = number
         if known:

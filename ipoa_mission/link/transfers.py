@@ -1,3 +1,5 @@
+"""Follow the mission transfers in a log, to know the items that the vehicle holds."""
+
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
@@ -17,7 +19,6 @@ from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]
-BURST_READ = 15  # MAVFTP opcode that our client does not use
 
 
 @dataclass
@@ -70,7 +71,7 @@ class Transfers:
                 self._written = request.opcode != Opcode.OPEN_FILE_RO
             case Opcode.WRITE_FILE if self._file is not None:
                 self._file[request.offset] = request.data
-            case Opcode.ACK if self._file is not None and request.request in (Opcode.READ_FILE, BURST_READ):
+            case Opcode.ACK if self._file is not None and request.request in (Opcode.READ_FILE, Opcode.BURST_READ_FILE):
                 self._file[request.offset] = request.data
                 return None if self._written else self._whole_file()
             case Opcode.ACK if self._written and request.request == Opcode.TERMINATE_SESSION:

@@ -29,8 +29,6 @@ ATTEMPTS = 12
 #: For PX4's check of a stored mission [s].
 VERDICT_S = 1.5
 REVISION_S = 0.4
-#: Not because of the items.
-TEMPORARY_REFUSALS = frozenset({*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED})
 
 
 class ReadBackDiffers(MissionError):
@@ -256,6 +254,7 @@ def _holds(job: Upload) -> Dialogue[bool]:
 
 def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
     refused_before: MissionRefused | None = None
+    temporary = {*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED}  # not because of the items
 
     def note(seq: int) -> None:
         course.furthest = max(course.furthest, seq)
@@ -275,8 +274,10 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
                 silence.hint = _remaining_list(job)
                 raise
         except MissionRefused as refusal:
-            again = _same(refusal, refused_before)
-            settled = refusal.result not in TEMPORARY_REFUSALS and (not job.truncates or again)
+            again = refused_before is not None and (
+                (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
+            )
+            settled = refusal.result not in temporary and (not job.truncates or again)
             if course.attempt == ATTEMPTS or settled or (again and refusal.result == Result.ERROR):
                 refusal.hint = _remaining_list(job)
                 raise
@@ -291,10 +292,6 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
                 raise MissionRefused(ending, job.kind, len(job.items) - 1)
             if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
-
-
-def _same(one: MissionRefused, other: MissionRefused | None) -> bool:
-    return other is not None and (one.result, one.seq) == (other.result, other.seq)
 
 
 def _remaining_list(job: Upload) -> str:

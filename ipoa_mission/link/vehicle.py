@@ -265,11 +265,11 @@ class Vehicle(RemoteVehicle):
             NotTheSameVehicle, NotFlown: another vehicle is heard in its place, or it holds another mission.
             TimeUp: at the limit of `give_up_after`; the vehicle may be in the air.
         """
-        holding, is_back, record = self._onboard_lists.get(MissionType.MISSION), False, None
+        onboard, is_back, record = self._onboard_lists.get(MissionType.MISSION), False, None
         compared = self.conformance.of(self._logbook)
         with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
-                watchers = () if holding is None else (ListWatcher(holding),)
+                watchers = () if onboard is None else (ListWatcher(onboard),)
                 observers: tuple[Observer, ...] = (self.order, compared, *watchers)
                 try:
                     if is_back:
@@ -281,9 +281,9 @@ class Vehicle(RemoteVehicle):
                     is_back = True
         with suppress(MissionError):
             self._hold(unsubscribe())
-        if holding is not None:
+        if onboard is not None:
             with suppress(MissionError):  # its list is not reported
-                self._hold(read_again(holding, self.state))
+                self._hold(read_again(onboard, self.state))
         return self.record()
 
     @contextmanager
@@ -295,8 +295,8 @@ class Vehicle(RemoteVehicle):
             raise TimeUp("; ".join(filter(None, words))) from None
 
     def _reconnect(self, lost: MissionError, progress: Progress) -> None:
-        logbook, holding = self._logbook, self._onboard_lists.get(MissionType.MISSION)
-        proved = None if holding is None or holding.changed else holding
+        logbook, onboard = self._logbook, self._onboard_lists.get(MissionType.MISSION)
+        proved = None if onboard is None or onboard.changed else onboard
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
         tell = partial(count, progress, logbook.done, logbook.total, "item ")
@@ -333,8 +333,8 @@ class Vehicle(RemoteVehicle):
     @property
     def changed(self) -> str:
         """Return reports of another mission since the proof."""
-        holding = self._onboard_lists.get(MissionType.MISSION)
-        return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
+        onboard = self._onboard_lists.get(MissionType.MISSION)
+        return "" if onboard is None or not onboard.changed else str(ReplacedSince(onboard))
 
     @property
     def interrupted(self) -> str:
@@ -372,8 +372,8 @@ class Vehicle(RemoteVehicle):
 
     def _handle(self, message: Message) -> None:
         self._logbook.note(message)
-        for holding in self._onboard_lists.values():
-            holding.note(message, self._logbook.armed)
+        for onboard in self._onboard_lists.values():
+            onboard.note(message, self._logbook.armed)
         self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:

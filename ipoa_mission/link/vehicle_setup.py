@@ -8,9 +8,6 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.messages import STATION_SYSTEM
 from ipoa_mission.mission.items import Mission
 
-#: single precision
-TOLERANCE = 1e-6
-
 
 class HasParameters(Protocol):
     autopilot: Autopilot
@@ -36,23 +33,25 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     ArduCopter 4.7 has renamed and rescaled some.
     """
     spelled = vehicle.autopilot.parameter_table.spellings
-    values = vehicle.parameters([name for name, _ in spelled(one)] for one in wanted) if wanted else {}
+    values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
     others, missing = [], []
-    for one, value in wanted.items():
-        for name, unit in spelled(one):
+    for parameter, value in wanted.items():
+        for name, unit in spelled(parameter):
             if name in values:
-                if not abs(values[name] - value * unit) <= TOLERANCE * max(1.0, abs(value * unit)):  # NaN differs
+                if not abs(values[name] - value * unit) <= 1e-6 * max(1.0, abs(value * unit)):  # single; NaN differs
                     others.append(OtherValue(name, value * unit, values[name]))
                 break
         else:
-            missing.append(one)
+            missing.append(parameter)
     return tuple(others), tuple(missing)
 
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
     """Return values by older names and units."""
     table = vehicle.autopilot.parameter_table
-    return table.by_old_names(vehicle.parameters([name for name, _ in table.spellings(one)] for one in names))
+    return table.by_old_names(
+        vehicle.parameters([name for name, _ in table.spellings(parameter)] for parameter in names)
+    )
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:

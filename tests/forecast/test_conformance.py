@@ -145,7 +145,7 @@ def test_no_logged_flight_deviates_as_a_link_tells_it(log: str) -> None:
         for message in flight.messages:
             state.note(message)
             logbook.note(message)
-            assert list(compared.look(message, 0.0)) == []
+            assert list(compared.observe(message, 0.0)) == []
         assert compared.deviations == []
 
 

@@ -149,7 +149,9 @@ def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
     vehicle.state.armed, vehicle.state.landed_state = True, 2
     far = place(900.0, 900.0)
     for time in range(5):
-        assert list(compared.look(Position(float(time), far.latitude_deg, far.longitude_deg, 420.0, 20.0), 0.0)) == []
+        assert (
+            list(compared.observe(Position(float(time), far.latitude_deg, far.longitude_deg, 420.0, 20.0), 0.0)) == []
+        )
     assert compared.deviations == []
     assert said == []
 

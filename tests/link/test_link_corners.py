@@ -80,7 +80,7 @@ def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
 
 
 def looked(made: Any) -> list[Any]:
-    list(made.look(Position(10.0, 47.4, 8.5, 500.0, 12.0), 0.0))
+    list(made.observe(Position(10.0, 47.4, 8.5, 500.0, 12.0), 0.0))
     return list(made.seen)
 
 

@@ -152,10 +152,10 @@ def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(fa
     state.note(beat(family, family.modes.mission))
     order = FlightOrder(state, lambda: 0.0)
     order.give(min(family.modes.lands))
-    assert len(list(order.look(refused, 0.0))) == 1  # what was refused before it was another's
-    assert list(order.look(refused, 0.0)) == []
+    assert len(list(order.observe(refused, 0.0))) == 1  # what was refused before it was another's
+    assert list(order.observe(refused, 0.0)) == []
     assert "DENIED" in order.words
-    assert list(order.look(beat(family, family.modes.mission), 0.0)) == []
+    assert list(order.observe(beat(family, family.modes.mission), 0.0)) == []
 
 
 @pytest.mark.parametrize("family", registered())
@@ -195,14 +195,14 @@ def test_an_order_to_go_on_that_is_refused_is_told(family: Autopilot) -> None:
     order = FlightOrder(state, lambda: 0.0)
     order.is_paused = True
     order.go_on()
-    assert len(list(order.look(beat(family, family.modes.mission), 0.0))) == 1
-    assert list(order.look(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.IN_PROGRESS), 0.0)) == []
-    list(order.look(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.FAILED), 0.0))
+    assert len(list(order.observe(beat(family, family.modes.mission), 0.0))) == 1
+    assert list(order.observe(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.IN_PROGRESS), 0.0)) == []
+    list(order.observe(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.FAILED), 0.0))
     assert order.words == "go on: the vehicle answered FAILED"
     assert order.is_paused
     state.note(beat(family, family.modes.mission, armed=False))
     order.go_on()
-    assert list(order.look(beat(family, family.modes.mission, armed=False), 0.0)) == []
+    assert list(order.observe(beat(family, family.modes.mission, armed=False), 0.0)) == []
 
 
 @pytest.mark.parametrize("family", registered())
