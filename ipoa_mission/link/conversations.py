@@ -6,33 +6,20 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
 from ipoa_mission.link.item_payloads import Payloads, as_items
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
 from ipoa_mission.link.mavftp import list_checksum
-from ipoa_mission.link.messages import (
-    INFO,
-    Ack,
-    ClearAll,
-    Count,
-    Event,
-    ItemAt,
-    Message,
-    MissionType,
-    Request,
-    RequestList,
-    Result,
-    Text,
-)
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 
-Take = Callable[[int, ItemAt], int]
+Take = Callable[[int, m.ItemAt], int]
 
 #: Refusals after which a vehicle may still ask: PX4 answers a second COUNT or a stray item with ERROR, ArduPilot a
 #: duplicate with INVALID_SEQUENCE.
-DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
+DOUBTFUL_REFUSALS = frozenset({m.Result.ERROR, m.Result.INVALID_SEQUENCE})
 #: Both firmwares repeat their request within a second [s].
 REFUSAL_TIMEOUT_S = 3.0
 #: For words that explain a refusal [s].
@@ -42,27 +29,27 @@ REASON_TIMEOUT_S = 0.3
 class MissionRefused(MissionError):
     def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "") -> None:
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
-        name = Result(result).name if result in set(Result) else str(result)
+        name = m.Result(result).name if result in set(m.Result) else str(result)
         where = "" if seq is None else f" at item {seq}"
         reason = f": {words}" if words else ""
         super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{reason}")
 
 
 def list_name(kind: int) -> str:
-    names = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
-    return names.get(MissionType(kind), "lists") if kind in set(MissionType) else "lists"
+    names = {m.MissionType.MISSION: "mission", m.MissionType.FENCE: "fence", m.MissionType.RALLY: "rally points"}
+    return names.get(m.MissionType(kind), "lists") if kind in set(m.MissionType) else "lists"
 
 
 @dataclass
 class VehicleTexts:
-    least_severity: int = INFO
+    least_severity: int = m.INFO
     words: list[str] = field(default_factory=list)
 
-    def note(self, message: Message | None) -> None:
+    def note(self, message: m.Message | None) -> None:
         match message:
-            case Text(severity, text) if severity <= self.least_severity:
+            case m.Text(severity, text) if severity <= self.least_severity:
                 words = text.rstrip("\t ")  # PX4 marks a repeated event with a tab
-            case Event(number, _, arguments):
+            case m.Event(number, _, arguments):
                 words = words_of(number, arguments) or ""
             case _:
                 return
@@ -73,7 +60,7 @@ class VehicleTexts:
         return "; ".join(self.words)
 
 
-def observed(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
+def observed(dialogue: Dialogue[T], note: Callable[[m.Message | None], object]) -> Dialogue[T]:
     """Pass each heard message to `note` first."""
     move = partial(dialogue.send, None)
     while True:
@@ -108,7 +95,7 @@ def offer(
     run = ItemsSent(kind, len(items), items=items, packed=packed, asked=asked)
     last = len(items) - 1
     texts = VehicleTexts()
-    step: Step = opening(Count(len(items), kind))
+    step: Step = opening(m.Count(len(items), kind))
     while True:
         try:
             heard = yield step
@@ -120,28 +107,28 @@ def offer(
             raise NoAnswer(f"{silence} after {max(run.at, 0)} of {len(items)} items of the {list_name(kind)}") from None
         step = None
         match heard:
-            case Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
+            case m.Request(seq, k) if k == kind and seq <= last and (not in_order or run.at <= seq <= run.at + 1):
                 run.asked_for(seq)
-                step = Tell(ItemAt(seq, items[seq], kind), run if in_order else None)
+                step = Tell(m.ItemAt(seq, items[seq], kind), run if in_order else None)
                 if in_order and seq == last:
                     yield Remark(step.message)
                     step = Pause(3.0)  # after it the read-back decides
-            case Ack(Result.ACCEPTED, k) if k == kind:
+            case m.Ack(m.Result.ACCEPTED, k) if k == kind:
                 if run.at == last or not in_order:
                     asked(len(items))
-                    return Result.ACCEPTED
-            case Ack(Result.INVALID_SEQUENCE, k) if k == kind:
-                run.doubt = Result.INVALID_SEQUENCE
-            case Ack(Result.ERROR, k) if k == kind:
-                run.doubt = Result.ERROR
+                    return m.Result.ACCEPTED
+            case m.Ack(m.Result.INVALID_SEQUENCE, k) if k == kind:
+                run.doubt = m.Result.INVALID_SEQUENCE
+            case m.Ack(m.Result.ERROR, k) if k == kind:
+                run.doubt = m.Result.ERROR
                 step = Pause(REFUSAL_TIMEOUT_S)
-            case Ack(result, k) if k == kind:
+            case m.Ack(result, k) if k == kind:
                 yield from listen_for_words(texts)
                 raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
             case None:
-                raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
+                raise MissionRefused(run.doubt or m.Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
                 texts.note(heard)
 
@@ -162,7 +149,7 @@ def fetch(
     doubt: int | None = None
     style, reading = style or RequestStyle(), run or ItemsRead(kind, count, at=0)
     while reading.at < count:
-        step: Step = Ask(Request(reading.at, kind, style.legacy), item=True, run=run)
+        step: Step = Ask(m.Request(reading.at, kind, style.legacy), item=True, run=run)
         while True:
             try:
                 heard = yield step
@@ -172,19 +159,19 @@ def fetch(
                 raise NoAnswer(f"{silence} after {reading.at} of {count} items of the {list_name(kind)}") from None
             step = None
             match heard:
-                case ItemAt(s, _, k) as item if k == kind and s == reading.at:
+                case m.ItemAt(s, _, k) as item if k == kind and s == reading.at:
                     result = take(s, item)
-                    if result != Result.ACCEPTED:
+                    if result != m.Result.ACCEPTED:
                         return result
                     break
-                case ItemAt(_, _, k) if k == kind and style.rebukes:
-                    yield Remark(Ack(Result.INVALID_SEQUENCE, kind))
-                case Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
+                case m.ItemAt(_, _, k) if k == kind and style.rebukes:
+                    yield Remark(m.Ack(m.Result.INVALID_SEQUENCE, kind))
+                case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
-                case Ack(result, k) if k == kind and result != Result.ACCEPTED:
+                case m.Ack(result, k) if k == kind and result != m.Result.ACCEPTED:
                     raise MissionRefused(result, kind, reading.at)
         reading.at += 1
-    return Result.ACCEPTED
+    return m.Result.ACCEPTED
 
 
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
@@ -200,9 +187,9 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
         stored.append(item)
         count(progress, len(stored), total)
 
-    def take(seq: int, heard: ItemAt) -> int:
+    def take(seq: int, heard: m.ItemAt) -> int:
         keep(heard.item)
-        return Result.ACCEPTED
+        return m.Result.ACCEPTED
 
     while True:
         before = len(stored)
@@ -219,23 +206,23 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
                 stored.clear()
             total = again
         else:
-            yield Remark(Ack(Result.ACCEPTED, kind))
+            yield Remark(m.Ack(m.Result.ACCEPTED, kind))
             return stored
 
 
 def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
     """Raise `silence` if nobody answers, and MissionRefused, as ArduPilot does while another station uploads."""
     try:
-        return (yield from _answered(RequestList(kind)))
+        return (yield from _answered(m.RequestList(kind)))
     except NoAnswer as still:
         raise silence or still from None
 
 
 def clear(kind: int) -> Dialogue[None]:
-    yield from _answered(ClearAll(kind))
+    yield from _answered(m.ClearAll(kind))
 
 
-def _answered(question: RequestList | ClearAll) -> Dialogue[int]:
+def _answered(question: m.RequestList | m.ClearAll) -> Dialogue[int]:
     """Return the number of items that are left to transfer."""
     step: Step = Ask(question)
     texts = VehicleTexts()
@@ -243,19 +230,19 @@ def _answered(question: RequestList | ClearAll) -> Dialogue[int]:
         heard = yield step
         step = None
         match heard:
-            case Ack(result, question.kind) if result not in (Result.ACCEPTED, *DOUBTFUL_REFUSALS):
+            case m.Ack(result, question.kind) if result not in (m.Result.ACCEPTED, *DOUBTFUL_REFUSALS):
                 yield from listen_for_words(texts)
                 raise MissionRefused(result, question.kind, words=str(texts))
-            case Ack(Result.ACCEPTED, question.kind) if isinstance(question, ClearAll):
+            case m.Ack(m.Result.ACCEPTED, question.kind) if isinstance(question, m.ClearAll):
                 return 0
-            case Count(total, question.kind) if isinstance(question, RequestList):
+            case m.Count(total, question.kind) if isinstance(question, m.RequestList):
                 return total
             case _:
                 texts.note(heard)
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    heard: Message | None = yield Pause(REASON_TIMEOUT_S)
+    heard: m.Message | None = yield Pause(REASON_TIMEOUT_S)
     while heard is not None:
         texts.note(heard)
         heard = yield None

@@ -14,6 +14,7 @@ from ipoa_mission.autopilot.autopilot import default_autopilot, registered
 from ipoa_mission.autopilot.kind import Kind
 from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.errors import BadInput, MissionError, imported
+from ipoa_mission.link import messages as m
 from ipoa_mission.link import upload, wire
 from ipoa_mission.link.address import Address, Transport, parse_address
 from ipoa_mission.link.channel import LinkDown
@@ -23,15 +24,6 @@ from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.line import Carrier
-from ipoa_mission.link.messages import (
-    NO_MISSION,
-    STATION_COMPONENT,
-    STATION_SYSTEM,
-    Heartbeat,
-    Message,
-    MissionType,
-    Result,
-)
 from ipoa_mission.link.onboard_list import OnboardList
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle
@@ -111,12 +103,12 @@ class MavsdkLine(Carrier):
     def now(self) -> float:
         return time.monotonic()
 
-    def send(self, message: Message, target: Target = EVERYONE) -> None:
+    def send(self, message: m.Message, target: Target = EVERYONE) -> None:
         name, fields = wire.write(message)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
         text = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
         self._direct.send_message(
-            self._message(name, STATION_SYSTEM, STATION_COMPONENT, target.system, target.component, text)
+            self._message(name, m.STATION_SYSTEM, m.STATION_COMPONENT, target.system, target.component, text)
         )
 
     def receive(self, until: float) -> list[Heard]:
@@ -163,7 +155,7 @@ class MavsdkVehicle(Vehicle):
         likely = next((one for one in registered() if one.firmware_name.upper() == reported_name), default_autopilot())
         kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
-        if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
+        if not self._hold(until(lambda: m.Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
         if not reading and self.state.kind is not None and not self.state.kind.is_flown:
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
@@ -179,7 +171,7 @@ class MavsdkVehicle(Vehicle):
             try:
                 self._transfer(kind, lambda: self._upload(rows, kind, interrupt))
             except MissionRefused as refusal:
-                if refusal.result != Result.OPERATION_CANCELLED or not interrupt.take():
+                if refusal.result != m.Result.OPERATION_CANCELLED or not interrupt.take():
                     raise
                 raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old") from None
             difference = compare(items, self.download_items(kind), self.autopilot)
@@ -188,7 +180,7 @@ class MavsdkVehicle(Vehicle):
             count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}", holds="new")
-        if self.autopilot.protocol_profile.judges_later and kind == MissionType.MISSION and items:
+        if self.autopilot.protocol_profile.judges_later and kind == m.MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
@@ -198,11 +190,13 @@ class MavsdkVehicle(Vehicle):
     def _expect_flyable(self) -> None:
         """PX4 reports it in MISSION_CURRENT after a while."""
         self._listen()
-        state, timeout_s = self.state, upload.VERDICT_S
+        state, none = self.state, m.NO_MISSION
         state.current = None
-        if self._hold(until(lambda: state.current is not None and state.current.mission_state > NO_MISSION, timeout_s)):
+        if self._hold(
+            until(lambda: state.current is not None and state.current.mission_state > none, upload.VERDICT_S)
+        ):
             return
-        if state.current is not None and state.current.mission_state == NO_MISSION:
+        if state.current is not None and state.current.mission_state == none:
             raise Unflyable("; ".join(state.warnings))
 
     def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
@@ -213,7 +207,7 @@ class MavsdkVehicle(Vehicle):
         begin(list(rows), lambda result, _: results.put(result))
         was_cancelled = False
         while True:
-            keeps_old = self.autopilot.protocol_profile.judges_later and kind == MissionType.MISSION
+            keeps_old = self.autopilot.protocol_profile.judges_later and kind == m.MissionType.MISSION
             if interrupt.is_pending and not was_cancelled and keeps_old:
                 was_cancelled = True
                 raw.cancel_mission_upload()
@@ -247,14 +241,14 @@ class MavsdkVehicle(Vehicle):
             self._listen()
             words = "; ".join(self.state.warnings) or f"MAVSDK calls it {name}"
             results = {
-                "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
-                "UNSUPPORTED": Result.UNSUPPORTED,
-                "DENIED": Result.DENIED,
-                "INVALID_ARGUMENT": Result.INVALID,
-                "INVALID_SEQUENCE": Result.INVALID_SEQUENCE,
-                "TRANSFER_CANCELLED": Result.OPERATION_CANCELLED,
+                "TOO_MANY_MISSION_ITEMS": m.Result.NO_SPACE,
+                "UNSUPPORTED": m.Result.UNSUPPORTED,
+                "DENIED": m.Result.DENIED,
+                "INVALID_ARGUMENT": m.Result.INVALID,
+                "INVALID_SEQUENCE": m.Result.INVALID_SEQUENCE,
+                "TRANSFER_CANCELLED": m.Result.OPERATION_CANCELLED,
             }
-            raise MissionRefused(results.get(name, Result.ERROR), kind, words=words) from refusal
+            raise MissionRefused(results.get(name, m.Result.ERROR), kind, words=words) from refusal
 
     def _listen(self) -> None:
         while heard := self.line.receive(self.line.now()):

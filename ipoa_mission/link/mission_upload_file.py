@@ -7,19 +7,10 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import mavftp
 from ipoa_mission.link.conversations import READ_ATTEMPTS, KeepsChanging
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.item_payloads import PAYLOAD, pack_items, unpack_items
-from ipoa_mission.link.mavftp import (
-    MISSION_FILE,
-    FileMessage,
-    FileRefused,
-    ask_of_file,
-    file_checksum,
-    list_checksum,
-    read_file,
-    write_file,
-)
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.mission.items import Item
@@ -64,7 +55,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         count(progress, done, total)
 
     try:
-        closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
+        closing = yield from mavftp.write_file(mavftp.MISSION_FILE, pack_mission(job.items, job.kind), note)
     except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
         raise type(aborted)(
             f"{aborted}: the vehicle keeps the mission it had",
@@ -79,11 +70,11 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         raise (yield from _cancelled_late(job, closing)) from None
 
 
-def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
+def _cancelled_late(job: Upload, closing: mavftp.FileMessage) -> Dialogue[Cancelled]:
     """The file may have been taken."""
     try:
         yield from _settle(job, closing)
-    except FileRefused:
+    except mavftp.FileRefused:
         return Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
     except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
         return Cancelled(
@@ -97,14 +88,14 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
     )
 
 
-def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
-    yield from ask_of_file(closing, f"take {MISSION_FILE}")
+def _settle(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:
+    yield from mavftp.ask_of_file(closing, f"take {mavftp.MISSION_FILE}")
     for _ in range(READ_ATTEMPTS):
-        data = yield from read_file(MISSION_FILE)
+        data = yield from mavftp.read_file(mavftp.MISSION_FILE)
         difference = job.difference(unpack_mission(data))
         if difference is not None:
             raise ReadBackDiffers(job.kind, difference)
-        checksum = None if job.numbers is None else (yield from list_checksum(job.kind, job.numbers))
-        if checksum in (None, file_checksum(data)):
+        checksum = None if job.numbers is None else (yield from mavftp.list_checksum(job.kind, job.numbers))
+        if checksum in (None, mavftp.file_checksum(data)):
             return checksum or 0
     raise KeepsChanging(job.kind)

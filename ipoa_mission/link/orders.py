@@ -8,25 +8,14 @@ from typing import TypeVar
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
-from ipoa_mission.link.messages import (
-    CUSTOM_MODE_FLAG,
-    CommandAck,
-    CommandLong,
-    CommandResult,
-    Current,
-    Message,
-    ParamRequestRead,
-    ParamSet,
-    ParamValue,
-    SetCurrent,
-)
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
 from ipoa_mission.world.frame import Geodetic
 
-M = TypeVar("M", bound=Message)
+M = TypeVar("M", bound=m.Message)
 
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
@@ -36,27 +25,27 @@ PARAMETER_ROUND_S = 0.7
 class CommandRefused(MissionError):
     def __init__(self, action: str, result: int, words: str = "") -> None:
         self.action, self.result = action, result
-        name = CommandResult(result).name if result in set(CommandResult) else str(result)
+        name = m.CommandResult(result).name if result in set(m.CommandResult) else str(result)
         super().__init__(f"{action}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
 
-def order(number: int, *params: float) -> CommandLong:
-    return CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
+def order(number: int, *params: float) -> m.CommandLong:
+    return m.CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
 
 
-def message_request(name: str) -> CommandLong:
+def message_request(name: str) -> m.CommandLong:
     return order(VehicleCommand.REQUEST_MESSAGE, float(message_number(name)))
 
 
-def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
-    return order(VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
+def mode_order(mode: int, autopilot: Autopilot) -> m.CommandLong:
+    return order(VehicleCommand.DO_SET_MODE, m.CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
     return send_command(order(number, *params))
 
 
-def send_command(message: CommandLong) -> Dialogue[tuple[int, str]]:
+def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
     """Return the CommandResult, and the vehicle's words about a refusal."""
     texts, number = VehicleTexts(), message.command
     step: Step = Ask(message)
@@ -64,10 +53,10 @@ def send_command(message: CommandLong) -> Dialogue[tuple[int, str]]:
         heard = yield step
         step = None
         match heard:
-            case CommandAck(n, CommandResult.IN_PROGRESS) if n == number:
+            case m.CommandAck(n, m.CommandResult.IN_PROGRESS) if n == number:
                 step = Pause(30.0)
-            case CommandAck(n, result) if n == number:
-                if result != CommandResult.ACCEPTED:
+            case m.CommandAck(n, result) if n == number:
+                if result != m.CommandResult.ACCEPTED:
                     yield from listen_for_words(texts)
                 return result, str(texts)
             case None:
@@ -82,24 +71,24 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
     `restart` resets jump counters and completion. Raise CommandRefused, or NoAnswer if the item is not shown.
     """
     result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
-    if result == CommandResult.ACCEPTED:
+    if result == m.CommandResult.ACCEPTED:
         return
-    if result != CommandResult.UNSUPPORTED:
+    if result != m.CommandResult.UNSUPPORTED:
         raise CommandRefused(f"go to item {seq}", result, words)
-    step: Step = Ask(SetCurrent(seq))
+    step: Step = Ask(m.SetCurrent(seq))
     while True:
         try:
             heard = yield step
         except NoAnswer:
             raise NoAnswer(f"the vehicle did not go to item {seq}: does it exist?", code="no-such-item") from None
         step = None
-        if isinstance(heard, Current) and heard.seq == seq:
+        if isinstance(heard, m.Current) and heard.seq == seq:
             return
 
 
 def stream(name: str, interval_s: float) -> Dialogue[bool]:
     result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
-    return result == CommandResult.ACCEPTED
+    return result == m.CommandResult.ACCEPTED
 
 
 def _requested(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
@@ -116,9 +105,9 @@ def _requested(name: str, kind: type[M], pause_s: float, requests: int = 5) -> D
             raise
         step = None
         match heard:
-            case CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
+            case m.CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
                 has_answered = True
-                step = Pause(pause_s if result == CommandResult.ACCEPTED else 0.3)
+                step = Pause(pause_s if result == m.CommandResult.ACCEPTED else 0.3)
             case None:
                 requests -= 1
                 if requests == 0:
@@ -144,14 +133,14 @@ def about() -> Dialogue[AutopilotVersion | None]:
         return None
 
 
-def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
+def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
     An unknown parameter is met with silence. Each round also asks for parameters that exist: four of their answers
     prove unanswered ones absent.
     """
     table, rounds_s = autopilot.parameter_table, [PARAMETER_ROUND_S] * 6 + [2.0] * 5
-    values: dict[str, ParamValue] = {}
+    values: dict[str, m.ParamValue] = {}
     proofs = 0
 
     def missing() -> list[Sequence[str]]:
@@ -162,10 +151,10 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
             break
         known = table.surely_there[n % len(table.surely_there)]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
-            yield Remark(ParamRequestRead(name))
+            yield Remark(m.ParamRequestRead(name))
         heard = yield Pause(seconds)
         while heard is not None:
-            if isinstance(heard, ParamValue):
+            if isinstance(heard, m.ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
                 proofs += (is_known := any(heard.param_id in names for names in table.surely_there))
                 if is_known or not missing():
@@ -184,7 +173,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         raise NoAnswer(f"the vehicle has no parameter {name}", code="unknown-parameter")
     kind = reported[name].param_type
     try:
-        order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
+        order = m.ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
     except BadInput as error:
         raise error.at(name) from None
     kept: float | None = None
@@ -192,7 +181,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         yield Remark(order)
         heard = yield Pause(seconds)
         while heard is not None:
-            if isinstance(heard, ParamValue) and heard.param_id == name:
+            if isinstance(heard, m.ParamValue) and heard.param_id == name:
                 kept = parameter_value(heard, autopilot)
                 if abs(kept - value) <= 1e-6 * max(1.0, abs(value)):
                     return
@@ -202,7 +191,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
     raise MissionError(f"expected {value:g}, but the vehicle keeps {kept:g}", code="parameter-kept", place=name)
 
 
-def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
+def parameter_value(heard: m.ParamValue, autopilot: Autopilot) -> float:
     """Decode a value: some autopilots send an integer's bits as a float."""
     if not _is_packed(heard.param_type, autopilot):
         return heard.param_value

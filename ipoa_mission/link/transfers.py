@@ -3,18 +3,8 @@
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.mavftp import MISSION_FILE, Opcode, unpack
-from ipoa_mission.link.messages import (
-    Ack,
-    ClearAll,
-    Count,
-    FileTransfer,
-    ItemAt,
-    Message,
-    MissionType,
-    Result,
-    WritePartialList,
-)
 from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.mission.items import Item
 
@@ -41,28 +31,28 @@ class Transfers:
         self._file: dict[int, bytes] | None = None  # mission.dat: data by offset
         self._written = False
 
-    def note(self, message: Message, by_vehicle: bool) -> Items | None:
-        held = self._note_file(message, by_vehicle) if isinstance(message, FileTransfer) else None
+    def note(self, message: m.Message, by_vehicle: bool) -> Items | None:
+        held = self._note_file(message, by_vehicle) if isinstance(message, m.FileTransfer) else None
         match message:
-            case Count(count, MissionType.MISSION):
+            case m.Count(count, m.MissionType.MISSION):
                 if self._list is None or (self._list.count, self._list.to_vehicle) != (count, not by_vehicle):
                     self._list = _List(count, not by_vehicle)
                 held = () if by_vehicle and not count else None
-            case WritePartialList(first, _, MissionType.MISSION) if first < len(self._held):
+            case m.WritePartialList(first, _, m.MissionType.MISSION) if first < len(self._held):
                 self._list = _List(len(self._held), True, dict(enumerate(self._held)))
-            case ClearAll(MissionType.MISSION | MissionType.ALL):
+            case m.ClearAll(m.MissionType.MISSION | m.MissionType.ALL):
                 self._list = _List(0, True)
-            case ItemAt(seq, item, MissionType.MISSION) if self._list and seq < self._list.count:
+            case m.ItemAt(seq, item, m.MissionType.MISSION) if self._list and seq < self._list.count:
                 if by_vehicle != self._list.to_vehicle:
                     self._list.items[seq] = item
                     held = self._list.whole if by_vehicle else None
-            case Ack(result, MissionType.MISSION | MissionType.ALL) if by_vehicle and self._list:
-                held = self._list.whole if self._list.to_vehicle and result == Result.ACCEPTED else None
+            case m.Ack(result, m.MissionType.MISSION | m.MissionType.ALL) if by_vehicle and self._list:
+                held = self._list.whole if self._list.to_vehicle and result == m.Result.ACCEPTED else None
         if held is not None:
             self._held, self._list = held, None
         return held
 
-    def _note_file(self, message: FileTransfer, by_vehicle: bool) -> Items | None:
+    def _note_file(self, message: m.FileTransfer, by_vehicle: bool) -> Items | None:
         request = unpack(message)
         match request.opcode:
             case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE | Opcode.OPEN_FILE_WO:

@@ -13,18 +13,8 @@ from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link import conversations, orders
+from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.departure import (
-    LIMITS,
-    NEEDED_STREAMS,
-    Departure,
-    depart_when_ready,
-    expect_on_ground,
-    prepare,
-    subscribe,
-    unsubscribe,
-)
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, await_booted
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
@@ -173,9 +163,9 @@ class Vehicle(RemoteVehicle):
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Clear a list; 255: each one, because ArduPilot does not support "all"."""
         with self._in_time():
-            for one in LISTS if kind == MissionType.ALL else (kind,):
-                self._onboard_lists.pop(one, None)
-                self._tell(conversations.clear(one))
+            for cleared in LISTS if kind == MissionType.ALL else (kind,):
+                self._onboard_lists.pop(cleared, None)
+                self._tell(conversations.clear(cleared))
 
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the current one; see `state`."""
@@ -201,7 +191,7 @@ class Vehicle(RemoteVehicle):
 
     def expect_on_ground(self) -> None:
         """Raise NotReady if armed."""
-        expect_on_ground(self.state)
+        departure.expect_on_ground(self.state)
 
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
@@ -224,11 +214,11 @@ class Vehicle(RemoteVehicle):
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
         onboard_lists, home = tuple(self._onboard_lists.values()), self.autopilot.counts_home
-        self._departure = Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
+        self._departure = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._options.anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._tell(prepare(self._departure, self.ready_s))
+            self._tell(departure.prepare(self._departure, self.ready_s))
         permit = permit or (None if mission is None else partial(check_start, Forecast(mission), first))
         if permit is not None and (at := self.state.position) is not None:
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
@@ -245,14 +235,14 @@ class Vehicle(RemoteVehicle):
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on the ground it was
                 disarmed again.
         """
-        until_s, given = min(self._until, self.line.now() + self.ready_s), self._until
-        departure = replace(self._departure, progress=progress)
+        until_s, limit_s = min(self._until, self.line.now() + self.ready_s), self._until
+        prepared = replace(self._departure, progress=progress)
         self._until = math.inf  # complete a begun departure first
         try:
             with self.state.in_errors():
-                self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
+                self._tell(departure.depart_when_ready(prepared, lambda: until_s - self.line.now()))
         finally:
-            self._until = given
+            self._until = limit_s
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or a deviation (`conformance`) holds the vehicle.
@@ -280,7 +270,7 @@ class Vehicle(RemoteVehicle):
                     self._reconnect(lost, progress)
                     is_back = True
         with suppress(MissionError):
-            self._hold(unsubscribe())
+            self._hold(departure.unsubscribe())
         if onboard is not None:
             with suppress(MissionError):  # its list is not reported
                 self._hold(read_again(onboard, self.state))
@@ -303,7 +293,7 @@ class Vehicle(RemoteVehicle):
         kept = self.absence.end(lost, known, self._patience, tell, self._until)
         self.order.cut(False)
         logbook.note_return()
-        for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):
+        for message in sorted(kept, key=lambda message: isinstance(message, Heartbeat)):
             self._overhear(message)
         self._mode_watch.was_away = True
         if logbook.disarmed_s is not None:
@@ -314,10 +304,10 @@ class Vehicle(RemoteVehicle):
 
     def _subscribe_again(self) -> None:
         """The vehicle or a relay may have forgotten them."""
-        self.state.heard -= set(NEEDED_STREAMS.values())
-        if not self._hold(until(lambda: self.state.heard >= set(NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
+        self.state.heard -= set(departure.NEEDED_STREAMS.values())
+        if not self._hold(until(lambda: self.state.heard >= set(departure.NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
-                self._tell(subscribe(self.state))
+                self._tell(departure.subscribe(self.state))
 
     def record(self) -> FlightRecord:
         """Incomplete after a deviation or a replaced mission."""
@@ -328,7 +318,7 @@ class Vehicle(RemoteVehicle):
     @property
     def ready_s(self) -> float:
         total_s = self._patience.total_s
-        return LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
+        return departure.LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
 
     @property
     def changed(self) -> str:
@@ -354,8 +344,9 @@ class Vehicle(RemoteVehicle):
 
         Several names of a parameter are requested at once.
         """
-        names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
-        return {name: one.param_value for name, one in self._hold(orders.parameters(names, self.autopilot)).items()}
+        names = [(name,) if isinstance(name, str) else tuple(name) for name in wanted]
+        values = self._hold(orders.parameters(names, self.autopilot))
+        return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:
         """Set the parameter `name` to `value`, and verify it.
