@@ -92,7 +92,8 @@ class UdpChannel(RealTime):
         try:
             if is_out:
                 self._remote = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_DGRAM)[0][4]
-                self._socket.bind(("", 0) if not _is_loopback(self._remote[0]) else (self._remote[0], 0))
+                host = self._remote[0]
+                self._socket.bind((host if host.startswith("127.") or host == "::1" else "", 0))
             else:
                 self._socket.bind((address.host, address.port))
         except (OSError, ValueError):
@@ -131,10 +132,6 @@ class UdpChannel(RealTime):
     def close(self) -> None:
         self._sender.close()
         self._socket.close()
-
-
-def _is_loopback(host: str) -> bool:
-    return host.startswith("127.") or host == "::1"
 
 
 class TcpChannel(RealTime):

@@ -204,7 +204,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
     if departure.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-            yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
+            yield from until(lambda: _is_above(state, departure.climb - LIMITS.climbed_below), LIMITS.climb_s)
         state.current = None  # count only reports after the arming
         yield from until(lambda: state.current is not None, LIMITS.retry_s)
         expect_unchanged(departure.onboard_lists)
@@ -230,8 +230,8 @@ def _has_position(state: VehicleState) -> bool:
     return at is not None and (at.latitude_deg, at.longitude_deg) != (0.0, 0.0)
 
 
-def _height(state: VehicleState) -> float:
-    return -1.0 if state.position is None else state.position.height
+def _is_above(state: VehicleState, height: float) -> bool:
+    return state.position is not None and state.position.height > height
 
 
 def _order(action: str, number: int, *params: float) -> Dialogue[None]:

@@ -129,8 +129,9 @@ class MavsdkLine(Carrier):
         target = Target(raw.target_system_id, raw.target_component_id)
         message = None
         if raw.message_name in wire.LAYOUTS:
-            fields = {key: _from_json(value) for key, value in json.loads(raw.fields_json).items()}
-            message = wire.read(raw.message_name, SimpleNamespace(**fields))
+            fields = json.loads(raw.fields_json)
+            numbers = {key: math.nan if value is None else value for key, value in fields.items()}
+            message = wire.read(raw.message_name, SimpleNamespace(**numbers))
         return Heard(raw.system_id, raw.component_id, target, message, b"")
 
 
@@ -138,10 +139,6 @@ def _to_json(value: Any) -> Any:
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _from_json(value: Any) -> Any:
-    return math.nan if value is None else value
 
 
 class MavsdkVehicle(Vehicle):

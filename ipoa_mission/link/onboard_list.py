@@ -26,10 +26,6 @@ class OnboardList:
     changed: str = ""
     is_reported: bool = False
 
-    @property
-    def is_watched(self) -> bool:
-        return self.list_id != 0 and not self.job.has_checksum
-
     def note(self, message: Message, is_flying: bool = False) -> None:
         """Another id or number of items is a replacement; warn once in flight."""
         if self.job.kind == MissionType.MISSION and isinstance(message, Current):
@@ -81,7 +77,8 @@ def _is_named(onboard: OnboardList, state: VehicleState) -> Dialogue[bool]:
 
 def read_again(onboard: OnboardList, state: VehicleState) -> Dialogue[None]:
     """A replacement may have the length of a list without an id."""
-    if onboard.is_watched or onboard.changed:
+    is_watched = onboard.list_id != 0 and not onboard.job.has_checksum
+    if is_watched or onboard.changed:
         return
     try:
         yield from prove([onboard], state)

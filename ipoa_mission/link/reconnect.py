@@ -64,13 +64,13 @@ class LinkLoss:
         lost: MissionError,
         known: KnownVehicle,
         patience: Patience,
-        tell: Callable[[str], None],
+        report: Callable[[str], None],
         until_s: float = math.inf,
     ) -> list[Message]:
         """Wait until the vehicle is identified; return its messages until then.
 
         Args:
-            tell: called every second.
+            report: called every second.
             until_s: the user's time limit, on the line's clock.
 
         Raises:
@@ -84,38 +84,39 @@ class LinkLoss:
             raise lost
         self._since_s, self._reported_s, self._open_s = now - SILENT_S * self._is_open, -RETRY_S, now
         self._why, self._others = ("" if self._is_open else str(lost)), ""
-        self._look(tell)
+        self._report_loss(report)
         log.warning("%s; listening for %g s", self.words, GIVE_UP_S)
         try:
             with noted_interrupts() as interrupt:
-                while (messages := self._identified(known, patience, interrupt, tell)) is None:
+                while (messages := self._identified(known, patience, interrupt, report)) is None:
                     if self._line.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
                         words = _with(f"the link is lost for {GIVE_UP_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
-            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, _description(known))
+            words = "it is the same vehicle" + (", with the mission that was uploaded" if known.onboard else "")
+            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, words)
             return messages
         finally:
             self.seconds, self.words = None, ""
 
     def _identified(
-        self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, tell: Callable[[str], None]
+        self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, report: Callable[[str], None]
     ) -> list[Message] | None:
         candidate, messages = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
 
         def note(message: Message) -> None:
             candidate.note(message)
             messages.append(message)
-            self._look(tell)
+            self._report_loss(report)
 
         target = Target(known.system, AUTOPILOT_COMPONENT)
         try:
             while Heartbeat not in candidate.heard and not self._is_over:
-                self._look(tell)
+                self._report_loss(report)
                 if interrupt.take():
                     raise Cancelled("cancelled")
-                for heard in self._heard():
+                for heard in self._receive():
                     if heard.message is not None and (heard.system, heard.component) == target:
                         note(heard.message)
                     elif autopilots_in([heard]):
@@ -136,7 +137,7 @@ class LinkLoss:
             raise NotTheSameVehicle(known.system, self._line.now() - self._since_s, str(other)) from None
         return None
 
-    def _heard(self) -> list[Heard]:
+    def _receive(self) -> list[Heard]:
         now = self._line.now()
         if not self._is_open:
             if now < self._open_s:
@@ -150,13 +151,13 @@ class LinkLoss:
     def _is_over(self) -> bool:
         return self._line.now() >= min(self._since_s + GIVE_UP_S, self._until_s)
 
-    def _look(self, tell: Callable[[str], None]) -> None:
+    def _report_loss(self, report: Callable[[str], None]) -> None:
         now = self._line.now()
         self.seconds = now - self._since_s
         if now - self._reported_s >= RETRY_S:
             self._reported_s = now
             self.words = _with("the link is lost: ", self._why, self._others, self.meanwhile)
-            tell(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
+            report(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
 
 
 def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
@@ -180,7 +181,3 @@ def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
 
 def _with(words: str, *more: str) -> str:
     return (words + "; ".join(filter(None, more))).rstrip(":; ")
-
-
-def _description(known: KnownVehicle) -> str:
-    return "it is the same vehicle" + ("" if known.onboard is None else ", with the mission that was uploaded")

@@ -289,8 +289,8 @@ class Vehicle(RemoteVehicle):
         proved = None if onboard is None or onboard.changed else onboard
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
-        tell = partial(count, progress, logbook.done, logbook.total, "item ")
-        kept = self.absence.end(lost, known, self._patience, tell, self._until)
+        report = partial(count, progress, logbook.done, logbook.total, "item ")
+        kept = self.absence.end(lost, known, self._patience, report, self._until)
         self.order.cut(False)
         logbook.note_return()
         for message in sorted(kept, key=lambda message: isinstance(message, Heartbeat)):
