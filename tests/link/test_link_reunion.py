@@ -261,7 +261,7 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
 
 def test_a_vehicle_that_was_restarted_or_tells_another_version_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch)
-    flight.at_loss = lambda: setattr(flight.vehicle._logbook, "_clock", 1e5)
+    flight.at_loss = lambda: setattr(flight.vehicle._logbook, "clock_s", 1e5)
     with refuses("not-the-same-vehicle"):
         flight.lose(5.0)
     flight = Flight(PX4, monkeypatch)
