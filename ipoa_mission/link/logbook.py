@@ -1,3 +1,5 @@
+"""Record a flight from the messages of a vehicle, or of a log: items reached, path, times since arming."""
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

@@ -1,3 +1,5 @@
+"""MAVFTP: its messages, the transfer of whole files, and the CRC-32 of ArduPilot's lists."""
+
 import struct
 import zlib
 from collections.abc import Iterator, Mapping

@@ -1,3 +1,5 @@
+"""A vehicle's state, link and time limit; `Vehicle` adds missions and flights."""
+
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

@@ -1,3 +1,5 @@
+"""Telemetry messages in SI units and degrees; see `messages`."""
+
 from ipoa_mission.link.messages import Message
 
 

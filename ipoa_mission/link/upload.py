@@ -105,6 +105,8 @@ class Upload:
 
 @dataclass
 class MissionReports(VehicleTexts):
+    """PX4's reports of its stored mission: ids and number of items prove that no other station replaced it."""
+
     least_severity: int = WARNING
     stored_as: int = 0  # first id after our COUNT; 0: not reported
     is_disputed: bool = False  # a second id: one is another station's
@@ -114,18 +116,14 @@ class MissionReports(VehicleTexts):
     total: int | None = None
     is_named: bool = False  # since the list was read whole
 
-    def offered(self) -> None:
+    def reset_at_offer(self) -> None:
         """Earlier reports concern other missions."""
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
-    def read(self) -> None:
+    def reset_at_reading(self) -> None:
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
 
-    def was_read(self) -> None:
-        """Earlier reports prove nothing from here on."""
-        self.is_named = False
-
-    def read_again(self) -> None:
+    def reset_ids(self) -> None:
         """The last id still counts."""
         self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
         self.is_named = False
@@ -167,9 +165,10 @@ class UploadState:
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Upload and verify a list; return its id (PX4) or checksum (ArduPilot), 0 if unknown.
+    """Offer a list, read it back and compare, until they are equal; await PX4's verdict.
 
-    When cancelled, PX4 keeps its old list; otherwise the new list is completed first.
+    Return the list's id (PX4) or checksum (ArduPilot), 0 if unknown. When cancelled, PX4 keeps its old list; otherwise
+    the new list is completed first.
 
     Raises:
         MissionRefused, NoAnswer, TimeUp: the hint reports what the vehicle holds now.
@@ -206,7 +205,7 @@ def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
     if reports.proves(job):
         return
     for _ in range(READ_ATTEMPTS):
-        reports.read_again()
+        reports.reset_ids()
         yield from _expect_unchanged(job, reports)
         if reports.agrees(job):
             return
@@ -265,9 +264,9 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
         course.attempt += 1
         course.before, course.furthest = course.furthest, -1
         try:
-            course.reports.offered()
+            course.reports.reset_at_offer()
             ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
-            course.reports.read()
+            course.reports.reset_at_reading()
             stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
@@ -284,7 +283,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             refused_before = refusal
             yield from wait(1.0)
         else:
-            course.reports.was_read()
+            course.reports.is_named = False  # earlier reports prove nothing from here on
             difference = job.difference(stored)
             if difference is None:
                 return

@@ -1,3 +1,5 @@
+"""The public client of one vehicle: upload, download, prepare, start and watch a mission."""
+
 import itertools
 import logging
 import math

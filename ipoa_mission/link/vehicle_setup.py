@@ -1,3 +1,5 @@
+"""Compare a vehicle's parameters with those that a mission was made for."""
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
