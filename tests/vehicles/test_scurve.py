@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along, straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, MotionLimits
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import Profile, SCurveLimits, change, profile, ramp_for
-from ipoa_mission.vehicles.arducopter.dynamics.ways import along
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import along
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from tests.examples import examples
 

@@ -27,6 +27,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, SensorModel, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
     law,
@@ -36,7 +37,6 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     way_home,
     with_another_end,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD

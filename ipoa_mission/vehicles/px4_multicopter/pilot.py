@@ -11,7 +11,7 @@ from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     law,
     leg,
@@ -21,7 +21,6 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     way_home,
     waypoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits

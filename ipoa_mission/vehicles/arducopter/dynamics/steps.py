@@ -21,13 +21,14 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     Tuning,
 )
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
+    along,
     climb_at,
     level_off,
+    on_way,
     orbit,
     shape_to_rest,
     square_root_law,
 )
-from ipoa_mission.vehicles.arducopter.dynamics.ways import along, on_way
 
 Triple = tuple[float, float, float]
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import CORRECTED_FOR, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import CORRECTED_FOR, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     GO,
     LAND,

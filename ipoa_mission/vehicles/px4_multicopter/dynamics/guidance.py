@@ -1,9 +1,9 @@
+"""PX4's guidance: velocity setpoints along legs, speeds at corners, yaw, and the land detector."""
+
 import math
 from typing import NamedTuple
 
-from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error
-from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import sink_rate
-from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import corner_speed, level, vertical_speed
+from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     BEFORE,
     BESIDE,
@@ -12,14 +12,132 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     ON_LINE,
     TAKE_OFF,
     ZERO,
+    Body,
+    Contact,
     Enu,
     Guidance,
     Law,
     Order,
     State,
+    Trajectory,
+    Yaw,
     of,
 )
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px4Limits
+
+
+def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
+    """Return the speed that can slow to `leave` within `distance`.
+
+    v^2 + (4 a^2/j) v = leave^2 + 2 a d, at least `leave`.
+    """
+    half = 2.0 * accel * accel / jerk
+    return max(math.sqrt(half * half + 2.0 * accel * distance + leave * leave) - half, leave)
+
+
+def half_tangent(cosine: float) -> float:
+    """Return tan(angle / 2); very large for a straight line."""
+    return math.sqrt(max(1.0 - cosine, 0.0) / max(1.0 + cosine, 1e-14))
+
+
+def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: Px4Limits) -> float:
+    """Return the level speed before a goal towards `beyond`.
+
+    At the goal: that of the circle touching both legs at the acceptance radius, with MPC_XY_TRAJ_P of the acceleration.
+    It is 0 if the next leg is shorter than that.
+    """
+    to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
+    on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
+    distance = math.sqrt(to_east * to_east + to_north * to_north)
+    accel, jerk, leave = limits.accel, limits.jerk, 0.0
+    if speed_to(distance, leave, accel, jerk) >= order.cruise:
+        return order.cruise
+    onward = math.sqrt(on_east * on_east + on_north * on_north)
+    if onward > 0.001 and onward >= order.radius:
+        cosine = 0.0 if distance < 1e-9 else -(to_east * on_east + to_north * on_north) / (distance * onward)
+        turn = math.sqrt(limits.corner_gain * accel * order.radius * half_tangent(cosine))
+        leave = min(turn, speed_to(onward, 0.0, accel, jerk), order.cruise)
+    return min(order.cruise, speed_to(distance, leave, accel, jerk))
+
+
+def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, limits: Px4Limits) -> float:
+    """Return the vertical speed at the goal's height; `top` and `accel` limit it.
+
+    As in PX4 the angle is in the plane of height and distance from the origin.
+    """
+    leave = 0.0
+    if abs(beyond.up - goal.up) > 0.001:
+        now, then, next_then = level(at), level(goal), level(beyond)
+        back, down, on, up = then - now, goal.up - at.up, then - next_then, goal.up - beyond.up
+        size = math.sqrt((back * back + down * down) * (on * on + up * up))
+        cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
+        leave = min(math.sqrt(accel * limits.height_radius * half_tangent(cosine)), top)
+    return min(top, speed_to(abs(goal.up - at.up), leave, accel, limits.jerk))
+
+
+def level(place: Enu) -> float:
+    """Return the level length of a vector."""
+    return math.sqrt(place.east * place.east + place.north * place.north)
+
+
+def sink_rate(state: State, order: Order, law: Law) -> float:
+    """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
+
+    Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
+    allows the crawl.
+    """
+    limits, sees = law.limits, law.senses.sees_ground
+    height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
+    if sees and height <= limits.crawl_below and not state.contact.lost:
+        return limits.crawl_speed
+    share = (height - limits.land_low) / max(limits.land_high - limits.land_low, 1e-6)
+    return min(limits.land_speed + min(max(share, 0.0), 1.0) * (limits.sinks_from - limits.land_speed), limits.descent)
+
+
+def stands(state: State, order: Order) -> bool:
+    return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
+
+
+def detect_contact(state: State, body: Body, thrust: float, law: Law) -> Contact:
+    """Return the land detector's state: low thrust and speed for long enough.
+
+    The range finder loses the ground below an estimated height of 0.
+    """
+    was, touchdown = state.contact, law.limits.touchdown
+    sees, stands = law.senses.sees_ground, body.on_ground
+    lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
+    low = was.stages > 0 or thrust <= GRAVITY * (touchdown.low_thrust - 1.0)
+    if not stands or abs(body.speed.up) >= touchdown.most_speed or not low:
+        return Contact(stands, lost, 0, state.time + law.dt)
+    stage = touchdown.trigger_s * (STAGES if lost and sees else 1) / STAGES
+    if state.time + law.dt - was.since >= stage:
+        return Contact(stands, lost, was.stages + 1, state.time + law.dt)
+    return Contact(stands, lost, was.stages, was.since)
+
+
+def heading_wanted(state: State, order: Order) -> float:
+    if not math.isnan(order.heading):
+        return order.heading
+    east, north = order.goal.east - state.body.place.east, order.goal.north - state.body.place.north
+    if east * east + north * north <= order.radius * order.radius:
+        return state.nose.yaw
+    return math.atan2(east, north)
+
+
+def heading_error(state: State, order: Order) -> float:
+    error = heading_wanted(state, order) - state.nose.yaw
+    return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
+
+
+def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
+    nose = state.nose
+    if math.isnan(nose.yaw):
+        return Yaw(heading_wanted(state, order), 0.0)
+    error, accel = heading_error(state, order), limits.yaw_accel
+    most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
+    rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
+    return Yaw(nose.yaw + rate * dt, rate)
+
 
 AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
 TURNING = 0.98  # cosine between velocity and aim in a turn

@@ -1,17 +1,25 @@
-import math
+"""One step of PX4: smoothed trajectory, position controller, body and sensors.
 
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
-from ipoa_mission.vehicles.px4_multicopter.dynamics.control import controlled, hover_learned
+The trajectory has three spans of constant jerk per axis, ending together. After a climb the hover thrust estimate is
+too large, as it ignores drag. Anti-windup then reduces the level integrator: PX4 flies slower.
+"""
+
+import math
+from typing import NamedTuple
+
+from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import NOTICED_S, add_sensor_errors, integrate
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     climb_limits,
+    detect_contact,
     guided,
+    heading_error,
     is_low_take_off,
+    level,
+    stands,
+    turned,
     velocity_setpoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error, turned
-from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import detect_contact, stands
-from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import NOTICED_S, add_sensor_errors
-from ipoa_mission.vehicles.px4_multicopter.dynamics.smoothing import smoothed
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     LAND,
     NOT_YET,
@@ -34,7 +42,144 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Yaw,
     of,
 )
-from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
+from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
+
+HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
+
+
+def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> tuple[Enu, Control]:
+    """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
+
+    A take-off ramps up the climb limit, without acceleration feed-forward.
+    """
+    limits, body, was, dt = law.limits, state.body, state.control, law.dt
+    east, north = level_velocity(trajectory, body, limits, dt)
+    east, north = (
+        east - body.speed.east - body.acceleration.east * dt,
+        north - body.speed.north - body.acceleration.north * dt,
+    )
+    ask_east = (
+        trajectory.east.acceleration + limits.p_v * east + was.integral.east - limits.d_v * body.acceleration.east
+    )
+    ask_north = (
+        trajectory.north.acceleration + limits.p_v * north + was.integral.north - limits.d_v * body.acceleration.north
+    )
+    most_climb, foreseen, ramp = limits.most_climb, trajectory.up.acceleration, state.time - state.begun
+    if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
+        none = -GRAVITY / limits.p_vz
+        most_climb, foreseen = none + ramp / limits.takeoff_ramp * (most_climb - none), 0.0
+    climb = trajectory.up.speed + limits.p_z * (trajectory.up.place - body.place.up)
+    up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
+    thrust = max(foreseen + limits.p_vz * up + was.integral.up, -GRAVITY)
+    size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
+    share = 1.0 if size <= law.most_lean else law.most_lean / size
+    # anti-windup: with too little lean or thrust
+    back = 2.0 / limits.p_v * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
+    integral = Enu(
+        was.integral.east + limits.i_v * (east - back * ask_east) * dt,
+        was.integral.north + limits.i_v * (north - back * ask_north) * dt,
+        was.integral.up + (limits.i_vz * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
+    )
+    return Enu(ask_east * share, ask_north * share, thrust), Control(integral, was.hover, thrust)
+
+
+def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
+    x: Axis = trajectory.east
+    y: Axis = trajectory.north
+    east = x.speed + limits.p_xy * (x.place - body.place.east - body.speed.east * dt)
+    north = y.speed + limits.p_xy * (y.place - body.place.north - body.speed.north * dt)
+    size = math.sqrt(east * east + north * north)
+    share = 1.0 if size <= limits.most_speed else limits.most_speed / size
+    return east * share, north * share
+
+
+def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
+    """Update the learned hover thrust, which counts drag in a climb as weight."""
+    fast = level(body.speed)
+    doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
+    share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt
+    takes = 1.0 + law.airframe.drag * body.speed.up / GRAVITY
+    return Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
+
+
+class Profile(NamedTuple):
+    """Jerk j [m/s^3, signed], durations of j, 0 and -j [s]."""
+
+    jerk: float
+    rise: float
+    coast: float
+    fall: float
+
+
+def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
+    """Return the fastest change to speed `goal`: peak acceleration p^2 = j (goal - v) + a^2/2."""
+    v, a = axis.speed, axis.acceleration
+    miss = goal - v - a * abs(a) / (2.0 * jerk)
+    if miss == 0.0 and a == 0.0:
+        return Profile(0.0, 0.0, 0.0, 0.0)
+    j = math.copysign(jerk, miss if miss != 0.0 else a)
+    p = math.copysign(math.sqrt(max(j * (goal - v) + a * a / 2.0, 0.0)), j)
+    coast = 0.0
+    if abs(p) > accel:
+        p = math.copysign(accel, j)
+        coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
+    rise = (p - a) / j
+    if rise < 0.0:
+        return Profile(j, 0.0, coast, a / j)
+    return Profile(j, rise, coast, p / j)
+
+
+def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
+    """Return the change stretched to `lasts` s.
+
+    Peak p: the smaller root in the direction of j of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
+    """
+    j, a = profile.jerk, axis.acceleration
+    if j == 0.0 or profile.rise + profile.coast + profile.fall >= lasts:
+        return profile
+    b = j * lasts + a
+    root = math.sqrt(max(b * b - 4.0 * (j * (goal - axis.speed) + a * a / 2.0), 0.0))
+    p = (b - root) / 2.0 if j > 0.0 else (b + root) / 2.0
+    p = min(max(p, -accel), accel)
+    rise, fall = max((p - a) / j, 0.0), max(p / j, 0.0)
+    return Profile(j, rise, max(lasts - rise - fall, 0.0), fall)
+
+
+def moved(axis: Axis, profile: Profile, t: float) -> Axis:
+    x, v, a, j = axis.place, axis.speed, axis.acceleration, profile.jerk
+    d = min(t, profile.rise)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 + d * j / 6.0)), v + d * (a + d * j / 2.0), a + d * j
+        t -= d
+    d = min(t, profile.coast)
+    if d > 0.0:
+        x, v = x + d * (v + d * a / 2.0), v + d * a
+        t -= d
+    d = min(t, profile.fall)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 - d * j / 6.0)), v + d * (a - d * j / 2.0), a - d * j
+        t -= d
+    if t > 0.0:
+        x, a = x + t * v, 0.0
+    return Axis(x, v, a)
+
+
+def smoothed(
+    trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
+) -> Trajectory:
+    """Return the trajectory t s later (`t_up` upwards)."""
+    x, y, z = trajectory
+    accel, jerk = limits.accel, limits.jerk
+    east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)
+    up = quickest(z, velocity.up, accel_up, jerk)
+    longest = max(east.rise + east.coast + east.fall, north.rise + north.coast + north.fall)
+    longest = max(longest, up.rise + up.coast + up.fall)
+    return Trajectory(
+        moved(x, stretched(x, velocity.east, accel, east, longest), t),
+        moved(y, stretched(y, velocity.north, accel, north, longest), t),
+        moved(z, stretched(z, velocity.up, accel_up, up, longest), t_up),
+    )
+
 
 STANDING = 1e-6  # a slower trajectory waits for the vehicle [m/s]
 SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
