@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import TAKEOFFS
-from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
+from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.checks.firmware_check import check_firmware, check_version, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals, unsound
 from ipoa_mission.checks.unsafe import check_unread

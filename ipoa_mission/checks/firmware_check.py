@@ -21,8 +21,8 @@ from ipoa_mission.autopilot.commands import (
 )
 from ipoa_mission.autopilot.firmware_tables import Firmware, param_name
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
-from ipoa_mission.autopilot.mav_types import NO_AIRCRAFT
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
+from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
 from ipoa_mission.checks.positions import out_of_range

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.autopilot.energy.consumption import Consumption
+from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput

@@ -9,7 +9,7 @@ from ipoa_mission.centimeters import down, up
 if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable
 
-    from ipoa_mission.autopilot.energy.consumption import Interval
+    from ipoa_mission.autopilot.energy import Interval
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.contingency.energy_budget import Budget
     from ipoa_mission.forecast.deviation.promise import Kept, Promise

@@ -23,7 +23,7 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilot.energy.consumption import Consumption
+    from ipoa_mission.autopilot.energy import Consumption
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.prediction import Prediction

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.special import stdtrit
 
-from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.energy import PowerCurve
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector

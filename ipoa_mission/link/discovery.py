@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import cycle
 
 from ipoa_mission.autopilot.commands import VehicleCommand
-from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.vehicle_kind import Kind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.dialogue import NoAnswer

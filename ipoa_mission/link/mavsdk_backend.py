@@ -11,8 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import default_autopilot, registered
-from ipoa_mission.autopilot.kind import Kind
-from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR, Kind
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import upload, wire

@@ -6,8 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.kind import Kind
-from ipoa_mission.autopilot.mav_types import with_article
+from ipoa_mission.autopilot.vehicle_kind import Kind, with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus

@@ -12,8 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.kind import Kind
-from ipoa_mission.autopilot.mav_types import with_article
+from ipoa_mission.autopilot.vehicle_kind import Kind, with_article
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard

@@ -10,8 +10,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
-from ipoa_mission.autopilot.mav_types import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.world.frame import Geodetic
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
-from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries

@@ -1,7 +1,6 @@
 from dataclasses import replace
 
-from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
-from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.energy import Battery, Consumption, PowerCurve, TimedPath, by_curve, consumption
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
@@ -30,11 +29,11 @@ def flight_energy(
 
     def consumed(against: float) -> Consumption | None:
         if curve is not None:
-            return by_curve(curve, times, points, speeds, wind, against)
+            return by_curve(curve, TimedPath(times, points, speeds), wind, against)
         if scenario is None or vehicle is None or vehicle.airframe is None:
-            return None if hover_w is None else hovering(hover_w, times, points, speeds)
-        airframe, altitude = vehicle.airframe.build(), scenario.home.altitude_amsl
-        return consumption(airframe, times, points, speeds, altitude, against, hover_w, wind)
+            return None if hover_w is None else by_curve(PowerCurve(hover_w), TimedPath(times, points, speeds))
+        path = TimedPath(times, points, speeds, scenario.home.altitude_amsl)
+        return consumption(vehicle.airframe.build(), path, wind, against, hover_w)
 
     used = consumed(head_wind)
     if used is None:

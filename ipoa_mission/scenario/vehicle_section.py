@@ -15,8 +15,7 @@ from pydantic import (
 )
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, default_autopilot, registered
-from ipoa_mission.autopilot.energy.consumption import Battery
-from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel
+from ipoa_mission.autopilot.energy import KAPPA, Battery, PowerModel
 from ipoa_mission.autopilot.known_parameters import expect_own, translated
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters

@@ -4,8 +4,8 @@ import math
 from collections.abc import Mapping
 
 from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
-from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target

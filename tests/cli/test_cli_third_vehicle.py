@@ -18,10 +18,10 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
-from ipoa_mission.autopilot.mav_types import QUADROTOR
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
 from ipoa_mission.autopilot.returning import Place
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.kind import Kind
+from ipoa_mission.autopilot.vehicle_kind import Kind
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import (

@@ -5,8 +5,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.kind import Kind
-from ipoa_mission.autopilot.mav_types import MULTICOPTERS
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, Kind
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet

@@ -4,7 +4,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.autopilot.mav_types import QUADROTOR
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder

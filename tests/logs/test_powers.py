@@ -14,8 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.energy.consumption import Interval
-from ipoa_mission.autopilot.energy.curve import PowerCurve
+from ipoa_mission.autopilot.energy import Interval, PowerCurve
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast

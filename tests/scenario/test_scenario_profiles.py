@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery, shortage
-from ipoa_mission.autopilot.energy.power import power
+from ipoa_mission.autopilot.energy import NotEnoughBattery, power, shortage
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario

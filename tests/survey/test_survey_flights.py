@@ -12,7 +12,7 @@ import shapely
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
+from ipoa_mission.autopilot.energy import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.contingency.energy_budget import budget_of

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.energy.consumption import NotEnoughBattery
+from ipoa_mission.autopilot.energy import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points

@@ -3,8 +3,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.autopilot.energy.consumption import Battery, Consumption, consumption, hovering, shortage
-from ipoa_mission.autopilot.energy.power import PowerModel, power
+from ipoa_mission.autopilot.energy import (
+    Battery,
+    Consumption,
+    PowerCurve,
+    PowerModel,
+    TimedPath,
+    by_curve,
+    consumption,
+    power,
+    shortage,
+)
 from tests.refused import refuses
 
 QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)
@@ -21,7 +30,7 @@ def cruise(speed: float, seconds: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
-    used = consumption(QUAD, *cruise(0.0, 3600))
+    used = consumption(QUAD, TimedPath(*cruise(0.0, 3600)))
     assert used.energy_wh == pytest.approx(drawn(0.0), rel=1e-6)
     assert (used.mean_w, used.spans_w.max()) == pytest.approx((used.energy_wh, used.energy_wh))
 
@@ -29,15 +38,17 @@ def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
 def test_what_stands_before_it_lifts_off_takes_nothing() -> None:
     times, points, speeds = cruise(5.0, 120)
     points[:60] = points[60]
-    used = hovering(180.0, times, points, speeds)
+    used = by_curve(PowerCurve(180.0), TimedPath(times, points, speeds))
     assert used.energy_wh == pytest.approx(180.0 * 60 / 3600)
     assert (used.spans_w[:60] == 0).all()
-    still = hovering(180.0, *cruise(0.0, 120))
+    still = by_curve(PowerCurve(180.0), TimedPath(*cruise(0.0, 120)))
     assert still.energy_wh == pytest.approx(6.0)
 
 
 def test_a_cruise_takes_its_power() -> None:
-    assert consumption(QUAD, *cruise(10.0, 100)).energy_wh * 3600 == pytest.approx(drawn(10.0) * 100, rel=1e-9)
+    assert consumption(QUAD, TimedPath(*cruise(10.0, 100))).energy_wh * 3600 == pytest.approx(
+        drawn(10.0) * 100, rel=1e-9
+    )
 
 
 def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back() -> None:
@@ -46,48 +57,53 @@ def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back()
     stops[[0, 50, 100]] = 0.0
     # Four spans have a mean of 5 m/s; 10 m/s is reached twice.
     joules = drawn(10.0) * 96 + drawn(5.0) * 4 + 2 * 0.5 * 2.4 * 10**2 / 0.8
-    used = consumption(QUAD, times, points, stops)
+    used = consumption(QUAD, TimedPath(times, points, stops))
     assert used.energy_wh * 3600 == pytest.approx(joules, rel=1e-9)
     assert used.spans_w[[0, 50]] == pytest.approx([used.spans_w.max()] * 2)
 
 
 def test_a_climb_is_flown_in_thinner_and_thinner_air() -> None:
     times, points, speeds = np.array([0.0, 60.0]), np.array([[0, 0, 0], [0, 0, 180.0]]), np.array([3.0, 3.0])
-    low = consumption(QUAD, times, points, speeds)
+    low = consumption(QUAD, TimedPath(times, points, speeds))
     assert low.mean_w == pytest.approx(drawn(0.0, 3.0), rel=0.01)
-    assert consumption(QUAD, times, points, speeds, altitude_amsl=2500.0).energy_wh > 1.05 * low.energy_wh
+    assert consumption(QUAD, TimedPath(times, points, speeds, altitude_amsl=2500.0)).energy_wh > 1.05 * low.energy_wh
 
 
 def test_wind_is_reckoned_as_airspeed() -> None:
-    assert consumption(QUAD, *cruise(5.0, 100), head_wind=6.0).mean_w == pytest.approx(drawn(11.0))
+    assert consumption(QUAD, TimedPath(*cruise(5.0, 100)), head_wind=6.0).mean_w == pytest.approx(drawn(11.0))
 
 
 def test_a_jump_in_position_costs_nothing() -> None:
     times, points, speeds = cruise(10.0, 100)
     jumpy = points.copy()
     jumpy[50:, 0] -= 0.7
-    assert consumption(QUAD, times, jumpy, speeds).energy_wh == consumption(QUAD, times, points, speeds).energy_wh
+    assert (
+        consumption(QUAD, TimedPath(times, jumpy, speeds)).energy_wh
+        == consumption(QUAD, TimedPath(times, points, speeds)).energy_wh
+    )
 
 
-def test_a_moment_that_is_told_twice_counts_once() -> None:
+def test_a_repeated_time_counts_once() -> None:
     times = np.array([0.0, 0.0, 10.0, 10.0, 20.0])
-    assert consumption(QUAD, times, np.zeros((5, 3)), np.zeros(5)).energy_wh * 3600 == pytest.approx(20 * drawn(0.0))
+    assert consumption(QUAD, TimedPath(times, np.zeros((5, 3)), np.zeros(5))).energy_wh * 3600 == pytest.approx(
+        20 * drawn(0.0)
+    )
 
 
 @given(st.lists(st.integers(1, 99), min_size=1, max_size=6, unique=True))
 def test_cutting_a_straight_flight_into_spans_changes_nothing(cuts: list[int]) -> None:
     ends = np.array([[0.0, 0, 0], [300.0, 200.0, 0.0]])
     fractions = np.array([0, *sorted(cuts), 100]) / 100
-    whole = consumption(QUAD, np.array([0.0, 50.0]), ends, np.full(2, 7.2))
+    whole = consumption(QUAD, TimedPath(np.array([0.0, 50.0]), ends, np.full(2, 7.2)))
     points = ends[0] + fractions[:, None] * (ends[1] - ends[0])
-    pieces = consumption(QUAD, 50 * fractions, points, np.full(len(points), 7.2))
+    pieces = consumption(QUAD, TimedPath(50 * fractions, points, np.full(len(points), 7.2)))
     assert pieces.energy_wh == pytest.approx(whole.energy_wh, rel=1e-9)
 
 
 @pytest.mark.parametrize("times", [[0.0, 2.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0]])
 def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
     with refuses("bad-input", "track"):
-        consumption(QUAD, np.array(times), np.zeros((3, 3)), np.zeros(3))
+        TimedPath(np.array(times), np.zeros((3, 3)), np.zeros(3))
 
 
 def used(energy_wh: float) -> Consumption:

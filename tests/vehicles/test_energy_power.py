@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from ipoa_mission.autopilot.energy.power import KAPPA, PowerModel, air_density, induced_speed, power
+from ipoa_mission.autopilot.energy import KAPPA, PowerModel, air_density, induced_speed, power
 from ipoa_mission.geometry import GRAVITY
 from tests.refused import refuses
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.energy.consumption import (
+from ipoa_mission.autopilot.energy import (
     LIFTED_DISTANCE,
     Battery,
     Consumption,

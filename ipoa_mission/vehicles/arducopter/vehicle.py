@@ -21,10 +21,10 @@ from ipoa_mission.autopilot.guidance_profile import (
     ProtocolProfile,
     WayKnown,
 )
-from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, Place, level_distance
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.arducopter import failsafes
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE

@@ -21,7 +21,6 @@ from ipoa_mission.autopilot.guidance_profile import (
     WaypointDefaults,
     mode_number,
 )
-from ipoa_mission.autopilot.mav_types import MULTICOPTERS
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import (
     HOME,
@@ -33,6 +32,7 @@ from ipoa_mission.autopilot.returning import (
     level_distance,
 )
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.px4_multicopter import failsafes
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
@@ -290,8 +290,8 @@ class Px4Multicopter(Autopilot):
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Read in the source.
 
-        >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
-        >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s
+        >>> routes = {one.cause: one.route for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
+        >>> routes["critical battery"].contingency, routes["critical battery"].after_s
         (<Contingency.RTL: 'rtl'>, 5.0)
         """
         return failsafes.failsafes(parameters, (version or self.newest).series)

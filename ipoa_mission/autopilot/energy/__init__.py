@@ -1,1 +1,0 @@
-"""Energy of a flight, and the battery check."""
