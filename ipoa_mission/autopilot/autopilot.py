@@ -1,4 +1,4 @@
-"""Base class and registry of vehicle plug-ins. Higher rooms find their own interfaces' implementations by `part`."""
+"""Base class and registry of vehicle plug-ins; `part` finds their implementations of higher rooms' interfaces."""
 
 import re
 from abc import ABCMeta, abstractmethod
@@ -91,21 +91,21 @@ class Autopilot(metaclass=_ByName):
     def __reduce__(self) -> tuple[Any, ...]:
         return autopilot_named, (self.name,)
 
-    def part(self, asked: type[Part]) -> Part:
+    def part(self, interface: type[Part]) -> Part:
         """Return this autopilot's implementation of an interface.
 
         Raises:
             MissionError: it has none.
         """
-        found = self.parts.get(asked.__name__)
-        if found is None:
-            raise NotModeled(f"{self.model} has no {asked.__name__} here")
-        part = _loaded(found) if isinstance(found, str) else found
-        assert isinstance(part, asked), f"{found} is no {asked.__name__}"
+        if not self.has(interface):
+            raise NotModeled(f"{self.model} has no {interface.__name__} here")
+        address = self.parts[interface.__name__]
+        part = _loaded(address) if isinstance(address, str) else address
+        assert isinstance(part, interface), f"{address} is no {interface.__name__}"
         return part
 
-    def has(self, asked: type[Any]) -> bool:
-        return asked.__name__ in self.parts
+    def has(self, interface: type[Any]) -> bool:
+        return interface.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
         return self.tables.of(version or self.newest)
@@ -237,7 +237,7 @@ class Autopilot(metaclass=_ByName):
         }
 
     def is_measured(self, version: Version | None) -> bool:
-        return version is None or version.series in {one.series for one in self.measured}
+        return version is None or version.series in {measured.series for measured in self.measured}
 
     def not_measured(self, version: Version | None) -> str | None:
         """Return a warning unless flights of this version were measured.
@@ -267,7 +267,7 @@ class Autopilot(metaclass=_ByName):
         return f"{words}; {self._measured_words()}"
 
     def _measured_words(self) -> str:
-        series = [f"{one.major}.{one.minor}" for one in self.measured]
+        series = [f"{version.major}.{version.minor}" for version in self.measured]
         return f"{self.model} {' and '.join(series)} {'were' if len(series) > 1 else 'was'}"
 
 
@@ -278,7 +278,7 @@ def _registered() -> dict[str, Autopilot]:
     Raises:
         BadInput: one cannot be imported, or is no `Autopilot`; two have one name.
     """
-    found = dict[str, Autopilot]()
+    vehicles = dict[str, Autopilot]()
     for entry in entry_points(group="ipoa_mission.vehicles"):
         try:
             vehicle = entry.load()
@@ -286,11 +286,11 @@ def _registered() -> dict[str, Autopilot]:
             raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which fails: {error}") from error
         if not isinstance(vehicle, Autopilot):
             raise BadInput(f"the vehicle {entry.name} is registered as {entry.value}, which is no Autopilot")
-        if found.setdefault(vehicle.name, vehicle) is not vehicle:
+        if vehicles.setdefault(vehicle.name, vehicle) is not vehicle:
             raise BadInput(f"expected one vehicle {vehicle.name}, not another registered as {entry.value}")
-    if not found:
+    if not vehicles:
         raise BadInput("no vehicle is registered among the entry points", hint="install ipoa-mission again")
-    return dict(sorted(found.items(), key=lambda named: (named[1].rank, named[0])))
+    return dict(sorted(vehicles.items(), key=lambda named: (named[1].rank, named[0])))
 
 
 def autopilot_names() -> tuple[str, ...]:
@@ -317,11 +317,12 @@ def autopilot_named(name: str) -> Autopilot:
     """
     if name in _registered():
         return _registered()[name]
-    raise ValueError(f"expected {' or '.join(repr(str(one)) for one in registered())}, not {name!r}")
+    raise ValueError(f"expected {' or '.join(repr(str(vehicle)) for vehicle in registered())}, not {name!r}")
 
 
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
-    return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
+    of_firmware = (vehicle for vehicle in registered() if vehicle.mav_autopilot == mav_autopilot)
+    return next((vehicle for vehicle in of_firmware if mav_type in vehicle.mav_types), None)
 
 
 @cache

@@ -86,7 +86,8 @@ class FailsafeRule:
         self, parameters: Parameters, series: Series, route: FailsafeAction, at: FlightStage, there: FailsafeAction
     ) -> "Failsafe":
         """Return the failsafe with the action `route`, and the action `there` at one stage."""
-        returns = (n for n, one in self.actions.items() if one.contingency is Contingency.RTL and one.since <= series)
+        known = {value: action for value, action in self.actions.items() if action.since <= series}
+        returns = (value for value, action in known.items() if action.contingency is Contingency.RTL)
         differs = {} if there == route else {at: there}
         return Failsafe(self.cause, self.parameter, self.value(parameters), route, differs, next(returns, None))
 
@@ -130,7 +131,7 @@ class StationLoss:
 
     def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
         """Return the action for a station's id in words; empty if unknown."""
-        lost = next((one for one in failsafes if one.cause == Cause.STATION_LOST), None)
+        lost = next((failsafe for failsafe in failsafes if failsafe.cause == Cause.STATION_LOST), None)
         if lost is None or lost.parameter not in parameters:
             return ""
         by = f"{lost.parameter} {lost.value:g}"

@@ -143,7 +143,7 @@ class FirmwareTables:
             roi_modes={where: _numbers(modes) for where, modes in table.get("roi", {}).items()},
             sixteen_bits=_commands(table.get("sixteen_bits", "")),
             never_flown=_commands(table.get("never_flown", "")),
-            renames={int(Command[one]): int(Command[other]) for one, other in table.get("renames", {}).items()},
+            renames={int(Command[sent]): int(Command[stored]) for sent, stored in table.get("renames", {}).items()},
         )
 
     def expect(self, version: Version) -> Version:

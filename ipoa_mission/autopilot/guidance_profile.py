@@ -1,33 +1,29 @@
-"""Properties of mission execution."""
+"""An autopilot's mission mode, protocol and modes, as properties that other rooms ask instead of its name."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from ipoa_mission.autopilot.commands import Command
-
-NO_MATCH = re.compile(r"(?!)")
+from ipoa_mission.autopilot.commands import JUMPS, Command
 
 
 @dataclass(frozen=True)
 class ArmingWords:
-    """Patterns of an autopilot's arming texts; the defaults match nothing.
+    """Patterns of an autopilot's arming texts.
 
     `begin`: prefix of each reason. `passing`: reasons that clear by themselves.
     """
 
-    begin: re.Pattern[str] = NO_MATCH
-    passing: re.Pattern[str] = NO_MATCH
+    begin: re.Pattern[str]
+    passing: re.Pattern[str]
 
     def reasons(self, words: str) -> tuple[str, ...]:
-        return tuple(one for one in words.split("; ") if self.begin.match(one))
+        return tuple(reason for reason in words.split("; ") if self.begin.match(reason))
 
     def lasting(self, words: str) -> tuple[str, ...]:
-        return tuple(one for one in self.reasons(words) if not self.passing.search(self.begin.sub("", one, count=1)))
-
-
-NO_ARMING_WORDS = ArmingWords()
+        reasons = self.reasons(words)
+        return tuple(reason for reason in reasons if not self.passing.search(self.begin.sub("", reason, count=1)))
 
 
 class WaypointDefaults(NamedTuple):
@@ -133,7 +129,7 @@ class ProtocolProfile:
     """A set with another type has no effect."""
     limits_are_bits: str = ""
     """This parameter switches its own fence's limits."""
-    arming_words: ArmingWords = NO_ARMING_WORDS
+    arming_words: ArmingWords = ArmingWords(re.compile(r"(?!)"), re.compile(r"(?!)"))  # never match
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
     """The hint for a fence that is too narrow."""
 
@@ -190,10 +186,6 @@ EQUIPMENT = frozenset({
     Command.IMAGE_STOP_CAPTURE, Command.DO_TRIGGER_CONTROL, Command.VIDEO_START_CAPTURE, Command.VIDEO_STOP_CAPTURE,
     Command.DO_WINCH,
 })  # fmt: skip
-#: Labels and jumps.
-MARKS = frozenset({
-    Command.DO_JUMP, Command.JUMP_TAG, Command.DO_JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
-})  # fmt: skip
 SIMPLE = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_RETURN_TO_LAUNCH,
     Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_DELAY, Command.DO_CHANGE_SPEED,
@@ -212,7 +204,8 @@ class WayKnown:
     """They have no effect on the path if this is true of their params."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
-        if command in self.flown or command in self.still or command in MARKS:
+        marks = {*JUMPS, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START}
+        if command in self.flown or command in self.still or command in marks:
             return None
         if command in self.unless and self.unless[command](params):
             return None

@@ -9,12 +9,12 @@ from ipoa_mission.errors import BadInput
 
 
 def known_parameters() -> frozenset[str]:
-    tables = (one.parameter_table for one in registered())
-    return frozenset(name for one in tables for name in (*one.moving, *one.renamed))
+    tables = (autopilot.parameter_table for autopilot in registered())
+    return frozenset(name for table in tables for name in (*table.moving, *table.renamed))
 
 
 def known_names() -> frozenset[str]:
-    return frozenset(name for one in registered() for name in one.parameter_names)
+    return frozenset(name for autopilot in registered() for name in autopilot.parameter_names)
 
 
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
@@ -52,20 +52,20 @@ def translated(
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
     """
-    given, left_out, words = dict[str, float](), list[str](), list[str]()
+    own, left_out, words = dict[str, float](), list[str](), list[str]()
     ours, theirs = autopilot.parameter_table.units, other.parameter_table.units
     for name, value in parameters.items():
         ((old, there),) = other.parameter_table.by_old_names({name: value}).items()
         counterpart = _counterpart(name, other, autopilot)
         if name in autopilot.parameter_names:
-            given[name] = value
+            own[name] = value
         elif counterpart in ours and old in theirs and value > 0.0:
-            given[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
-            words.append(f"{counterpart} = {given[counterpart]:g} for {name} = {value:g}")
+            own[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
+            words.append(f"{counterpart} = {own[counterpart]:g} for {name} = {value:g}")
         else:
             left_out.append(name)
     said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
-    return given, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
+    return own, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
@@ -74,7 +74,7 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
     """
-    return next((one for name in names for one in registered() if name in one.parameter_names), None)
+    return next((autopilot for name in names for autopilot in registered() if name in autopilot.parameter_names), None)
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:

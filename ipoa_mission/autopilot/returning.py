@@ -36,8 +36,8 @@ Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 HOME: Place = (0.0, 0.0, 0.0)
 
 
-def level_distance(one: Place, other: Place) -> float:
-    return math.hypot(one[0] - other[0], one[1] - other[1])
+def level_distance(start: Place, end: Place) -> float:
+    return math.hypot(start[0] - end[0], start[1] - end[1])
 
 
 class ReturnBy(StrEnum):

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
 
-TOUCHDOWN_TOLERANCE = 0.05  # above the landing speed [m/s]
 SLOWEST = 0.05  # [m/s]
 HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
-ROUNDING = 0.05  # parameters rise by whole meters [m]
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,7 @@ class SlowedBy:
     spared_by: str = ""
 
     def raised(self, table: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        p, higher = table.complete(parameters), math.ceil(ground - ROUNDING)
+        p, higher = table.complete(parameters), math.ceil(ground - 0.05)  # whole meters, with rounding
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
 
@@ -46,4 +44,4 @@ class SlowStretch:
         return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
 
     def is_fast(self, ground: float) -> bool:
-        return self.touchdown(ground) > self.landing + TOUCHDOWN_TOLERANCE
+        return self.touchdown(ground) > self.landing + 0.05

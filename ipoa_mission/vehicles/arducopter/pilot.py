@@ -40,10 +40,10 @@ class ArduPilotPilot:
     ) -> None:
         """Ignore `chance`: SITL flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
-        given = body.conditions
-        limits = copter_limits(usable(parameters), given.version)
-        airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
-        self._copter = Copter(limits, given.wind, airframe, here=body.place, ground=given.ground)
+        conditions = body.conditions
+        limits = copter_limits(usable(parameters), conditions.version)
+        airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
+        self._copter = Copter(limits, conditions.wind, airframe, here=body.place, ground=conditions.ground)
         self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
@@ -58,7 +58,7 @@ class ArduPilotPilot:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
             case FlightMode.RETURN:
-                self._come_down(return_home(self._copter, self._return_goal()))
+                self._come_down(self._return())
             case FlightMode.LAND:
                 self._come_down(land(self._copter, None))
             case FlightMode.HOLD:
@@ -71,11 +71,11 @@ class ArduPilotPilot:
         if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
             self._begin_behind(now - 1)
 
-    def _return_goal(self) -> Place:
-        return self._now.goal_of_return(self._copter.place, self._parameters)
-
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """ArduCopter has no such command."""
+
+    def _return(self) -> Iterator[None]:
+        return return_home(self._copter, self._now.goal_of_return(self._copter.place, self._parameters))
 
     def climb(self, height: float) -> None:
         """Take off in GUIDED to a height above home [m]."""
@@ -115,7 +115,7 @@ class ArduPilotPilot:
             case _ if self._now.landed:
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
-                self._come_down(return_home(self._copter, self._return_goal()))
+                self._come_down(self._return())
             case Command.NAV_LOITER_TURNS:
                 self._go(circle(self._copter, self._place(index), item))
             case Command.NAV_LOITER_TO_ALT:

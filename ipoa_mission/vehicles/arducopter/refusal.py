@@ -6,11 +6,6 @@ from collections.abc import Sequence
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
-DEG_E7 = 1e-7
-UINT16_MAX = 2**16 - 1
-INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
-MOST_VERTICES = 255  # of a polygon (8 bits)
-
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
     """`count`: items on the wire."""
@@ -29,8 +24,8 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
             return Refused("INVALID_PARAM7", 7, f"expected an altitude within {firmware.highest_altitude:g} m")
         if frame not in firmware.frames:
             return Refused("UNSUPPORTED_FRAME")
-    if command in firmware.sixteen_bits and not 0 <= values[0] <= UINT16_MAX:
-        return Refused("INVALID_PARAM1", 1, f"expected 0 to {UINT16_MAX}, not {values[0]:g}")
+    if command in firmware.sixteen_bits and not 0 <= values[0] <= 65535:
+        return Refused("INVALID_PARAM1", 1, f"expected 0 to 65535, not {values[0]:g}")
     if command == Command.DO_JUMP and not 0 < int(values[0]) < count:
         return Refused("ERROR", 1, "expected the number of an item")
     return None
@@ -41,8 +36,8 @@ def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Seque
         return Refused("UNSUPPORTED_FRAME")
     if command not in firmware.fence:
         return Refused("UNSUPPORTED")
-    if command in POLYGON and values[0] > MOST_VERTICES:
-        return Refused("INVALID_PARAM1", 1, f"expected {MOST_VERTICES} vertices at most")
+    if command in POLYGON and values[0] > 255:
+        return Refused("INVALID_PARAM1", 1, "expected 255 vertices at most")
     return None
 
 
@@ -51,14 +46,14 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
         return Refused("UNSUPPORTED")
     if wrong := _no_place(values, frame):
         return wrong
-    if values[6] < INT16_MIN or values[6] > INT16_MAX:
-        return Refused("INVALID_PARAM7", 7, f"expected an altitude from {INT16_MIN} to {INT16_MAX} m")
+    if values[6] < -32768 or values[6] > 32767:
+        return Refused("INVALID_PARAM7", 7, "expected an altitude from -32768 to 32767 m")
     return None if frame in firmware.frames - {Frame.MISSION} else Refused("UNSUPPORTED_FRAME")
 
 
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
     """Frame 2 sends steps of 1e-7 degrees."""
-    unit = DEG_E7 if frame == Frame.MISSION else 1.0
+    unit = 1e-7 if frame == Frame.MISSION else 1.0
     if not abs(values[4]) * unit <= 90.0:
         return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")
     if not abs(values[5]) * unit <= 180.0:

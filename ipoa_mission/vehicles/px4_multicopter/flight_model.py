@@ -252,14 +252,14 @@ class Flights:
         """Return `prepared`'s function, by order; raises as it does."""
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
-        given: Any = orders
+        inputs: Any = orders
         if machine is not fly:
-            given, laws = records(orders, Order), records(laws, Law)
+            inputs, laws = records(orders, Order), records(laws, Law)
 
         def once(seed: int) -> FlownOnce:
-            one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
+            first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
             done, samples, touched = machine(
-                given, laws, height, (one, two), RUNS.sample_steps if sampled or not noisy else 0
+                inputs, laws, height, (first, second), RUNS.sample_steps if sampled or not noisy else 0
             )
             if len(done) > len(orders):
                 return FlownOnce(np.asarray(done), np.asarray(samples).reshape(-1, 7), touched)

@@ -110,7 +110,7 @@ def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
     elif log.file_corruption:
         yield "the log is damaged"
     if log.dropouts:
-        lost_s = sum(one.duration for one in log.dropouts) / 1e3
+        lost_s = sum(dropout.duration for dropout in log.dropouts) / 1e3
         yield f"PX4 lost log data {len(log.dropouts)} times, {lost_s:.1f} s in all"
     lacking = sorted({"mission_result", "home_position", *POSITIONS} - topics)
     if lacking:

@@ -34,13 +34,13 @@ class PX4Pilot:
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
-        given = vehicle.conditions
-        limits = px4_limits(parameters, given.version)
-        airframe = airframe_of(given.vehicle)
+        conditions = vehicle.conditions
+        limits = px4_limits(parameters, conditions.version)
+        airframe = airframe_of(conditions.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
-        self._vehicle, self._now, self._ground = vehicle, situation, given.ground
+        self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
         self._parameters = parameters
-        self._law = law(self._limits, airframe, SIH_SENSES, given.wind, STEP_S)
+        self._law = law(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []

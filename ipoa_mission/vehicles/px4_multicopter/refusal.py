@@ -6,10 +6,6 @@ from collections.abc import Container, Sequence
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, Refusals, Refused
 
-LEAST_VERTICES = 3
-ROI = frozenset({Command.NAV_ROI, Command.DO_SET_ROI})
-_PLACES = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
-
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
     if frame not in firmware.frames:
@@ -18,9 +14,10 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
         return wrong
     where, table = ("plain", firmware.plain) if frame == Frame.MISSION else ("placed", firmware.placed)
     if command in table:
-        modes = firmware.roi_modes[where]
-        if command in ROI and not (math.isfinite(values[0]) and int(values[0]) in modes):
-            return Refused("INVALID_PARAM1", 1, f"expected a mode of {_listed(modes)}, not {values[0]:g}")
+        modes, is_roi = firmware.roi_modes[where], command in {Command.NAV_ROI, Command.DO_SET_ROI}
+        if is_roi and not (math.isfinite(values[0]) and int(values[0]) in modes):
+            listed = " or ".join(map(str, sorted(modes)))
+            return Refused("INVALID_PARAM1", 1, f"expected a mode of {listed}, not {values[0]:g}")
         return None
     if command in firmware.fence or command in firmware.rally:
         return Refused("ERROR" if frame != Frame.MISSION else "UNSUPPORTED")
@@ -28,8 +25,8 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 
 def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    if command in POLYGON and not values[0] + 0.5 >= LEAST_VERTICES:
-        return Refused("ERROR", 1, f"expected {LEAST_VERTICES} vertices or more")
+    if command in POLYGON and not values[0] + 0.5 >= 3:
+        return Refused("ERROR", 1, "expected 3 vertices or more")
     return _of_a_list(firmware, firmware.fence, command, frame, values)
 
 
@@ -57,17 +54,14 @@ def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float
     used = None if firmware.used is None else firmware.used.get(command)
     if used is None:
         return None
+    places = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
     for n, value in enumerate(values, start=1):
-        is_integer = n in _PLACES and frame != Frame.MISSION
+        is_integer = n in places and frame != Frame.MISSION
         if n not in used and not (math.isnan(value) or (value == 0.0 and not is_integer)):
             expected = "NaN" if is_integer else "0 or NaN"
             words = f"expected {expected}, as {firmware} does not use this param here, not {value:g}"
-            return Refused(_PLACES.get(n, f"INVALID_PARAM{n}"), n, words)
+            return Refused(places.get(n, f"INVALID_PARAM{n}"), n, words)
     return None
-
-
-def _listed(numbers: frozenset[int]) -> str:
-    return " or ".join(map(str, sorted(numbers)))
 
 
 REFUSALS = Refusals(refused, refused_in_fence, refused_in_rally)
