@@ -20,8 +20,7 @@ class Cause(StrEnum):
     POSITION_INACCURATE = "position inaccurate"
     TERRAIN_UNKNOWN = "terrain data missing"
     TRAFFIC_NEAR = "traffic near"
-    BY_HAND = "by hand"
-    """An order by a pilot or station; the vehicle refuses a mode that it cannot enter."""
+    BY_HAND = "by hand"  # an order by a pilot or station; the vehicle refuses a mode that it cannot enter
 
 
 @dataclass(frozen=True)

@@ -37,101 +37,62 @@ class WaypointDefaults(NamedTuple):
 class GuidanceProfile:
     """Properties of one autopilot's mission mode."""
 
-    flown_on_into: Set[int]
-    """It enters these without a stop after a waypoint, unlike other navigation commands."""
-    flies_vtol_items: bool = False
-    """It flies them as take-off and landing of a multicopter."""
-    zero_is_here: bool = False
-    """Latitude and longitude 0 mean the previous place, altitude 0 its height."""
-    stops_to_hold: bool = False
-    """It stops for a hold of 1 s or more, and ignores shorter ones."""
-    stops_at_terrain: bool = False
-    """It stops between an altitude over terrain and another frame."""
-    flies_splines: bool = False
-    """It flies NAV_SPLINE_WAYPOINT as a curve."""
-    climbs_where_it_stands: bool = False
-    """A take-off is vertical."""
-    needs_takeoff: bool = False
-    """It refuses a mission on the ground without a take-off."""
-    least_takeoff: tuple[str, float] | None = None
-    """A take-off must exceed this parameter [m] by this margin [m]."""
-    own_takeoff: float = 0.0
-    """It takes off to this height at least [m]."""
-    waits_armed: str = ""
-    """It disarms on the ground after this parameter's time [s]; empty: never."""
-    waits_until_clock: bool = False
-    """NAV_DELAY without seconds waits until a time of day."""
-    terrain_by: str = ""
-    """Arming with items over terrain needs terrain data or this parameter's range finder."""
-    takes_radius: bool = False
-    """The acceptance radius determines where it turns."""
-    first_item: int = 1
-    """Jumps in the stored list give the first item this number."""
-    past_the_end: int = 0
-    """After a shorter list this item is current; -1 is the last."""
-    lands_below_item: bool = False
-    """LAND's slow stretch counts from an item below home."""
-    climb_ends_at_once: bool = False
-    """A climb ends within 0.5 m when a mission is aborted."""
-    climbs_coming_back: bool = False
-    """RTL climbs on its way back to the point of the order."""
-    home_is_where_armed: bool = False
-    """It ignores the file's home."""
-    brakes_after: float = 0.0
-    """It begins to brake at most this long after an abort [s]; docs/safety.md has flights."""
+    flown_on_into: Set[int]  # it enters these without a stop after a waypoint, unlike other navigation commands
+    flies_vtol_items: bool = False  # it flies them as take-off and landing of a multicopter
+    zero_is_here: bool = False  # latitude and longitude 0 mean the previous place, altitude 0 its height
+    stops_to_hold: bool = False  # it stops for a hold of 1 s or more, and ignores shorter ones
+    stops_at_terrain: bool = False  # it stops between an altitude over terrain and another frame
+    flies_splines: bool = False  # it flies NAV_SPLINE_WAYPOINT as a curve
+    climbs_where_it_stands: bool = False  # a take-off is vertical
+    needs_takeoff: bool = False  # it refuses a mission on the ground without a take-off
+    least_takeoff: tuple[str, float] | None = None  # a take-off must exceed this parameter [m] by this margin [m]
+    own_takeoff: float = 0.0  # it takes off to this height at least [m]
+    waits_armed: str = ""  # it disarms on the ground after this parameter's time [s]; empty: never
+    waits_until_clock: bool = False  # NAV_DELAY without seconds waits until a time of day
+    terrain_by: str = ""  # arming with items over terrain needs terrain data or this parameter's range finder
+    takes_radius: bool = False  # the acceptance radius determines where it turns
+    first_item: int = 1  # jumps in the stored list give the first item this number
+    past_the_end: int = 0  # after a shorter list this item is current; -1 is the last
+    lands_below_item: bool = False  # LAND's slow stretch counts from an item below home
+    climb_ends_at_once: bool = False  # a climb ends within 0.5 m when a mission is aborted
+    climbs_coming_back: bool = False  # RTL climbs on its way back to the point of the order
+    home_is_where_armed: bool = False  # it ignores the file's home
+    brakes_after: float = 0.0  # it begins to brake at most this long after an abort [s]; docs/safety.md has flights
 
 
 @dataclass(frozen=True)
 class JumpProfile:
     """DO_JUMP and DO_JUMP_TAG, read in the source."""
 
-    most: int = 65_535
-    """It counts passes of these jumps, and ignores others unless they are endless."""
-    most_small: int = 65_535
-    """A board with little memory has fewer."""
-    at_once: int = 1_000
-    """One more consecutive jump ends the mission."""
+    most: int = 65_535  # it counts passes of these jumps, and ignores others unless they are endless
+    most_small: int = 65_535  # a board with little memory has fewer
+    at_once: int = 1_000  # one more consecutive jump ends the mission
     most_repeats: int = 65_535
-    repeats_without_end: bool = False
-    """A count of -1 repeats without end."""
-    resets: bool = False
-    """A finished jump jumps again."""
-    kept_by: tuple[str, int] = ("", 0)
-    """This parameter's bit keeps a finished jump's counter."""
-    looks_past_jumps: bool = False
-    """It looks for the next navigation item past a jump to another item."""
+    repeats_without_end: bool = False  # a count of -1 repeats without end
+    resets: bool = False  # a finished jump jumps again
+    kept_by: tuple[str, int] = ("", 0)  # this parameter's bit keeps a finished jump's counter
+    looks_past_jumps: bool = False  # it looks for the next navigation item past a jump to another item
+    #: Only the first action is looked up before the next navigation item, the others after it. The jump counters at
+    #: that moment apply: an action after a finished jump comes one pass early.
     queues_actions: bool = False
-    """Only the first action is looked up before the next navigation item, the others after it.
-
-    The jump counters at that moment apply: an action after a finished jump comes one pass early.
-    """
 
 
 @dataclass(frozen=True)
 class ProtocolProfile:
+    #: A transfer deletes the old mission or rally points first; a fence is replaced at its end.
     forgets_at_count: bool = False
-    """A transfer deletes the old mission or rally points first; a fence is replaced at its end."""
-    judges_later: bool = False
-    """A transfer deletes the old mission or rally points first; a fence is replaced at once."""
-    starts_by_command: bool = False
-    """Once armed it waits for MISSION_START."""
-    pauses_in_mission: bool = False
-    """DO_PAUSE_CONTINUE pauses its mission."""
-    takes_mission_file: bool = False
-    """It takes a mission as a file over MAVFTP."""
-    boots_slowly: bool = False
-    """It answers before its storage is read."""
-    tells_items: bool = False
-    """Its status texts name items."""
-    parameters_by_name: bool = False
-    """The answer has no index."""
-    keeps_types: bool = False
-    """A set with another type has no effect."""
-    limits_are_bits: str = ""
-    """This parameter switches its own fence's limits."""
+    judges_later: bool = False  # the same, but a fence is replaced at once
+    starts_by_command: bool = False  # once armed it waits for MISSION_START
+    pauses_in_mission: bool = False  # DO_PAUSE_CONTINUE pauses its mission
+    takes_mission_file: bool = False  # it takes a mission as a file over MAVFTP
+    boots_slowly: bool = False  # it answers before its storage is read
+    tells_items: bool = False  # its status texts name items
+    parameters_by_name: bool = False  # the answer has no index
+    keeps_types: bool = False  # a set with another type has no effect
+    limits_are_bits: str = ""  # this parameter switches its own fence's limits
     arming_words: ArmingWords = ArmingWords(re.compile(r"(?!)"), re.compile(r"(?!)"))  # never match
+    #: The hint for a fence that is too narrow.
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
-    """The hint for a fence that is too narrow."""
 
 
 def mode_number(main: int, sub: int = 0) -> int:
@@ -197,11 +158,10 @@ class WayKnown:
     """Commands by effect; all others make the path unknown."""
 
     flown: Set[int] = SIMPLE
-    still: Set[int] = EQUIPMENT
-    """They have no effect on the path."""
+    still: Set[int] = EQUIPMENT  # they have no effect on the path
     why: Mapping[int, str] = field(default_factory=dict)
+    #: They have no effect on the path if this is true of their params.
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
-    """They have no effect on the path if this is true of their params."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
         marks = {*JUMPS, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START}

@@ -1,3 +1,5 @@
+"""Contingencies, and the routes of a return to home, a rally point or the mission's landing."""
+
 import math
 from dataclasses import dataclass
 from enum import StrEnum
@@ -7,21 +9,14 @@ from typing import TypeAlias
 class Contingency(StrEnum):
     """An action that replaces the rest of the mission."""
 
-    RTL = "rtl"
-    """Home or a rally point, by `Autopilot.return_route` and `return_height`."""
-    LAND = "land"
-    """In place."""
-    SMART_RTL = "smart_rtl"
-    """Back along the flown path."""
-    HOLD = "hold"
-    """Until a new order or an empty battery."""
+    RTL = "rtl"  # home or a rally point, by `Autopilot.return_route` and `return_height`
+    LAND = "land"  # in place
+    SMART_RTL = "smart_rtl"  # back along the flown path
+    HOLD = "hold"  # until a new order or an empty battery
     CONTINUE = "continue"
-    LAND_START = "land_start"
-    """To the mission's landing."""
-    TERMINATE = "terminate"
-    """The motors stop; the vehicle falls."""
-    UNKNOWN = "unknown"
-    """Not modeled; see the action's `words`."""
+    LAND_START = "land_start"  # to the mission's landing
+    TERMINATE = "terminate"  # the motors stop; the vehicle falls
+    UNKNOWN = "unknown"  # not modeled; see the action's `words`
 
 
 class FlightStage(StrEnum):
@@ -41,16 +36,11 @@ def level_distance(start: Place, end: Place) -> float:
 
 
 class ReturnBy(StrEnum):
-    DIRECT = "direct"
-    """Climb to the return height, fly straight to home or a rally point."""
-    LANDING = "to the mission's landing"
-    """Climb to the return height, fly straight to the mission's landing."""
-    AHEAD = "ahead along the mission"
-    """Waypoints ahead to the landing, without climbing and other commands."""
-    BACK = "back along the mission"
-    """Waypoints back without climbing, landing at home."""
-    HERE = "here"
-    """Land in place."""
+    DIRECT = "direct"  # climb to the return height, fly straight to home or a rally point
+    LANDING = "to the mission's landing"  # climb to the return height, fly straight to the mission's landing
+    AHEAD = "ahead along the mission"  # waypoints ahead to the landing, without climbing and other commands
+    BACK = "back along the mission"  # waypoints back without climbing, landing at home
+    HERE = "here"  # land in place
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,6 @@
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
-from ipoa_mission.simulator.mock_profile import (
-    CAPABILITIES,
-    FTP,
-    Answer,
-    MockProfile,
-    StartUp,
-    asks_every,
-)
+from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 

@@ -92,15 +92,16 @@ class Px4Model(FlightModel):
 
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
         flights = Flights(route, mission, wind, KNOWS if sure else SIH_SENSES)
-        smooth, samples = flights.prepared(False, fast)(0)
-        once = flights.prepared(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
+        quiet, ends = flights.flown(False, fast)(0), list(flights.plan.done)
+        smooth, samples = quiet.done[ends], quiet.samples
+        once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.plan.remarks)
         times: list[Vector] = []
         for seed in range(1, RUNS.most + 1 if route.visits and not sure else 1):
             if (seed - 1) % RUNS.batch == 0 and _known(times):
                 break
             try:
-                times.append(once(seed)[0])
+                times.append(once(seed).done[ends])
             except MissionError as lost:  # it circles a waypoint
                 if seed > 2 * len(times) + RUNS.batch:
                     raise
@@ -164,8 +165,8 @@ class Px4Model(FlightModel):
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
         flights = Flights(route, mission)
         steps = RUNS.of_median * sum(order.patience for order in flights.plan.orders) / RUNS.step_s
-        once = flights.prepared(True, True, steps)
-        return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS.of_median + 1)], axis=0))
+        once, ends = flights.flown(True, True, steps), list(flights.plan.done)
+        return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
 
 
 def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
@@ -206,19 +207,6 @@ class Flights:
         with_noise = law(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
-    def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
-        """Return a function of a seed: end of each visit (n,) [s], and samples (m, 7) without noise.
-
-        `steps`: expected number. It raises MissionError without progress.
-        """
-        flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
-
-        def once(seed: int) -> tuple[Vector, Points]:
-            run = flown(seed)
-            return run.done[ends], run.samples
-
-        return once
-
     def broken_off(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
@@ -249,7 +237,10 @@ class Flights:
     def flown(
         self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
     ) -> Callable[[int], FlownOnce]:
-        """Return `prepared`'s function, by order; raises as it does."""
+        """Return a function of a seed that flies all orders; `sampled` or without noise it records samples.
+
+        `steps`: expected number. It raises MissionError without progress.
+        """
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         inputs: Any = orders
