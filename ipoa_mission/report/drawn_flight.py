@@ -135,25 +135,25 @@ def _where(time: float, place: Sequence[float] | Vector) -> str:
     return f"after {time:.0f} s, at east {east:.0f}, north {north:.0f}, up {up:.0f} m"
 
 
-def shown_places(forecast: Forecast) -> list[Vector | None]:
-    """Return each item's place, east, north, up [m]; a landing is on the ground."""
+def placed_items(forecast: Forecast) -> list[tuple[Item, Vector | None]]:
+    """Return each item as flown, and its place, east, north, up [m]; a landing is on the ground."""
     flown, scenario = as_flown(forecast.mission), forecast.scenario
     ground = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, ground)
     for item, place in zip(flown.items, places, strict=True):
         if place is not None and item.command == Command.NAV_LAND:
             place[2] = ground(place[None, :])[0]
-    return places
+    return list(zip(flown.items, places, strict=True))
 
 
 def item_legs(forecast: Forecast) -> tuple[ItemLeg, ...]:
     scenario = forecast.world
-    legs, airspace, items, places = [], scenario.airspace, as_flown(forecast.mission).items, shown_places(forecast)
+    legs, airspace, items = [], scenario.airspace, placed_items(forecast)
     bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
     curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
     before, flying = np.zeros(3), False
     for time in forecast.estimate.items:
-        item, place = items[time.seq - 1], places[time.seq - 1]
+        item, place = items[time.seq - 1]
         leg = (place if place is not None else before) - before
         path, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
         moves = item.command in {*WAYPOINTS, Command.NAV_TAKEOFF} and np.linalg.norm(leg) > 0

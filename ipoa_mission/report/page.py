@@ -172,7 +172,7 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
 
 
 def page_of(template: str, parts: Mapping[str, str]) -> str:
-    """Fill a template of `assets`, without the control characters that a page may not contain; `title` is a part."""
+    """Remove control characters, which a page may not contain; `title` is a part."""
     controls = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)

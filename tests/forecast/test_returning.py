@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.report.exports.export_lines import lines_of
+from ipoa_mission.report.exports.map_formats import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

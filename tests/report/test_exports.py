@@ -22,7 +22,7 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.report.exports import EXPORTS, write_export
-from ipoa_mission.report.exports.export_lines import lines_of
+from ipoa_mission.report.exports.map_formats import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.world.frame import Geodetic

@@ -1,4 +1,4 @@
-"""Write a mission in formats of other programs; `export_lines` has what all maps draw."""
+"""Write a mission in formats of other programs."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -9,9 +9,8 @@ from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.report.exports.geojson_export import to_geojson
+from ipoa_mission.report.exports.map_formats import to_geojson, to_gpx, to_kml
 from ipoa_mission.report.exports.table import to_csv
-from ipoa_mission.report.exports.xml_exports import to_gpx, to_kml
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

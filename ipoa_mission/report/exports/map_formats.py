@@ -1,0 +1,250 @@
+"""GeoJSON (RFC 7946), KML 2.2 (OGC 07-147r2) and GPX 1.1: path, items, rally points, home; not in GPX the fence.
+
+Altitudes are above mean sea level, in GeoJSON too (`altitude_datum`); the RFC's are above the ellipsoid. A height above
+terrain is KML's `relativeToGround`; GeoJSON has it in properties only, GPX not at all.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, TypeAlias
+from xml.etree import ElementTree as Tree
+
+import numpy as np
+
+from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import Leg
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+Place: TypeAlias = tuple[float, float, float]
+"""Longitude [deg], latitude [deg], altitude [m]."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Points that do not cross the antimeridian; AMSL, or above the ground if `over_terrain`."""
+
+    points: tuple[Place, ...]
+    over_terrain: bool
+
+
+def marks_of(mission: Mission) -> Iterator[tuple[str, Place]]:
+    """Yield home and the rally points with their names, AMSL."""
+    home = mission.home
+    yield "home", (home.longitude_deg, home.latitude_deg, home.altitude)
+    for n, place in enumerate(mission.rally, start=1):
+        yield f"rally {n}", (place.longitude_deg, place.latitude_deg, home.altitude + place.altitude)
+
+
+def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
+    """Return the way from home and back, down to the scenario's ground."""
+    is_unknown = forecast.scenario is None and forecast.ground.is_level
+    lines: list[Stretch] = []
+    for leg in forecast.legs:
+        for stretch in _stretches(leg, forecast.frame, forecast.mission.home.altitude if is_unknown else None):
+            before = lines[-1] if lines else None
+            joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
+            if before and joins and not leg.alternative:
+                lines[-1] = Stretch(before.points + stretch.points[1:], stretch.over_terrain)
+            elif not leg.alternative or leg.jumped_from >= 0:
+                lines.append(stretch)
+    return tuple(lines)
+
+
+def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Iterator[Stretch]:
+    latitude, longitude, altitude = frame.to_geodetic(leg.points)
+    over_terrain = leg.over_terrain and unknown_ground is not None
+    altitude = altitude - (unknown_ground or 0.0) if over_terrain else altitude
+    places = [
+        (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
+        for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
+    ]
+    yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
+
+
+def _cut_at_antimeridian(places: list[Place]) -> list[list[Place]]:
+    """Cut a line at longitude 180: RFC 7946, 3.1.9."""
+    lines = [[places[0]]]
+    for place in places[1:]:
+        before = lines[-1][-1]
+        if abs(place[0] - before[0]) > 180:
+            side = float(np.sign(before[0])) * 180.0
+            there = (place[0] + 2 * side, *place[1:])
+            share = (side - before[0]) / (there[0] - before[0])
+            latitude, altitude = (round(a + share * (b - a), 9) for a, b in zip(before[1:], there[1:], strict=True))
+            lines[-1].append((side, latitude, altitude))
+            lines.append([(-side, latitude, altitude)])
+        lines[-1].append(place)
+    return lines
+
+
+def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
+    """Return (longitude, latitude), closed and counterclockwise as in GeoJSON and KML.
+
+    A circle's 72 corners cut off at most a thousandth of its radius.
+    """
+    if isinstance(part, FenceCircle):
+        angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
+        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+        latitude, longitude, _ = LocalFrame(Geodetic(*part.center)).to_geodetic(circle)
+        corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
+    else:
+        corners = [(lon, lat) for lat, lon in part.vertices]
+    closed = [*corners, corners[0]]
+    doubled_area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(closed))
+    return closed if doubled_area >= 0 else closed[::-1]
+
+
+def to_geojson(forecast: Forecast, name: str) -> str:
+    """Write one feature a line."""
+    mission = forecast.given
+    (_, home), *rally = marks_of(mission)
+    features = [_point(home, {"kind": "home", "seq": 0})]
+    for stretch in lines_of(forecast):
+        points = [point[:2] if stretch.over_terrain else point for point in stretch.points]
+        line = {"type": "LineString", "coordinates": points}
+        features.append(_feature(line, {"kind": "way", "over_terrain": stretch.over_terrain}))
+    features += [_item(seq, item, mission) for seq, item in enumerate(mission.items, start=1) if item.has_position]
+    for part in mission.fence:
+        polygon = {"type": "Polygon", "coordinates": [ring(part)]}
+        features.append(_feature(polygon, {"kind": "fence", "inclusion": part.inclusion}))
+    for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
+        features.append(_point((longitude, latitude, round(amsl, 3)), {"kind": "rally", "seq": n}))
+    lines = ",\n".join(json.dumps(feature, allow_nan=False) for feature in features)
+    head = json.dumps({"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"})
+    return f'{head[:-1]}, "features": [\n{lines}\n]}}\n'
+
+
+def _item(seq: int, item: Item, mission: Mission) -> dict[str, Any]:
+    height = mission.altitude_above_home(item)
+    place: tuple[float, ...] = (item.longitude_deg, item.latitude_deg)
+    if math.isfinite(height):
+        place = (*place, round(mission.home.altitude + height, 3))
+    properties = {
+        "kind": "item",
+        "seq": seq,
+        "command": command_name(item.command),
+        "frame": int(item.frame),
+        "altitude": item.altitude,
+        "params": [param if math.isfinite(param) else None for param in item.params],
+    }
+    return _point(place, properties)
+
+
+def _point(place: tuple[float, ...], properties: dict[str, Any]) -> dict[str, Any]:
+    return _feature({"type": "Point", "coordinates": place}, properties)
+
+
+def _feature(geometry: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "Feature", "properties": properties, "geometry": geometry}
+
+
+def to_kml(forecast: Forecast, name: str) -> str:
+    mission = forecast.given
+    root = Tree.Element("kml", xmlns="http://www.opengis.net/kml/2.2")
+    document = _element(root, "Document")
+    _element(document, "name", name)
+    for style, aabbggrr in (("way", "ff00a5ff"), ("inclusion", "ff50af4c"), ("exclusion", "ff3643f4")):
+        line = _element(_element(document, "Style", id=style), "LineStyle")
+        _element(line, "color", aabbggrr)
+        _element(line, "width", "3")
+    folder = _folder(document, "way")
+    for n, stretch in enumerate(lines_of(forecast), start=1):
+        line = _element(_placemark(folder, f"way {n}", "way"), "LineString")
+        _element(line, "altitudeMode", "relativeToGround" if stretch.over_terrain else "absolute")
+        _element(line, "coordinates", _coordinates(stretch.points))
+    (_, home), *rally = marks_of(mission)
+    items = _folder(document, "items")
+    _kml_point(items, "0 home", home)
+    for seq, item in enumerate(mission.items, start=1):
+        if item.has_position:
+            over_terrain = plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
+            amsl = mission.home.altitude + mission.altitude_above_home(item)
+            place = item.longitude_deg, item.latitude_deg, item.altitude if over_terrain else amsl
+            _kml_point(items, f"{seq} {command_name(item.command)}", place, over_terrain)
+    _kml_fence(document, mission)
+    if rally:
+        folder = _folder(document, "rally points")
+        for name, place in rally:
+            _kml_point(folder, name, place)
+    return _text_of(root)
+
+
+def _kml_fence(document: Tree.Element, mission: Mission) -> None:
+    if not mission.fence:
+        return
+    folder = _folder(document, "fence")
+    for n, part in enumerate(mission.fence, start=1):
+        style = "inclusion" if part.inclusion else "exclusion"
+        polygon = _element(_placemark(folder, f"fence {n} ({style})", style), "Polygon")
+        boundary = _element(_element(polygon, "outerBoundaryIs"), "LinearRing")
+        _element(boundary, "coordinates", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
+
+
+def _kml_point(parent: Tree.Element, name: str, place: Place, over_terrain: bool = False) -> None:
+    point = _element(_placemark(parent, name), "Point")
+    _element(point, "altitudeMode", "relativeToGround" if over_terrain else "absolute")
+    _element(point, "coordinates", _coordinates([place]))
+
+
+def _folder(parent: Tree.Element, name: str) -> Tree.Element:
+    folder = _element(parent, "Folder")
+    _element(folder, "name", name)
+    return folder
+
+
+def _placemark(parent: Tree.Element, name: str, style: str | None = None) -> Tree.Element:
+    placemark = _element(parent, "Placemark")
+    _element(placemark, "name", name)
+    if style:
+        _element(placemark, "styleUrl", f"#{style}")
+    return placemark
+
+
+def _coordinates(places: Iterable[Place]) -> str:
+    return " ".join(f"{lon:.9f},{lat:.9f},{alt:.3f}" for lon, lat, alt in places)
+
+
+def to_gpx(forecast: Forecast, name: str) -> str:
+    mission = forecast.given
+    root = Tree.Element("gpx", xmlns="http://www.topografix.com/GPX/1/1", version="1.1", creator="ipoa-mission")
+    _element(_element(root, "metadata"), "name", name)
+    for label, place in marks_of(mission):
+        _gpx_point(root, "wpt", place, label)
+    route = _element(root, "rte")
+    _element(route, "name", name)
+    for seq, item in enumerate(mission.items, start=1):
+        if item.has_position:
+            place = item.longitude_deg, item.latitude_deg, mission.home.altitude + mission.altitude_above_home(item)
+            _gpx_point(route, "rtept", place, f"{seq} {command_name(item.command)}")
+    track = _element(root, "trk")
+    _element(track, "name", f"{name}: way")
+    for stretch in lines_of(forecast):
+        segment = _element(track, "trkseg")
+        for longitude, latitude, amsl in stretch.points:
+            _gpx_point(segment, "trkpt", (longitude, latitude, math.nan if stretch.over_terrain else amsl))
+    return _text_of(root)
+
+
+def _gpx_point(parent: Tree.Element, tag: str, place: Place, name: str = "") -> None:
+    longitude, latitude, amsl = place
+    point = _element(parent, tag, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
+    if math.isfinite(amsl):
+        _element(point, "ele", f"{amsl:.3f}")
+    if name:
+        _element(point, "name", name)
+
+
+def _element(parent: Tree.Element, tag: str, text: str | None = None, **attributes: str) -> Tree.Element:
+    element = Tree.SubElement(parent, tag, attributes)
+    element.text = text
+    return element
+
+
+def _text_of(root: Tree.Element) -> str:
+    Tree.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + Tree.tostring(root, encoding="unicode") + "\n"
