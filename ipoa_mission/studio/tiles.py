@@ -5,7 +5,7 @@ import json
 import re
 import sqlite3
 from collections.abc import Callable
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,14 +15,8 @@ from ipoa_mission.errors import BadInput, NothingThere, WrongFormat, imported
 from ipoa_mission.studio import answers, memory
 
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
-ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:\d+)?")
-WMTS = {"{TileMatrix}": "{z}", "{TileCol}": "{x}", "{TileRow}": "{y}"}
 VECTOR = ("pbf", "mvt")
-GZIP = b"\x1f\x8b"
-PICTURES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
-NONE = "none"
-DEEPEST, DEEPEST_VECTOR = 22, 14  # the page enlarges vector tiles beyond
-MBTILES, PMTILES = ".mbtiles", ".pmtiles"
+DEEPEST = 22  # zoom
 
 
 @dataclass(frozen=True)
@@ -36,14 +30,14 @@ class TileSource:
 
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
     """Return the requested tiles and remember them; else the remembered ones."""
-    if asked == NONE:
+    if asked == "none":
         memory.keep_tiles(None)
         return None
     if asked is not None:
         source = asked if "://" in asked else str(Path(asked).resolve())
-        found = open_tiles(source, attribution)
-        memory.keep_tiles((source, found.shown.attribution))
-        return found
+        tiles = open_tiles(source, attribution)
+        memory.keep_tiles((source, tiles.shown.attribution))
+        return tiles
     if (known := memory.kept_tiles()) is None:
         return None
     try:
@@ -56,30 +50,35 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file."""
     if "://" in source:
         return _of_server(source, attribution)
-    path = Path(source)
-    if path.suffix.lower() not in (MBTILES, PMTILES) or not path.is_file():
-        words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}"
+    path, formats = Path(source), {".mbtiles": _of_mbtiles, ".pmtiles": _of_pmtiles}
+    if path.suffix.lower() not in formats or not path.is_file():
+        words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {' or '.join(formats)}"
         raise BadInput(words, place=f"--tiles: {source}")
-    return _of_mbtiles(path, attribution) if path.suffix.lower() == MBTILES else _of_pmtiles(path, attribution)
+    return formats[path.suffix.lower()](path, attribution)
 
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
     if vector:
-        compressed = {"Content-Encoding": "gzip"} if tile.startswith(GZIP) else {}
-        return {"Content-Type": "application/vnd.mapbox-vector-tile"} | compressed
-    kind = next((kind for begin, kind in PICTURES.items() if tile.startswith(begin)), None)
+        is_gzip = tile.startswith(b"\x1f\x8b")
+        return {"Content-Type": "application/vnd.mapbox-vector-tile"} | (
+            {"Content-Encoding": "gzip"} if is_gzip else {}
+        )
+    kinds = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
+    kind = next((kind for begin, kind in kinds.items() if tile.startswith(begin)), None)
     return None if kind is None else {"Content-Type": kind}
 
 
 def _of_server(address: str, attribution: str | None) -> TileSource:
-    for theirs, ours in WMTS.items():
-        address = address.replace(theirs, ours)
+    for wmts, ours in (("{TileMatrix}", "{z}"), ("{TileCol}", "{x}"), ("{TileRow}", "{y}")):
+        address = address.replace(wmts, ours)
     parts = urlsplit(address)
     origin = f"{parts.scheme}://{parts.netloc}"
-    if not ORIGIN.fullmatch(origin) or not all(key in address for key in ("{z}", "{x}", "{y}")):
+    if not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d+)?", origin) or not all(
+        key in address for key in ("{z}", "{x}", "{y}")
+    ):
         raise BadInput("expected http(s)://HOST/... with {z}, {x} and {y} in it", place=f"--tiles: {address}")
     is_vector = parts.path.rpartition(".")[2].lower() in VECTOR
-    deepest = DEEPEST_VECTOR if is_vector else DEEPEST
+    deepest = 14 if is_vector else DEEPEST  # the page enlarges vector tiles beyond
     return TileSource(_shown(address, attribution or parts.netloc, (0, deepest), is_vector), origin=origin)
 
 
@@ -93,20 +92,19 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
 
     def read(zoom: int, column: int, row: int) -> bytes | None:
         where = "zoom_level = ? and tile_column = ? and tile_row = ?"
-        found = ask(f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
-        return bytes(found[0][0]) if found else None
+        rows = ask(f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
+        return bytes(rows[0][0]) if rows else None
 
     about = {str(name): str(value) for name, value in ask("select name, value from metadata")}
     least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
     if least is None:
         raise NothingThere("expected tiles, not an empty file", place=f"--tiles: {path}")
     is_vector = _is_vector(path, about.get("format", ""))
-    try:
+    layers: tuple[str, ...] = ()
+    with suppress(ValueError):
         layers = _layers(json.loads(about.get("json", "{}"))) if is_vector else ()
-    except ValueError:
-        layers = ()
-    told = attribution or about.get("attribution") or path.name
-    return TileSource(_shown("", told, (least, most), is_vector, layers), read=read)
+    words = attribution or about.get("attribution") or path.name
+    return TileSource(_shown("", words, (least, most), is_vector, layers), read=read)
 
 
 def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
@@ -130,33 +128,32 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
     if is_vector and packed not in ("none", "gzip"):
         words = f"expected vector tiles compressed by gzip or not at all, not by {packed}"
         raise WrongFormat(words, place=f"--tiles: {path}")
-    told = attribution or str(about.get("attribution") or path.name)
+    words = attribution or str(about.get("attribution") or path.name)
     zooms = header["min_zoom"], header["max_zoom"]
-    return TileSource(_shown("", told, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
+    return TileSource(_shown("", words, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
 
 
 def _is_vector(path: Path, kind: str) -> bool:
     """Return whether a format is one of vector tiles. Raises BadInput for one of neither."""
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
-        known = "png, jpg, webp, or vector tiles: pbf"
-        words = f"expected pictures ({known}), not {kind or 'tiles of no stated format'}"
+        stated = kind or "tiles of no stated format"
+        words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {stated}"
         raise WrongFormat(words, place=f"--tiles: {path}")
     return kind.lower() in VECTOR
 
 
 def _layers(about: Any) -> tuple[str, ...]:
-    told = about.get("vector_layers") if isinstance(about, dict) else None
-    named = [one.get("id") for one in told if isinstance(one, dict)] if isinstance(told, list) else []
-    return tuple(name for name in named if isinstance(name, str))
+    layers = about.get("vector_layers") if isinstance(about, dict) else None
+    names = [layer.get("id") for layer in layers if isinstance(layer, dict)] if isinstance(layers, list) else []
+    return tuple(name for name in names if isinstance(name, str))
 
 
 def _shown(
     address: str, attribution: str, zooms: tuple[int, int], vector: bool = False, layers: tuple[str, ...] = ()
 ) -> answers.Tiles:
-    words = html.unescape(re.sub(r"<[^>]*>", "", attribution))
     return answers.Tiles(
         address=address or "tiles/{z}/{x}/{y}",
-        attribution=words,
+        attribution=html.unescape(re.sub(r"<[^>]*>", "", attribution)),
         min_zoom=zooms[0],
         max_zoom=zooms[1],
         vector=vector,

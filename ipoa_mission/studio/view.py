@@ -22,23 +22,17 @@ from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
-TERRACE_LEVELS, CELLS = 12, 96  # and cells along the longer side
-DEGREES = 7
-LINE_HALF_WIDTH = 0.75  # [m]
-LEVEL_OFFSET = 1e-6  # [m]
+CELLS = 96  # of the ground, along the longer side
 
 
 def world_of(scenario: Scenario, revision: int) -> World:
-    airspace, frame = scenario.airspace, scenario.frame
-    bounds = airspace.bounds
-    corners = np.array([(*bounds.lower[:2], 0.0), (*bounds.upper[:2], 0.0)])
-    (west, south), (east, north) = on_map(frame, corners)
-    rim = [(bounds.lower[0], bounds.lower[1]), (bounds.upper[0], bounds.lower[1])]
-    rim += [(bounds.upper[0], bounds.upper[1]), (bounds.lower[0], bounds.upper[1])]
+    frame, bounds = scenario.frame, scenario.airspace.bounds
+    (left, below), (right, above) = bounds.lower[:2], bounds.upper[:2]
+    around = on_map(frame, np.array([(left, below), (right, below), (right, above), (left, above)]))
     return World(
         revision=revision,
-        box=(west, south, east, north),
-        around=on_map(frame, np.asarray(rim)),
+        box=(*around[0], *around[2]),
+        around=around,
         degree_m=degree_of(frame),
         floor=float(bounds.lower[2]),
         ceiling=float(bounds.upper[2]),
@@ -58,7 +52,7 @@ def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     latitude, longitude, _ = frame.to_geodetic(points)
-    return tuple(zip(longitude.round(DEGREES).tolist(), latitude.round(DEGREES).tolist(), strict=True))
+    return tuple(zip(longitude.round(7).tolist(), latitude.round(7).tolist(), strict=True))
 
 
 def line_of(frame: LocalFrame, points: Points) -> MapLine:
@@ -97,7 +91,8 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
 
 def _doubtful(thing: PassedOver, frame: LocalFrame) -> Iterator[Body]:
     """Yield the outline of a thing of unknown height; a line or a point becomes a thin area."""
-    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(LINE_HALF_WIDTH, quad_segs=3)
+    half_width = 0.75  # of a line [m]
+    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(half_width, quad_segs=3)
     for part in shapely.get_parts(wide):
         rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
         yield Body(name=thing.name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
@@ -111,9 +106,8 @@ def _spots(scenario: Scenario) -> Iterator[Spot]:
     points = np.array([point for _, _, point in places])
     heights = points[:, 2] - scenario.airspace.ground(points)
     for (name, path, point), where, height in zip(places, on_map(scenario.frame, points), heights, strict=True):
-        yield Spot(
-            name=name, path=path, place=where, up=round(float(point[2]), 2), above_ground=round(float(height), 2)
-        )
+        up, above_ground = round(float(point[2]), 2), round(float(height), 2)
+        yield Spot(name=name, path=path, place=where, up=up, above_ground=above_ground)
 
 
 def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
@@ -135,13 +129,13 @@ def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
 
 
 def _terraces(scenario: Scenario) -> Iterator[Terrace]:
-    """Yield steps, each drawn where the ground is at least at its level."""
+    """Yield about 12 steps, each drawn where the ground is at least at its level."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
-    step = round_step(max(high - low, 1.0) / TERRACE_LEVELS)
+    step = round_step(max(high - low, 1.0) / 12)
     maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset)
     for level in np.arange(math.floor(low / step), math.floor(high / step) + 1) * step:
-        polygons, offsets = maker.filled(float(level) - LEVEL_OFFSET, np.inf)
+        polygons, offsets = maker.filled(float(level) - 1e-6, np.inf)
         drawn = [
             tuple(on_map(scenario.frame, points[a:b]) for a, b in pairwise(offset))
             for points, offset in zip(polygons, offsets, strict=True)
