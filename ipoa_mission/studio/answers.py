@@ -5,8 +5,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Field, TypeAdapter
 
 from ipoa_mission.report.panels.contingency_panel import GradeLook
-from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Replay, Seen, State
-from ipoa_mission.studio.mission_answers import Checked, OpenMission
+from ipoa_mission.studio.flight_answers import Checked, Heard, Landed, Loaded, OpenMission, Replay, Seen, State
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage, Path

@@ -1,3 +1,5 @@
+"""Change the survey's area in a scenario's table."""
+
 from collections.abc import Callable, Iterator, MutableMapping
 from typing import Any, TypeAlias
 
@@ -40,10 +42,7 @@ def moves_of(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
     return local, geodetic
 
 
-DEFAULT_WIDTH = 40.0  # [m]
 LEAST_CORNERS = {"polygon": 3, "line": 2}
-REPLACED_KEYS = ("start", "goal", "via")
-SHAPE_KEYS = ("polygon", "line", "area", "width")
 
 
 def is_of_area(path: Path) -> bool:
@@ -55,10 +54,10 @@ def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
     depth = depth_of(polygon)
     if depth == 2:
         yield ("survey", "polygon"), polygon
-    for n, one in enumerate(polygon if depth > 2 else ()):
+    for n, part in enumerate(polygon if depth > 2 else ()):
         if depth == 3:
-            yield ("survey", "polygon", n), one
-        for m, ring in enumerate(one if depth == 4 else ()):
+            yield ("survey", "polygon", n), part
+        for m, ring in enumerate(part if depth == 4 else ()):
             yield ("survey", "polygon", n, m), ring
 
 
@@ -80,8 +79,7 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
             for n in (at, *mate):
                 ring[n][0], ring[n][1] = local_of(frame, change.place)
         case AddCorner():
-            ring = _at(document, change.path[:-1])
-            ring.insert(int(change.path[-1]), local_of(frame, change.place))
+            at_path(document, change.path[:-1]).insert(int(change.path[-1]), local_of(frame, change.place))
 
 
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
@@ -96,33 +94,29 @@ def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
         if mate:  # a closed ring remains closed
             ring[-1] = tomlkit.item(list(ring[0])) if at == 0 else ring[-1]
         return
-    here, last = _at(document, path[:-1]), path[-1]
+    here, last = at_path(document, path[:-1]), path[-1]
     if len(path) == 4 and last == 0:
-        here, last = _at(document, path[:-2]), path[-2]
+        here, last = at_path(document, path[:-2]), path[-2]
     if len(path) < 3 or len(here) < 2 or (len(path) == 3 and last == 0 and path in ring_paths):
         raise InvalidRing("expected some area to be left", hint="remove the survey")
     del here[last]
 
 
-def move_area(document: MutableMapping[str, Any], path: Path, move: Move) -> None:
-    _move_nested(_at(document, path), move)
-
-
 def move_survey(survey: MutableMapping[str, Any], move: Move) -> None:
     for key in ("polygon", "line", "entry", "exit", "starts"):
         if key in survey:
-            _move_nested(survey[key], move)
+            move_nested(survey[key], move)
 
 
-def _move_nested(value: Any, move: Move) -> None:
+def move_nested(value: Any, move: Move) -> None:
     if len(value) and not isinstance(value[0], list):
         value[0], value[1] = move(value[0], value[1])
-        return
-    for one in value:
-        _move_nested(one, move)
+    else:
+        for part in value:
+            move_nested(part, move)
 
 
-def _at(document: Any, path: Path) -> Any:
+def at_path(document: Any, path: Path) -> Any:
     for step in path:
         document = document[step]
     return document
@@ -130,7 +124,7 @@ def _at(document: Any, path: Path) -> Any:
 
 def _corner(document: Any, path: Path) -> tuple[Any, int, tuple[int, ...]]:
     """Return a corner's ring, its index, and that of its duplicate in a closed ring."""
-    ring, at = _at(document, path[:-1]), int(path[-1])
+    ring, at = at_path(document, path[:-1]), int(path[-1])
     is_closed = path[1] == "polygon" and len(ring) > 3 and list(ring[0]) == list(ring[-1])
     return ring, at, ((len(ring) - 1,) if at == 0 else (0,) if at == len(ring) - 1 else ()) if is_closed else ()
 
@@ -140,9 +134,9 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
     polygon = document.get("survey", {}).get("polygon")
     if change.what == "corridor":
         _shaped(document, "line", ring)
-        document["survey"]["width"] = DEFAULT_WIDTH
+        document["survey"]["width"] = 40.0  # [m]
     elif change.what == "hole":
-        _put_hole(document, ring)
+        _put_hole(document, polygon, ring)
     elif polygon is None:
         _shaped(document, "polygon", [ring])
     else:
@@ -150,14 +144,13 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
 
 
 def _parts(polygon: Any) -> list[Any]:
+    """Return polygons as rings, the outer one first."""
     depth = depth_of(polygon)
     return [[polygon]] if depth == 2 else [polygon] if depth == 3 else list(polygon)
 
 
-def _put_hole(document: MutableMapping[str, Any], ring: list[list[float]]) -> None:
-    polygon = document.get("survey", {}).get("polygon")
-    parts = [] if polygon is None else _parts(polygon)
-    for n, rings in enumerate(parts):
+def _put_hole(document: MutableMapping[str, Any], polygon: Any, ring: list[list[float]]) -> None:
+    for n, rings in enumerate([] if polygon is None else _parts(polygon)):
         if shapely.Polygon(rings[0]).buffer(0.0).intersects(shapely.Point(ring[0])):
             if depth_of(polygon) == 2:
                 document["survey"]["polygon"] = [polygon, ring]
@@ -171,12 +164,10 @@ def _put_hole(document: MutableMapping[str, Any], ring: list[list[float]]) -> No
 def _shaped(document: MutableMapping[str, Any], key: str, shape: Any) -> None:
     """Replace the survey's shape; add a survey from home to home if there is none."""
     if "survey" not in document:
-        for other in REPLACED_KEYS:
+        for other in ("start", "goal", "via"):
             document.pop(other, None)
         document["survey"] = {key: shape, "line_spacing": USUAL_SPACING, "height_above_ground": USUAL_HEIGHT}
         return
-    survey = document["survey"]
-    for other in SHAPE_KEYS:
-        if other != key:
-            survey.pop(other, None)
-    survey[key] = shape
+    for other in {"polygon", "line", "area", "width"} - {key}:
+        document["survey"].pop(other, None)
+    document["survey"][key] = shape

@@ -1,32 +1,47 @@
-"""Change a scenario's text; all other bytes and comments stay."""
+"""Apply the page's changes to the text of a scenario or a mission; all other bytes and comments stay."""
 
+import math
 from collections.abc import Iterable, MutableMapping
-from typing import Any
+from dataclasses import replace
+from pathlib import Path as FilePath
+from typing import Any, TypeVar
 
 import numpy as np
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
+from ipoa_mission.autopilot.autopilot import autopilot_named
+from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput, WrongFormat
-from ipoa_mission.studio.area_edits import (
-    DEGREES,
-    DIGITS,
-    Move,
-    change_area,
-    is_of_area,
-    local_of,
-    move_area,
-    move_survey,
-    moves_of,
-    take_of_area,
+from ipoa_mission.mission.item_edits import with_inserted, with_item, with_plain_items, without_item
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.kept_whole import text_with
+from ipoa_mission.mission.mission_io import parse_mission
+from ipoa_mission.mission.stored_mission import settle_frames, values_of
+from ipoa_mission.studio import area_edits
+from ipoa_mission.studio.area_edits import DEGREES, DIGITS, Move, at_path, local_of, moves_of
+from ipoa_mission.studio.requests import (
+    Add,
+    AddCorner,
+    Change,
+    DrawArea,
+    InsertItem,
+    MapArea,
+    MoveItem,
+    OwnArea,
+    PlainItems,
+    Put,
+    PutCorner,
+    PutItem,
+    Shift,
+    Take,
+    TakeItem,
 )
-from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapArea, OwnArea, Put, PutCorner, Shift, Take
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-FAR_DISTANCE = 20_000.0  # beyond, everything in meters moves with home [m]
-RINGS = ("footprint", "polygon")  # with the suffix `_geodetic` they are [latitude, longitude]
+Placed = TypeVar("Placed", Item, Geodetic)
 
 
 def parse_table(text: str) -> tomlkit.TOMLDocument:
@@ -37,7 +52,7 @@ def parse_table(text: str) -> tomlkit.TOMLDocument:
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:
-    """Return the text with these changes.
+    """Return a scenario's text with these changes.
 
     >>> from ipoa_mission.studio.requests import Put
     >>> changed("safety_distance = 2.0  # of the hull\\n", [Put(path=("safety_distance",), value=3.0)])
@@ -68,54 +83,50 @@ def _apply(document: MutableMapping[str, Any], change: Change) -> None:
     match change:
         case Put():
             _put(document, change.path, change.value)
-        case Take() if is_of_area(change.path):
-            take_of_area(document, change.path)
+        case Take() if area_edits.is_of_area(change.path):
+            area_edits.take_of_area(document, change.path)
         case Take():
             _take(document, change.path)
         case Shift(path=("home",)):
             _shift_home(document, change)
         case Shift():
-            frame = frame_of(document)
+            frame, part = frame_of(document), at_path(document, change.path)
             step = np.subtract(local_of(frame, change.put_down), local_of(frame, change.taken))
-            if is_of_area(change.path):
-                move_area(document, change.path, moves_of(frame, frame, step)[0])
+            local, geodetic = moves_of(frame, frame, step)
+            if area_edits.is_of_area(change.path):
+                area_edits.move_nested(part, local)
             else:
-                _move(_at(document, change.path), *moves_of(frame, frame, step))
+                _move(part, local, geodetic)
         case Add():
             _add(document, change)
         case DrawArea() | OwnArea() | MapArea() | PutCorner() | AddCorner():
-            change_area(document, change, frame_of(document))
-
-
-def _at(document: Any, path: Path) -> Any:
-    for step in path:
-        document = document[step]
-    return document
+            area_edits.change_area(document, change, frame_of(document))
 
 
 def _put(document: Any, path: Path, value: Any) -> None:
-    *way, last = path
-    here = document
-    for step in way:
-        if isinstance(step, str) and step not in here:
-            here[step] = tomlkit.table()
-        here = here[step]
-    before = here.get(last) if isinstance(last, str) else here[last]
-    here[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
+    *parents, last = path
+    table = document
+    for step in parents:
+        if isinstance(step, str) and step not in table:
+            table[step] = tomlkit.table()
+        table = table[step]
+    before = table.get(last) if isinstance(last, str) else table[last]
+    table[last] = float(value) if isinstance(before, float) and isinstance(value, int) else value
 
 
 def _take(document: Any, path: Path) -> None:
-    *way, last = path
-    here = _at(document, tuple(way))
-    del here[last]
-    if way and not isinstance(last, str) and not len(here):
-        del _at(document, tuple(way[:-1]))[way[-1]]
+    parent = at_path(document, path[:-1])
+    del parent[path[-1]]
+    if len(path) > 1 and not isinstance(path[-1], str) and not len(parent):
+        del at_path(document, path[:-2])[path[-2]]
 
 
 def _add(document: Any, change: Add) -> None:
     table, frame = dict(change.table), frame_of(document)
     if change.place is not None:
-        table = _placed(table, change.place, frame, _uses_degrees(document))
+        in_degrees = "latitude_deg" in document.get("goal", {})
+        kind = {"kind": table.pop("kind")} if "kind" in table else {}
+        table = kind | (_degrees_of(change.place) if in_degrees else _meters_of(change.place, frame)) | table
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
         table[key] = [local_of(frame, corner) for corner in change.ring]
@@ -127,29 +138,22 @@ def _add(document: Any, change: Add) -> None:
         inline = tomlkit.inline_table()
         inline.update(table)
         tables.insert(at, inline)
+    elif isinstance(tables, AoT):
+        formatted = tomlkit.table()
+        for key, value in table.items():
+            formatted.add(key, value)
+        formatted.add(tomlkit.nl())
+        tables.insert(at, formatted)
     else:
-        tables.insert(at, _as_table(table) if isinstance(tables, AoT) else table)
+        tables.insert(at, table)
 
 
-def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:
-    table = tomlkit.table()
-    for key, value in values.items():
-        table.add(key, value)
-    table.add(tomlkit.nl())
-    return table
+def _degrees_of(place: LngLat) -> dict[str, Any]:
+    return {"latitude_deg": round(place[1], DEGREES), "longitude_deg": round(place[0], DEGREES)}
 
 
-def _uses_degrees(document: Any) -> bool:
-    return "latitude_deg" in document.get("goal", {})
-
-
-def _placed(table: dict[str, Any], place: LngLat, frame: LocalFrame, in_degrees: bool) -> dict[str, Any]:
-    if in_degrees:
-        where = {"latitude_deg": round(place[1], DEGREES), "longitude_deg": round(place[0], DEGREES)}
-    else:
-        where = dict(zip(("east", "north"), local_of(frame, place), strict=True))
-    kind = {"kind": table.pop("kind")} if "kind" in table else {}
-    return kind | where | table
+def _meters_of(place: LngLat, frame: LocalFrame) -> dict[str, Any]:
+    return dict(zip(("east", "north"), local_of(frame, place), strict=True))
 
 
 def _move(table: Any, local: Move, geodetic: Move | None) -> None:
@@ -157,34 +161,28 @@ def _move(table: Any, local: Move, geodetic: Move | None) -> None:
         if move is not None and all(key in table for key in keys):
             for key, value in zip(keys, move(*(table[key] for key in keys)), strict=True):
                 table[key] = value
-    for key in RINGS:
-        for ring, move in ((table.get(key), local), (table.get(f"{key}_geodetic"), geodetic)):
-            if ring is not None and move is not None:
-                _move_ring(ring, move)
-    for hole in table.get("holes", ()):
-        hole_move = geodetic if "footprint_geodetic" in table else local
-        if hole_move is not None:
-            _move_ring(hole, hole_move)
+    rings: list[tuple[Any, Move | None]] = [(table.get(key), local) for key in ("footprint", "polygon")]
+    rings += [(table.get(f"{key}_geodetic"), geodetic) for key in ("footprint", "polygon")]
+    rings += [(hole, geodetic if "footprint_geodetic" in table else local) for hole in table.get("holes", ())]
+    for ring, ring_move in rings:
+        if ring is not None and ring_move is not None:
+            for corner in ring:
+                corner[0], corner[1] = ring_move(corner[0], corner[1])
     if "center" in table:
         _move(table["center"], local, geodetic)
 
 
-def _move_ring(ring: Any, move: Move) -> None:
-    for corner in ring:
-        corner[0], corner[1] = move(corner[0], corner[1])
-
-
 def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
-    """Move home alone, so that places in meters stay on the map; beyond `FAR_DISTANCE` they move along."""
+    """Move home alone, so that places in meters stay on the map; beyond 20 km they move along."""
     old, home = frame_of(document), document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
         home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
-    if apart(old.home, frame_of(document).home) > FAR_DISTANCE:
+    if apart(old.home, frame_of(document).home) > 20_000.0:
         return
     local, _ = moves_of(old, frame_of(document), np.zeros(2))
     for key in ("start", "goal"):
         _move(document.get(key, {}), local, None)
-    move_survey(document.get("survey", {}), local)
+    area_edits.move_survey(document.get("survey", {}), local)
     for key in ("via", "rally", "obstacles", "fence"):
         for table in document.get(key, ()):
             _move(table, local, None)
@@ -192,14 +190,106 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
 
 
 def _shift_boxes(document: Any, local: Move) -> None:
-    """Move bounds and height grids, parallel to the axes."""
-    east, north = local(0.0, 0.0)
-    bounds = document.get("bounds", {})
-    for key, by in (("east", east), ("north", north)):
+    bounds, terrain = document.get("bounds", {}), document.get("terrain", {})
+    for key, step in zip(("east", "north"), local(0.0, 0.0), strict=True):
         if key in bounds:
             for n, side in enumerate(bounds[key]):
-                bounds[key][n] = round(float(side) + by, DIGITS)
-    terrain = document.get("terrain", {})
+                bounds[key][n] = round(float(side) + step, DIGITS)
     for table in (terrain, *terrain.get("peaks", ())):
         if "east" in table and "north" in table:
             _move(table, local, None)
+
+
+def mission_changed(text: str, path: FilePath, changes: Iterable[Change], autopilot: str | None = None) -> str:
+    file = parse_mission(path, text, None if autopilot is None else autopilot_named(autopilot))
+    mission = file.mission
+    for change in changes:
+        mission = _with_change(mission, change)
+    return text_with(mission, file, path)
+
+
+def _with_change(mission: Mission, change: Change) -> Mission:
+    match change:
+        case PutItem():
+            item = _with_value(_item(mission, change.seq), change, mission)
+            return with_item(mission, change.seq, _settled(item, mission))
+        case MoveItem():
+            return with_item(mission, change.seq, _moved(_item(mission, change.seq), change.place))
+        case InsertItem():
+            return with_inserted(mission, change.seq, _settled(_new_item(mission, change), mission))
+        case TakeItem():
+            return without_item(mission, change.seq)
+        case PlainItems():
+            return with_plain_items(mission, change.seq)
+        case Shift(path=("home",)):
+            return replace(mission, home=_moved(mission.home, change.put_down))
+        case Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
+            return replace(mission, home=replace(mission.home, altitude=float(change.value)))
+    words = "expected a change of a mission's items"
+    raise BadInput(words, hint="this is a mission file, not a scenario", place=change.op)
+
+
+def _item(mission: Mission, seq: int) -> Item:
+    if not 1 <= seq <= len(mission.items):
+        raise BadInput(f"expected a number from 1 to {len(mission.items)}", code="no-such-item", place=f"item {seq}")
+    return mission.items[seq - 1]
+
+
+def _moved(thing: Placed, place: LngLat) -> Placed:
+    return replace(thing, latitude_deg=round(place[1], DEGREES), longitude_deg=round(place[0], DEGREES))
+
+
+def _with_value(item: Item, change: PutItem, mission: Mission) -> Item:
+    """Return the item with one value changed; a change of frame keeps its height if known."""
+    value = math.nan if change.value is None else change.value
+    if change.what in ("command", "frame"):
+        if not (value.is_integer() and 0 <= value <= 65535):
+            raise BadInput(f"expected a whole number, not {value:g}", place=f"item {change.seq}: {change.what}")
+        if change.what == "command":
+            return replace(item, command=int(value), params=(0.0, 0.0, 0.0, item.params[3]))
+        return _in_frame(item, int(value), mission)
+    number = int(change.what.removeprefix("param"))
+    if number > 4 and not math.isfinite(value):
+        raise BadInput("expected a number", place=f"item {change.seq}: {change.what}")
+    values = [value if n == number else old for n, old in enumerate(values_of(item), start=1)]
+    p1, p2, p3, p4, latitude, longitude, altitude = values
+    return replace(item, params=(p1, p2, p3, p4), latitude_deg=latitude, longitude_deg=longitude, altitude=altitude)
+
+
+def _in_frame(item: Item, frame: int, mission: Mission) -> Item:
+    above, amsl = mission.altitude_above_home(item), plain_frame(frame) == Frame.GLOBAL
+    known = math.isfinite(above) and frame != Frame.GLOBAL_TERRAIN_ALT
+    altitude = round(above + (mission.home.altitude if amsl else 0.0), DIGITS) if known else item.altitude
+    return replace(item, frame=frame, altitude=altitude)
+
+
+def _new_item(mission: Mission, change: InsertItem) -> Item:
+    before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
+    like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=20.0)
+    firmware, home = mission.autopilot.firmware(mission.firmware_version), mission.home
+    is_placed, is_landing = change.command in firmware.placed, change.command == Command.NAV_LAND
+    heading = math.nan if firmware.takes_nan is None else 0.0
+    item = Item(change.command, like.frame, (0.0, 0.0, 0.0, heading if is_placed else 0.0))
+    if not is_placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
+        item = replace(item, frame=int(Frame.MISSION))
+    else:
+        place = change.place or (like.longitude_deg or home.longitude_deg, like.latitude_deg or home.latitude_deg)
+        frame = int(Frame.GLOBAL_RELATIVE_ALT) if is_landing else like.frame
+        item = _moved(replace(item, frame=frame, altitude=0.0 if is_landing else like.altitude), place)
+    match item.command:
+        case Command.DO_CHANGE_SPEED:
+            return replace(item, params=(1.0, mission.cruise_speed or 5.0, -1.0, 0.0))
+        case Command.DO_JUMP | Command.DO_JUMP_TAG:
+            return replace(item, params=(1.0, 1.0, 0.0, 0.0))
+        case Command.NAV_LOITER_TIME | Command.NAV_DELAY | Command.CONDITION_DELAY:
+            return replace(item, params=(5.0, *item.params[1:]))
+        case Command.NAV_LOITER_TURNS:
+            return replace(item, params=(1.0, *item.params[1:]))
+    return item
+
+
+def _settled(item: Item, mission: Mission) -> Item:
+    settled = settle_frames((item,), mission.autopilot)[0]
+    if settled.frame == Frame.MISSION and item.command in mission.autopilot.firmware().placed:
+        return replace(settled, frame=int(Frame.GLOBAL_RELATIVE_ALT))
+    return settled

@@ -17,15 +17,12 @@ from ipoa_mission.studio.requests import Order, Start, Upload
 from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
 
-WORDS = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}
-PILOT = "ipoa_mission.studio.flight_worker"
-
 
 class FlightDesk:
-    def __init__(self, document: Document, tell: Callable[[PageMessage | dict[str, Any]], None]) -> None:
+    def __init__(self, document: Document, send: Callable[[PageMessage | dict[str, Any]], None]) -> None:
         self._document = document
-        self._tell = tell
-        self._process = Process(PILOT)
+        self._send = send
+        self._process = Process("ipoa_mission.studio.flight_worker")
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
         self._flies = self._is_over = False
@@ -52,18 +49,20 @@ class FlightDesk:
             raise MissionError(
                 "not started: the document was changed after the upload", hint="upload again", code="upload-again"
             )
-        for what in ("vehicle", "mission", "proof"):
-            named, there = getattr(request, what), self._loaded[what]
-            if named != there:
-                words = f"not started: {what} is {there!r}, not {named!r}"
+        for key in ("vehicle", "mission", "proof"):
+            named, loaded = getattr(request, key), self._loaded[key]
+            if named != loaded:
+                words = f"not started: {key} is {loaded!r}, not {named!r}"
                 raise MissionError(words, hint="upload again", code="upload-again")
         self._loaded = None
         await self._process.send(request.model_dump(mode="json"))
 
     async def order(self, request: Order) -> None:
         if not self._flies:
-            words = f"no {WORDS[request.what]}: nothing flies"
-            raise MissionError(words, hint="start a flight first", code="not-in-the-air")
+            orders = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}
+            raise MissionError(
+                f"no {orders[request.what]}: nothing flies", hint="start a flight first", code="not-in-the-air"
+            )
         await self._process.send(request.model_dump(mode="json"))
 
     @property
@@ -85,22 +84,17 @@ class FlightDesk:
 
     async def _listen(self, link: str) -> None:
         with suppress(ProcessDied):
-            await self._process.ask({"job": "listen", "link": link}, self._tell)
+            await self._process.ask({"job": "listen", "link": link}, self._send)
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         file, document = self._folder / "flight.pickle", self._document
         log = unused(document.path.with_name(f"{name}.tlog"))
         revision = document.revision  # of this revision, even if the document changes
-        self._tell(State(phase="uploading", words="getting the plan"))
+        self._send(State(phase="uploading", words="getting the plan"))
         if not await hand_over(file):
-            self._tell(State(phase="idle", words=""))
+            self._send(State(phase="idle", words=""))
             return
-        order = request.model_dump(mode="json") | {
-            "job": "fly",
-            "file": str(file),
-            "revision": revision,
-            "log": str(log),
-        }
+        about = {"job": "fly", "file": str(file), "revision": revision, "log": str(log)}
         troubled = False
 
         def hear(answer: dict[str, Any]) -> None:
@@ -110,19 +104,47 @@ class FlightDesk:
                 self._loaded = answer
             if answer["kind"] == "state":
                 self._flies, self._is_over = answer["phase"] == "flying", answer["phase"] == "over"
-            self._tell(answer)
+            self._send(answer)
 
         try:
-            await self._process.ask(order, hear)
+            await self._process.ask(request.model_dump(mode="json") | about, hear)
         except ProcessDied:
             troubled = True
-            self._tell(
-                Trouble(of="flight", message="the pilot's process ended unexpectedly", hint="look at the vehicle")
-            )
+            words = "the pilot's process ended unexpectedly"
+            self._send(Trouble(of="flight", message=words, hint="look at the vehicle"))
         except asyncio.CancelledError:
-            self._tell(State(phase="idle", words="the flight is no longer watched"))
+            self._send(State(phase="idle", words="the flight is no longer watched"))
             raise
         finally:
             self._flies = False
         if troubled:
-            self._tell(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))
+            self._send(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))
+
+
+class BatteryGuard:
+    """Between the flights of a survey."""
+
+    def __init__(self) -> None:
+        self._link: str | None = None
+        self._systems: dict[str, int] = {}
+        self._loaded = self._flown = ""
+
+    def hear(self, answer: dict[str, Any]) -> None:
+        if self._link is None:
+            return
+        if answer["kind"] == "loaded":
+            self._loaded, self._systems[self._link] = answer["mission"], answer["system"]
+        elif answer["kind"] == "state" and answer["phase"] == "flying":
+            self._flown = self._loaded
+
+    def expect_charged(self, request: Upload, is_survey: bool) -> Upload:
+        """Return the upload for the same vehicle. Raises MissionError until a charged battery is confirmed."""
+        if not is_survey or request.link is None:
+            self._link = None
+            return request
+        if self._flown and not request.charged:
+            words = f"expected a charged battery, not the one that flew {self._flown}"
+            hint = "confirm that it is in, and that nobody is near the propellers"
+            raise MissionError(words, hint=hint, code="battery-flown")
+        self._flown, self._link = "", request.link
+        return request.model_copy(update={"system": request.system or self._systems.get(request.link)})

@@ -1,54 +1,70 @@
 """Upload and fly; arms only after the page has named the same vehicle, mission and proof."""
 
+import math
 import queue
-from collections.abc import Callable, Iterator
+import time
+from collections import deque
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
+from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
 from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import Message, Text
+from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, State
+from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.handed import HandedOver
-from ipoa_mission.studio.harness import Answer, Order, work
-from ipoa_mission.studio.watch import Watch
+from ipoa_mission.studio.processes import Answer, JobOrder, work
+from ipoa_mission.studio.vocabulary import InFlight
+from ipoa_mission.world.frame import Geodetic
 
 LISTEN_S = 1.5  # per link; heartbeats come once a second
 USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
+POSITION_INTERVAL_S = 0.2  # by the vehicle's clock
+FORECAST_INTERVAL_S = 1.0
+ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 
 
 class FlightWorker:
-    """Fly one mission at a time; the queue `beside` holds the page's messages."""
+    """Fly one mission at a time; `inbox` holds the page's messages."""
 
-    def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
-        self._beside = beside
+    def __init__(self, inbox: "queue.SimpleQueue[JobOrder]") -> None:
+        self._inbox = inbox
 
-    def fly(self, order: Order, answer: Answer) -> None:
-        while not self._beside.empty():
-            self._beside.get()  # left over
-        handed, log = HandedOver.take(Path(order["file"])), Path(order["log"])
+    def fly(self, order: JobOrder, answer: Answer) -> None:
+        while not self._inbox.empty():
+            self._inbox.get()  # left over
         try:
-            self._fly(handed, order, log, answer)
+            self._fly(HandedOver.take(Path(order["file"])), order, answer)
         except MissionError as error:
             if error.hint and "--" in error.hint:
                 error.hint = f"from the command line: {error.hint}"
             raise
 
-    def _fly(self, handed: HandedOver, order: Order, log: Path, answer: Answer) -> None:
-        with _vehicle(order, handed.forecast, log) as vehicle:
+    def _fly(self, handed: HandedOver, order: JobOrder, answer: Answer) -> None:
+        link, log = order["link"], Path(order["log"])
+        board_it = board(handed.forecast, log=log) if link is None else connect(link, system=order["system"], log=log)
+        with board_it as vehicle:
             forecast = handed.forecast.on(vehicle.firmware_version())
             items = len(forecast.given.items)
-            name = f"{'built-in ' if order['link'] is None else ''}{vehicle.autopilot}, system {vehicle.system}"
-            tell = lambda words: answer(State(phase="uploading", words=words))  # noqa: E731
-            forecast, remarks = _upload(forecast, vehicle, order["set_params"], tell)
+            name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
+            forecast, remarks = _upload(forecast, vehicle, order["set_params"], answer)
             loaded = Loaded(
                 revision=order["revision"],
                 vehicle=name,
@@ -56,14 +72,14 @@ class FlightWorker:
                 mission=handed.name,
                 proof=handed.proof,
                 items=items,
-                built_in=order["link"] is None,
+                built_in=link is None,
                 remarks=tuple(dict.fromkeys((*handed.remarks, *remarks))),
             )
             answer(loaded)
             answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
             self._await_start(loaded)
-            speedup = order["speedup"] if order["link"] is None else None
-            record, ordered = _flown(forecast, vehicle, answer, speedup, self._beside)
+            speedup = order["speedup"] if link is None else None
+            record, ordered = _flown(forecast, vehicle, answer, speedup, self._inbox)
         ordered = None if record.completed or record.armed or record.deviations else ordered
         answer(
             Landed(
@@ -75,39 +91,30 @@ class FlightWorker:
                 log=log.name,
             )
         )
-        if record.completed or ordered:
-            words = f"landed{'' if ordered is None else ', as ordered'}"
-        else:
-            words = f"not complete: {record.why_not}"
+        landed = "landed" if ordered is None else "landed, as ordered"
+        words = landed if record.completed or ordered else f"not complete: {record.why_not}"
         answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
         """Poll until the page starts this very flight: a thread that waits for ever cannot be cancelled."""
-        start: Order | None = None
+        start: JobOrder | None = None
         while start is None:
             with suppress(queue.Empty):
-                start = self._beside.get(timeout=0.1)
-        for what in ("vehicle", "mission", "proof"):
-            if start.get(what) != getattr(loaded, what):
-                words = f"not started: {what}: expected {getattr(loaded, what)!r}, not {start.get(what)!r}"
+                start = self._inbox.get(timeout=0.1)
+        for key in ("vehicle", "mission", "proof"):
+            if start.get(key) != getattr(loaded, key):
+                words = f"not started: {key}: expected {getattr(loaded, key)!r}, not {start.get(key)!r}"
                 raise MissionError(words, hint="upload again", code="upload-again")
 
 
-@contextmanager
-def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
-    link, system = order["link"], order["system"]
-    with board(forecast, log=log) if link is None else connect(link, system=system, log=log) as vehicle:
-        yield vehicle
-
-
-def _upload(
-    forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
-) -> tuple[Forecast, tuple[str, ...]]:
+def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, answer: Answer) -> tuple[Forecast, tuple[str, ...]]:
+    def show(words: str) -> None:
+        answer(State(phase="uploading", words=words))
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
-        tell(stage)
-        yield lambda _, words: tell(words)
+        show(stage)
+        yield lambda _, words: show(words)
 
     remarks: list[str] = []
     own = load_mission(vehicle, forecast, ProcedureOptions(set_params=set_params, stages=stages, remark=remarks.append))
@@ -115,32 +122,32 @@ def _upload(
 
 
 def _flown(
-    forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
+    forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, inbox: "queue.SimpleQueue[JobOrder]"
 ) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
     """Fly; also return the order by which it landed. `speedup`: of the built-in autopilot, which has no clock."""
+    watch: Watch | None = None
 
-    watching: list[Watch] = []
+    def show(words: str) -> None:
+        answer(State(phase="preparing", words=words))
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
-        if stage is Stage.FLIGHT:
+        nonlocal watch
+        if stage is Stage.START:
+            watch = Watch(forecast, vehicle, answer, speedup, inbox)
+            vehicle.overhearing = watch.hear
+        if stage is Stage.FLIGHT and watch is not None:
             answer(State(phase="flying", words=Stage.START))
-            yield watching[0].look
+            yield watch.look
         else:
-            if stage is Stage.START:
-                watching.append(Watch(forecast, vehicle, answer, speedup, beside))
-                vehicle.overhearing = watching[0].hear
-            yield lambda _, words: answer(State(phase="preparing", words=words))
-
-    def remark(words: str) -> None:
-        answer(State(phase="preparing", words=words))
+            yield lambda _, words: show(words)
 
     vehicle.conformance.ends_held = False
-    record = begin_mission(vehicle, forecast, ProcedureOptions(stages=stages, remark=remark))
-    return record, watching[0].obeyed
+    record = begin_mission(vehicle, forecast, ProcedureOptions(stages=stages, remark=show))
+    return record, None if watch is None else watch.obeyed
 
 
-def listen(order: Order, answer: Answer) -> None:
+def listen(order: JobOrder, answer: Answer) -> None:
     links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:57600" for port in serial_ports())])
     answer(Heard(links=tuple(row for link in links if link for row in _heard_on(link))))
 
@@ -148,17 +155,196 @@ def listen(order: Order, answer: Answer) -> None:
 def _heard_on(link: str) -> Iterator[HeardLink]:
     try:
         with open_line(link) as line:
-            found = scan(line, LISTEN_S)
+            vehicles = scan(line, LISTEN_S)
     except MissionError as error:
         yield HeardLink(link=link, system=None, words=str(error).removeprefix(f"{link}: "))
         return
-    for one in found:
-        other = "" if one.kind.is_flown else ": it is not flown from here"
-        words = f"{one.kind}, system {one.system}{', armed' if one.armed else ''}{other}"
-        yield HeardLink(link=link, system=one.system, words=words)
-    if not found:
+    for vehicle in vehicles:
+        other = "" if vehicle.kind.is_flown else ": it is not flown from here"
+        words = f"{vehicle.kind}, system {vehicle.system}{', armed' if vehicle.armed else ''}{other}"
+        yield HeardLink(link=link, system=vehicle.system, words=words)
+    if not vehicles:
         yield HeardLink(link=link, system=None, words="no vehicle heard")
 
 
+class Watch:
+    """`speedup`: of the built-in autopilot, which has no clock."""
+
+    def __init__(
+        self,
+        forecast: Forecast,
+        vehicle: Vehicle,
+        answer: Answer,
+        speedup: float | None,
+        inbox: "queue.SimpleQueue[JobOrder]",
+    ) -> None:
+        self._forecast, self._vehicle, self._answer = forecast, vehicle, answer
+        self._speedup, self._inbox = speedup, inbox
+        self._contingencies: ContingenciesNow | None = None
+        self._unknown, self._budget = "no scenario gives the obstacles here", None
+        if forecast.scenario is not None:
+            self._unknown, self._budget = "the flight has no forecast", budget_of(forecast)
+            with suppress(MissionError):
+                self._contingencies = ContingenciesNow(forecast, tuple(ORDERED.values()))
+        self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
+        self._orders: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
+        self._orders_s, self._position_s = -FORECAST_INTERVAL_S, -POSITION_INTERVAL_S
+        self._state: tuple[str, float | None] = ("", None)
+        self._texts: deque[str] = deque(maxlen=6)
+        self._satellites: int | None = None
+        self._wind: tuple[float, float] | None = None
+        self._begun: tuple[float, float] | None = None
+        self._ordered: Literal["rtl", "land"] | None = None
+        self.obeyed: Literal["rtl", "land"] | None = None
+        """The page's order by which the vehicle ends its flight, if there is one."""
+
+    @property
+    def is_held(self) -> bool:
+        vehicle = self._vehicle
+        return vehicle.order.is_paused or vehicle.state.custom_mode == vehicle.autopilot.modes.hold
+
+    def hear(self, message: Message) -> None:
+        """Handle a message; one without a position may still require landing earlier."""
+        self.look()
+        vehicle = self._vehicle
+        match message:
+            case Text(_, text):
+                self._texts.appendleft(text.strip())
+            case Gps():
+                self._satellites = message.satellites_visible
+            case WindEstimate():
+                self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
+            case WindVelocity((north, east, _)):
+                self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
+            case Position() if vehicle.state.armed and message.time_s - self._position_s >= POSITION_INTERVAL_S:
+                self._position_s = message.time_s
+                self._keep_pace(message.time_s)
+                record = vehicle.record()
+                if record.path:
+                    self._answer(self._seen(message, record))
+
+    def look(self, *_: object) -> None:
+        with suppress(queue.Empty):
+            self._order(self._inbox.get_nowait()["what"])
+        vehicle, absence = self._vehicle, self._vehicle.absence
+        words, lost_s = vehicle.changed or vehicle.order.words, None
+        if absence.seconds is not None:
+            words, lost_s = "; ".join(filter(None, (absence.words, words))), round(absence.seconds)
+        self.obeyed = self._obeyed(vehicle.state.custom_mode)
+        obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
+        words = words or vehicle.conformance.why_not or obeyed
+        words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
+        if (words, lost_s) != self._state:
+            self._state = words, lost_s
+            self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
+
+    def _obeyed(self, mode: int | None) -> Literal["rtl", "land"] | None:
+        """Return the order that ends the flight, once the vehicle was in its mode."""
+        modes = self._vehicle.autopilot.modes
+        by = {"rtl": modes.returns, "land": modes.lands}
+        is_obeyed = self._ordered is not None and (mode in by[self._ordered] or self.obeyed == self._ordered)
+        return self._ordered if is_obeyed else None
+
+    def _seen(self, at: Position, record: FlightRecord) -> Seen:
+        reached, latest = record.item_reached_s, record.path[-1]
+        last = max(reached, default=None)
+        orders, reserve = self._orders_then(at, latest.time_s)
+        return Seen(
+            time_s=round(latest.time_s, 2),
+            place=(at.longitude_deg, at.latitude_deg),
+            up=round(at.height, 2),
+            speed=round(latest.speed, 2),
+            done=0 if last is None else last + 1,
+            flown_s=None if last is None else round(reached[last], 2),
+            expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
+            held=self.is_held,
+            orders=orders,
+            reserve=reserve,
+            satellites=self._satellites,
+            wind=self._wind,
+            said=tuple(self._texts),
+            deviations=tuple(map(str, self._vehicle.conformance.deviations)),
+        )
+
+    def _orders_then(self, at: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
+        state = self._vehicle.state
+        if not state.in_air:
+            return (), None if state.battery_left is None else Reserve(left=state.battery_left)
+        if time_s - self._orders_s >= FORECAST_INTERVAL_S:
+            self._orders_s, now = time_s, time_s
+            unknown = self._unknown
+            if self._contingencies is not None:
+                now, aside = self._contingencies.time_at(self._local(at), time_s)
+                is_away = aside > 10.0 or (self._vehicle.interrupted and not self.is_held)
+                unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
+            self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
+        return self._orders
+
+    def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
+        """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
+        mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
+        done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
+        if self.is_held:
+            yield self._go_on(now, unknown)
+        rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
+        if self._contingencies is not None and unknown:
+            place, velocity = self._local(at), np.array([at.velocity[1], at.velocity[0]])
+            for contingency in (Contingency.HOLD, Contingency.LAND):
+                rows[contingency] = self._contingencies.from_here(contingency, place, velocity), None
+        elif self._contingencies is not None:
+            rows = {row.contingency: (row, seconds) for row, seconds in self._contingencies.at(now)}
+        for order, contingency in ORDERED.items():
+            if not done[order] and contingency in rows:
+                row, seconds = rows[contingency]
+                seconds = None if seconds is None else round(seconds, 1)
+                yield OrderThen(what=order, clear=row.clear, words=f"{row.leads}: {row.keeps}", seconds=seconds)
+            elif not done[order]:
+                yield OrderThen(what=order, clear=None, words=unknown, seconds=None)
+
+    def _local(self, at: Position) -> Vector:
+        return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+
+    def _go_on(self, now: float, unknown: str) -> OrderThen:
+        left = self._forecast.estimate.total_s - now
+        current = self._vehicle.state.current
+        item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
+        seconds = None if unknown else round(max(left, 0.0), 1)
+        return OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=seconds)
+
+    def _reserve(self, now: float, is_elsewhere: bool) -> Reserve | None:
+        left = self._vehicle.state.battery_left
+        if left is None:
+            return None
+        plan = None if self._budget is None or is_elsewhere else self._budget.against_plan(left, now)
+        if plan is None:
+            return Reserve(left=left)
+        return Reserve(
+            left=left,
+            planned=round(plan.planned, 3),
+            lands=round(plan.lands.likely, 3),
+            least=round(plan.lands.low, 3),
+            most=round(plan.lands.high, 3),
+            required=plan.reserve,
+        )
+
+    def _order(self, name: InFlight) -> None:
+        order, modes = self._vehicle.order, self._vehicle.autopilot.modes
+        self._ordered = name if name == "rtl" or name == "land" else None
+        match name:
+            case "hold":
+                order.hold()
+            case "go_on":
+                order.go_on()
+            case "rtl":
+                order.give(modes.returning)
+            case "land":
+                order.give(min(modes.lands))
+
+    def _keep_pace(self, now_s: float) -> None:
+        if self._speedup is not None:
+            first_s, begun = self._begun = self._begun or (now_s, time.monotonic())
+            time.sleep(max((now_s - first_s) / self._speedup - (time.monotonic() - begun), 0.0))
+
+
 if __name__ == "__main__":
-    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight"), "listen": (listen, "flight")})
+    work(lambda inbox: {"fly": (FlightWorker(inbox).fly, "flight"), "listen": (listen, "flight")})

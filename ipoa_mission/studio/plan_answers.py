@@ -1,16 +1,21 @@
+"""Sketches, plans and contingencies as messages to the page."""
+
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingency.energy_budget import budget_of
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar
+from ipoa_mission.forecast.contingency.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
+from ipoa_mission.forecast.contingency.energy_budget import Budget, Taken, budget_of
+from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import item_places
-from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route_time import kinematics
@@ -18,8 +23,15 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report import drawn_flight
-from ipoa_mission.report.panels.contingency_panel import return_paths
+from ipoa_mission.report.drawn_flight import (
+    SampledTrack,
+    find_dangers,
+    outline_around,
+    placed_items,
+    sample_track,
+    shown_deviation_bound,
+)
+from ipoa_mission.report.panels.contingency_panel import contingency_bars, return_paths, stretches
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
@@ -28,18 +40,14 @@ from ipoa_mission.studio.view import line_of, on_map, without_folders
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.terrain import Flat
 
-SAMPLES = 500
-NEAR_PLACES, NEAR_FACTOR = 5, 1.5  # and multiple of the required clearance
-SLOW_ITEMS = 4
 UNKNOWN_EXTENT = 1e7  # [m]
 
 
 def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
     """Show a coarse path; its time is a lower bound by the vehicle's limits."""
-    vehicle, frame = scenario.vehicle, scenario.frame
+    vehicle, frame, clearance = scenario.vehicle, scenario.frame, sketch.proof.clearance
     points = _sampled(sketch.curve)
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
-    clearance = sketch.proof.clearance
     return answers.Sketch(
         revision=revision,
         number=number,
@@ -70,15 +78,13 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
 
 def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
     """Show a forecast; its clearance only with a scenario."""
-    scenario, estimate = forecast.scenario, forecast.estimate
-    course = course_of(forecast)
+    scenario, estimate, course = forecast.scenario, forecast.estimate, course_of(forecast)
     promise = None if scenario is None else forecast.promise_if_known
     kept = None if promise is None else promise.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
-    rim = None if scenario is None or promise is None else drawn_flight.shown_deviation_bound(forecast)
-    ring = [] if rim is None else drawn_flight.outline_around(course.points, rim.level)
-    near = () if scenario is None else _near_things(promise, course, scenario)
+    ring = [] if promise is None else outline_around(course.points, shown_deviation_bound(forecast).level)
+    apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Plan(
         of="mission",
         revision=revision,
@@ -96,12 +102,20 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         length=round(float(course.along[-1]), 1),
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
-        tube_ring=tuple(on_map(forecast.frame, one) for one in ring),
-        course=_course(course, forecast),
+        tube_ring=tuple(on_map(forecast.frame, points) for points in ring),
+        course=answers.Course(
+            line=line_of(forecast.frame, course.points),
+            times=tuple(course.times.round(2).tolist()),
+            along=tuple(course.along.round(1).tolist()),
+            speeds=tuple(course.speeds.round(2).tolist()),
+            ground=tuple(course.ground.round(2).tolist()),
+            apart=tuple(apart),
+            returns_at=_turns_home(course, forecast),
+        ),
         beside=() if scenario is None else tuple(_beside(course, scenario)),
         stops=tuple(_stops(forecast, course)),
-        bindings=(*near, *_slow_items(estimate, course)),
-        homeward=() if promise is None else _homeward(forecast),
+        bindings=(*_near_places(promise, course, scenario), *_slow_items(estimate, course)),
+        homeward=() if promise is None else tuple(_homeward(forecast)),
         choices=(),
         limits=(),
         warnings=(),
@@ -110,92 +124,75 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
     )
 
 
-def course_of(forecast: Forecast) -> drawn_flight.SampledTrack:
+def course_of(forecast: Forecast) -> SampledTrack:
     nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
-    return drawn_flight.sample_track(forecast.estimate.track, airspace, SAMPLES)
+    return sample_track(forecast.estimate.track, airspace, samples=500)
 
 
 def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def _course(course: drawn_flight.SampledTrack, forecast: Forecast) -> answers.Course:
-    apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
-    return answers.Course(
-        line=line_of(forecast.frame, course.points),
-        times=tuple(course.times.round(2).tolist()),
-        along=tuple(course.along.round(1).tolist()),
-        speeds=tuple(course.speeds.round(2).tolist()),
-        ground=tuple(course.ground.round(2).tolist()),
-        apart=tuple(apart),
-        returns_at=_turns_home(course, forecast),
-    )
-
-
-def _turns_home(course: drawn_flight.SampledTrack, forecast: Forecast) -> int | None:
-    items = forecast.estimate.items
-    if len(items) < 2:
+def _turns_home(course: SampledTrack, forecast: Forecast) -> int | None:
+    *_, before, last = (None, None, *forecast.estimate.items)
+    if before is None or last is None:
         return None
-    *others, last = items
     is_return = forecast.mission.items[last.seq - 1].command == Command.NAV_RETURN_TO_LAUNCH
-    return course.nearest(others[-1].done_s) if is_return else None
+    return course.nearest(before.done_s) if is_return else None
 
 
-def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
-    return tuple(
-        answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(forecast.frame, np.array(way["points"])))
-        for way in return_paths(forecast)
-    )
+def _homeward(forecast: Forecast) -> Iterator[answers.Homeward]:
+    for path in return_paths(forecast):
+        line = line_of(forecast.frame, np.array(path["points"]))
+        yield answers.Homeward(from_s=path["from"], clear=path["clear"], line=line)
 
 
-def _stops(forecast: Forecast, course: drawn_flight.SampledTrack) -> Iterator[answers.Stop]:
-    flown, scenario = as_flown(forecast.mission), forecast.scenario
-    over = forecast.ground if scenario is None else scenario.airspace.ground
-    places = item_places(flown, forecast.frame, over)
+def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
+    scenario, items = forecast.scenario, placed_items(forecast)
     for time in forecast.estimate.items:
-        place = places[time.seq - 1]
-        if place is not None and flown.items[time.seq - 1].command == Command.NAV_LAND:
-            place[2] = over(place[None, :])[0]
+        item, place = items[time.seq - 1]
+        above = None
+        if place is not None and scenario is not None:
+            above = round(float(place[2] - scenario.airspace.ground(place[None, :])[0]), 1)
         yield answers.Stop(
             seq=time.seq,
             at=course.nearest(time.done_s),
-            words=item_words(flown.items[time.seq - 1]),
+            words=item_words(item),
             done_s=round(time.done_s, 1),
             duration_s=round(time.duration_s, 1),
             place=None if place is None else on_map(forecast.frame, place[None, :])[0],
             up=None if place is None else round(float(place[2]), 1),
-            above_ground=None
-            if place is None or scenario is None
-            else round(float(place[2] - over(place[None, :])[0]), 1),
+            above_ground=above,
         )
 
 
-def _beside(course: drawn_flight.SampledTrack, scenario: Scenario) -> Iterator[answers.Beside]:
+def _beside(course: SampledTrack, scenario: Scenario) -> Iterator[answers.Beside]:
     for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
         name = without_folders(body.name, scenario)
         yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
-def _near_things(
-    promise: Promise | None, course: drawn_flight.SampledTrack, scenario: Scenario
-) -> Iterator[answers.Binding]:
-    """Yield places too near to the flight, and the nearest, worst first."""
-    for danger in drawn_flight.find_dangers(course, scenario):
+def _near_places(promise: Promise | None, course: SampledTrack, scenario: Scenario | None) -> Iterator[answers.Binding]:
+    """Yield places too near to the flight, and the five nearest, worst first."""
+    if scenario is None:
+        return
+    for danger in find_dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
-    limits = () if promise is None else promise.limits
-    for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR_PLACES]:
-        if promise is not None and math.isfinite(check.kept) and check.slack < NEAR_FACTOR * check.required + 1.0:
+    if promise is None:
+        return
+    for check in sorted(promise.limits, key=lambda kept: kept.slack)[:5]:
+        if math.isfinite(check.kept) and check.slack < 1.5 * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
             part, share = (f", in {check.part}", None) if check.part else ("", promise.confidence)
             words = f"{check.limit}, to {check.to}{part}: {check.words(share)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
 
 
-def _slow_items(estimate: Estimate, course: drawn_flight.SampledTrack) -> Iterator[answers.Binding]:
+def _slow_items(estimate: Estimate, course: SampledTrack) -> Iterator[answers.Binding]:
     slow = sorted((item for item in estimate.items if item.reason), key=lambda item: -item.duration_s)
-    for item in sorted(slow[:SLOW_ITEMS], key=lambda item: item.done_s):
+    for item in sorted(slow[:4], key=lambda item: item.done_s):
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))
 
@@ -223,3 +220,67 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
                 unit=check.unit,
                 holds=check.holds,
             )
+
+
+def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answers.StripOfEndings]:
+    """Yield the strip at once, and again with costs, which take simulated flights."""
+    bars = () if forecast.scenario is None else contingency_bars(forecast)
+    budget, course = budget_of(forecast) if bars else None, course_of(forecast)
+    strip = answers.StripOfEndings(
+        revision=revision,
+        flight=flight,
+        reserve=None if budget is None or budget.battery is None else budget.battery.reserve,
+        bars=tuple(_bar(bar, course, forecast.world) for bar in bars),
+    )
+    yield strip
+    if bars:
+        costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
+        full = [bar.model_copy(update={"costs": cost}) for bar, cost in zip(strip.bars, costs, strict=True)]
+        yield strip.model_copy(update={"bars": tuple(full)})
+
+
+def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answers.StripBar:
+    shown = tuple(
+        answers.StripStretch(
+            look=stretch.look,
+            from_s=round(stretch.row.from_s, 2),
+            to_s=round(stretch.row.to_s, 2),
+            begins=round(stretch.begins, 1),
+            ends=round(stretch.ends, 1),
+            words=without_folders(stretch.row.in_full, scenario),
+        )
+        for stretch in stretches(bar, course)
+    )
+    return answers.StripBar(ending=bar.contingency, stretches=shown, costs=())
+
+
+def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:
+    if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
+        return
+    for time, ((low, high), used, _) in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
+        left = None if budget is None or used is None else budget.left(budget.taken(time, used))
+        yield answers.StripCost(
+            at_s=round(time, 2),
+            seconds=(round(low, 1), round(high, 1)),
+            energy_wh=None if used is None else (round(used.between.low, 2), round(used.between.high, 2)),
+            lands=None if left is None else round(left.likely, 3),
+            least=None if left is None else round(left.low, 3),
+            most=None if left is None else round(left.high, 3),
+        )
+
+
+def _taken(
+    contingency: Contingency, contingencies: Contingencies, first: int = 16, most: int = 24
+) -> dict[float, Taken]:
+    """Return costs at some times, with more samples at jumps, such as where a return begins to climb first."""
+    begin, end = contingencies.in_air
+    evenly = np.linspace(begin, end, min(first, 2 + math.floor((end - begin) / STEP_S))).tolist()
+    costs = {time: taken for time in evenly if (taken := contingencies.takes(contingency, time)) is not None}
+    while len(costs) < 24:
+        wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > MIN_STEP_S]
+        steep = [(abs(sum(costs[b][0]) - sum(costs[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
+        steepest, middle = max(steep, default=(0.0, 0.0))
+        if steepest < MAX_SLOPE or (taken := contingencies.takes(contingency, middle)) is None:
+            break
+        costs[middle] = taken
+    return costs

@@ -1,3 +1,5 @@
+"""The planner process: each function is a job."""
+
 import copy
 import math
 import time
@@ -15,7 +17,6 @@ from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
-from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.logs.flight_log import FlightLog, read_flights
@@ -26,42 +27,37 @@ from ipoa_mission.progress import Progress as ShowProgress
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.scenario_file import parse_toml, scenario_of
-from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
-from ipoa_mission.studio.area_view import area_of
-from ipoa_mission.studio.contingency_strip import strips_of
+from ipoa_mission.studio.answers import Progress, Trouble, Written
 from ipoa_mission.studio.edits import apply_changes
 from ipoa_mission.studio.flight_answers import FlownItem, Replay
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
-from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
-from ipoa_mission.studio.judged import checked, mission_world, opened
-from ipoa_mission.studio.plan_answers import expected, planned, sketched
-from ipoa_mission.studio.refused import misread, refused
+from ipoa_mission.studio.mission_view import check_answer, mission_answer, mission_world
+from ipoa_mission.studio.plan_answers import expected, planned, sketched, strips_of
+from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, work
+from ipoa_mission.studio.remedies import plan_trouble, text_trouble
 from ipoa_mission.studio.requests import Change
-from ipoa_mission.studio.survey_answers import CoarseSurvey
-from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
+from ipoa_mission.studio.survey_view import area_of, coarse_survey, planned_survey
 from ipoa_mission.studio.view import line_of, world_of
 from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
-PROGRESS_INTERVAL_S = 0.1
-PLACE_LIMIT = 1000
 
 
-def look(order: Order, answer: Answer) -> None:
+def look(order: JobOrder, answer: Answer) -> None:
     table, revision = _table(order["text"], order["path"]), order["revision"]
     try:
         scenario = _scenario(order["text"], order["path"])
     except MissionError as error:
         answer(area_of(table, None, revision))
-        answer(misread(error, table, order["path"], revision))
+        answer(text_trouble(error, table, order["path"], revision))
     else:
         answer(area_of(table, scenario, revision))
         answer(world_of(scenario, revision))
 
 
-def sketch(order: Order, answer: Answer) -> None:
-    begun = time.perf_counter()
+def sketch(order: JobOrder, answer: Answer) -> None:
+    begun, revision, number = time.perf_counter(), order["revision"], order["number"]
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
         apply_changes(table, CHANGES.validate_python(order["changes"]))
@@ -69,43 +65,39 @@ def sketch(order: Order, answer: Answer) -> None:
     else:
         scenario = _scenario(order["text"], order["path"])
     try:
-        answer(_coarse(scenario, order, begun))
+        if scenario.survey is None:
+            path = sketch_path(scenario)
+            answer(sketched(path, scenario, revision, number, time.perf_counter() - begun))
+        else:
+            lines = sketch_survey(scenario)
+            answer(coarse_survey(lines, scenario, revision, number, time.perf_counter() - begun))
     except MissionError as error:
-        answer(refused(error, scenario, order["revision"], of="sketch"))
+        answer(plan_trouble(error, scenario, revision, of="sketch"))
 
 
-def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
-    about = order["revision"], order["number"]
-    if scenario.survey is None:
-        path = sketch_path(scenario)
-        return sketched(path, scenario, *about, time.perf_counter() - begun)
-    lines = sketch_survey(scenario)
-    return coarse_survey(lines, scenario, *about, time.perf_counter() - begun)
-
-
-def judge(order: Order, answer: Answer) -> None:
+def judge(order: JobOrder, answer: Answer) -> None:
     begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
     file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
-    answer(opened(file, forecast, revision, order["worlds"], order["world"]))
-    findings, flies = checked(_findings(file, forecast), forecast, revision)
-    answer(findings)
-    if flies:
+    answer(mission_answer(file, forecast, revision, order["worlds"], order["world"]))
+    checked = check_answer(check(forecast, read=file.findings), forecast, revision)
+    answer(checked)
+    if checked.timeless is None:
         answer(expected(forecast, path.stem, revision, time.perf_counter() - begun))
         if order["log"] is not None:
             answer(replayed(Path(order["log"]), forecast, revision))
 
 
-def end_mission(order: Order, answer: Answer) -> None:
+def end_mission(order: JobOrder, answer: Answer) -> None:
     _, forecast = _mission(order)
     for strip in strips_of(forecast, order["revision"], 0):
         answer(strip)
 
 
-def hand_over_mission(order: Order, answer: Answer) -> None:
+def hand_over_mission(order: JobOrder, answer: Answer) -> None:
     """Write the mission for the pilot process, if the check has no errors."""
     file, forecast = _mission(order)
-    warnings = refuse_errors(_findings(file, forecast))
+    warnings = refuse_errors(check(forecast, read=file.findings))
     refuse_unsound(forecast.given)
     mission_over(Path(order["path"]).stem, forecast, warnings).write(Path(order["file"]))
 
@@ -114,13 +106,13 @@ class PlanWorker:
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
 
-    def plan(self, order: Order, answer: Answer) -> None:
-        revision, begun, told_at = order["revision"], time.perf_counter(), 0.0
+    def plan(self, order: JobOrder, answer: Answer) -> None:
+        revision, begun, shown_at = order["revision"], time.perf_counter(), 0.0
 
         def progress(share: float, words: str) -> None:
-            nonlocal told_at
-            if time.perf_counter() - told_at > PROGRESS_INTERVAL_S:
-                told_at = time.perf_counter()
+            nonlocal shown_at
+            if time.perf_counter() - shown_at > 0.1:  # [s]
+                shown_at = time.perf_counter()
                 answer(Progress(revision=revision, share=share, words=words))
 
         self._plan = None
@@ -130,19 +122,18 @@ class PlanWorker:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
                 answer(planned(flight, revision, time.perf_counter() - begun))
             else:
-                survey, logs = _survey(scenario, order, progress, answer)
-                self._plan = survey
-                answer(planned_survey(survey, revision, time.perf_counter() - begun, logs))
+                self._plan, logs = _survey(scenario, order, progress, answer)
+                answer(planned_survey(self._plan, revision, time.perf_counter() - begun, logs))
         except MissionError as error:
-            answer(refused(error, scenario, revision))
+            answer(plan_trouble(error, scenario, revision))
 
-    def end(self, order: Order, answer: Answer) -> None:
+    def end(self, order: JobOrder, answer: Answer) -> None:
         plan, n = self._expect_plan(), order["flight"]
         forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
         for strip in strips_of(forecast, order["revision"], n):
             answer(strip)
 
-    def write(self, order: Order, answer: Answer) -> None:
+    def write(self, order: JobOrder, answer: Answer) -> None:
         plan, folder = self._expect_plan(), Path(order["folder"])
         files = [*plan.write(folder)]
         if isinstance(plan, Survey):
@@ -152,13 +143,13 @@ class PlanWorker:
             plan.report(files[-1])
         answer(Written(files=tuple(file.name for file in files)))
 
-    def detach(self, order: Order, answer: Answer) -> None:
+    def detach(self, order: JobOrder, answer: Answer) -> None:
         handed, folder = self._expect_flight(order), Path(order["folder"])
         target = unused(folder / f"{handed.name}-edited.plan")
         write_mission(handed.forecast.mission, target)
         answer(Written(files=(target.name,)))
 
-    def hand_over(self, order: Order, answer: Answer) -> None:
+    def hand_over(self, order: JobOrder, answer: Answer) -> None:
         self._expect_flight(order).write(Path(order["file"]))
 
     def _expect_plan(self) -> Flight | Survey:
@@ -166,7 +157,7 @@ class PlanWorker:
             raise MissionError("there is no proved plan", hint="plan first", code="not-planned")
         return self._plan
 
-    def _expect_flight(self, order: Order) -> HandedOver:
+    def _expect_flight(self, order: JobOrder) -> HandedOver:
         plan, n = self._expect_plan(), order.get("flight", 0)
         if not isinstance(plan, Survey):
             return planned_over(plan)
@@ -190,7 +181,7 @@ class PlanWorker:
 
 
 def _survey(
-    scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
+    scenario: Scenario, order: JobOrder, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
     """Plan a survey without the parts flown in valid logs; return it with these."""
     logs = tuple(Path(log) for log in order["flown"])
@@ -206,7 +197,7 @@ def _survey(
     return plan_survey(scenario=scenario, seed=order["seed"], progress=progress), ()
 
 
-def _mission(order: Order) -> tuple[MissionFile, Forecast]:
+def _mission(order: JobOrder) -> tuple[MissionFile, Forecast]:
     world = None if order["world"] is None else read_text(Path(order["world"]))
     return _mission_in(order["text"], order["path"], world, order["world"], order["autopilot"])
 
@@ -216,15 +207,11 @@ def _mission_in(
     text: str, path: str, world_text: str | None, world_path: str, autopilot: str | None
 ) -> tuple[MissionFile, Forecast]:
     world = None if world_text is None else _scenario(world_text, world_path)
-    flies = None if autopilot is None else autopilot_named(autopilot)
-    if flies is None and world is not None and Path(path).suffix.lower() == ".waypoints":
-        flies = world.vehicle.autopilot  # such a file does not name its autopilot
-    file = read_by_items(Path(path), parse_mission(Path(path), text, flies))
+    named = None if autopilot is None else autopilot_named(autopilot)
+    if named is None and world is not None and Path(path).suffix.lower() == ".waypoints":
+        named = world.vehicle.autopilot  # such a file does not name its autopilot
+    file = read_by_items(Path(path), parse_mission(Path(path), text, named))
     return file, Forecast(file.mission, world)
-
-
-def _findings(file: MissionFile, forecast: Forecast) -> tuple[Finding, ...]:
-    return check(forecast, read=file.findings)
 
 
 @lru_cache(maxsize=4)
@@ -240,7 +227,7 @@ def _scenario(text: str, path: str) -> Scenario:
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     """Compare the log's first flight in mission mode."""
     flown = _flights(str(log))
-    flight = next((one for one in flown.flights if one.in_mission), None)
+    flight = next((flight for flight in flown.flights if flight.in_mission), None)
     if flight is None:
         raise MissionError("expected a flight in the mission mode", code="log-incomplete", place=log.name)
     forecast = forecast.on(flight.firmware_version)
@@ -248,9 +235,9 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     track = flown_track(forecast.mission, record)
     if track is None:
         raise MissionError("expected a flight with positions", code="log-incomplete", place=log.name)
-    held = compare_flight(forecast.estimate, record)
-    shown = np.unique(np.linspace(0, len(track.times) - 1, min(PLACE_LIMIT, len(track.times))).round().astype(int))
-    several = len(flown.flights) > 1
+    compared, count = compare_flight(forecast.estimate, record), len(track.times)
+    shown = np.unique(np.linspace(0, count - 1, min(1000, count)).round().astype(int))
+    several = [f"the first of {len(flown.flights)} flights in it"] if len(flown.flights) > 1 else []
     return Replay(
         revision=revision,
         log=log.name,
@@ -263,11 +250,11 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
                 flown_s=round(leg.flown_s, 1),
                 done_s=round(leg.flown_done_s, 1),
             )
-            for leg in held.legs
+            for leg in compared.legs
         ),
-        estimated_s=round(held.estimated_total_s, 1),
-        flown_s=round(held.flown_total_s, 1) if math.isfinite(held.flown_total_s) else None,
-        remarks=(*flown.remarks, *([f"the first of {len(flown.flights)} flights in it"] if several else [])),
+        estimated_s=round(compared.estimated_total_s, 1),
+        flown_s=round(compared.flown_total_s, 1) if math.isfinite(compared.flown_total_s) else None,
+        remarks=(*flown.remarks, *several),
     )
 
 

@@ -1,14 +1,29 @@
-"""One request at a time each; a process that dies is restarted."""
+"""Worker processes and their parent: a job may be slow, be cancelled, or crash without the server.
 
+One JSON object a line: a job `{"id", "job", ...}`, answers `{"id", "answer"}`, the end `{"id", "done": true}`.
+`{"cancel": id}` cancels; other lines go to the running job.
+"""
+
+import _thread
 import asyncio
 import json
+import os
+import queue
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
-Hear: TypeAlias = Callable[[dict[str, Any]], None]
-LINE_LIMIT = 256 * 1024 * 1024  # of an answer [bytes]
+from ipoa_mission.errors import MissionError
+from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.vocabulary import PageMessage, as_on_map
+
+JobOrder: TypeAlias = dict[str, Any]
+Answer: TypeAlias = Callable[[PageMessage], None]
+Job: TypeAlias = Callable[[JobOrder, Answer], None]
+Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 
 
 class ProcessDied(Exception):
@@ -16,6 +31,8 @@ class ProcessDied(Exception):
 
 
 class Process:
+    """One job at a time; a worker that dies is restarted."""
+
     def __init__(self, module: str) -> None:
         self._module = module
         self._process: asyncio.subprocess.Process | None = None
@@ -30,11 +47,11 @@ class Process:
                 self._module,
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
-                limit=LINE_LIMIT,
+                limit=256 * 1024 * 1024,  # of an answer [bytes]
             )
         return self._process
 
-    async def ask(self, order: dict[str, Any], hear: Hear) -> None:
+    async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> None:
         """Send a job, and call `hear` with every answer; pass on cancellation."""
         async with self._one_at_a_time:
             process = await self.start()
@@ -84,3 +101,84 @@ async def _line(process: asyncio.subprocess.Process) -> Any:
             return json.loads(text)
     await process.wait()
     return None
+
+
+class JobCancelled(BaseException):
+    """A BaseException, so that no library catches it."""
+
+
+class Worker:
+    """Do jobs one after the other in the main thread; another thread reads cancellations."""
+
+    def __init__(self, write: Callable[[JobOrder], None]) -> None:
+        self.known: Mapping[str, tuple[Job, Subject]] = {}
+        self._write = write
+        self._jobs: queue.SimpleQueue[JobOrder | None] = queue.SimpleQueue()
+        self.inbox: queue.SimpleQueue[JobOrder] = queue.SimpleQueue()
+        self._current: int | None = None
+        self._is_cancelled = False
+        self._lock = threading.Lock()
+
+    def listen(self, lines: Iterable[str]) -> None:
+        for line in lines:
+            order = json.loads(line)
+            if "cancel" in order:
+                self._cancel(order["cancel"])
+            elif "job" in order:
+                self._jobs.put(order)
+            else:
+                self.inbox.put(order)
+        self._jobs.put(None)
+        self._cancel(self._current)
+
+    def run(self) -> None:
+        signal.signal(signal.SIGINT, self._interrupted)
+        while (order := self._jobs.get()) is not None:
+            try:
+                with self._lock:
+                    self._current, self._is_cancelled = order["id"], False
+                self._do(order)
+            except (JobCancelled, SystemError):  # compiled code raises SystemError when interrupted
+                if not self._is_cancelled:
+                    raise
+            finally:
+                with self._lock:
+                    self._current = None
+            self._write({"id": order["id"], "done": True})
+
+    def _cancel(self, number: int | None) -> None:
+        with self._lock:
+            if number is not None and number == self._current:
+                self._is_cancelled = True
+                _thread.interrupt_main(signal.SIGINT)
+
+    def _interrupted(self, *_: object) -> None:
+        if self._current is not None:
+            raise JobCancelled
+
+    def _do(self, order: JobOrder) -> None:
+        def answer(message: PageMessage) -> None:
+            self._write({"id": order["id"], "answer": message.model_dump(mode="json")})
+
+        job, subject = self.known[order["job"]]
+        try:
+            job(order, answer)
+        except MissionError as error:
+            answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint, revision=order.get("revision")))
+
+
+def work(make_jobs: Callable[[queue.SimpleQueue[JobOrder]], Mapping[str, tuple[Job, Subject]]]) -> None:
+    """Work for the parent process; `make_jobs` gets the queue of lines for the running job."""
+    channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # a library's prints are no answers
+    lock = threading.Lock()
+
+    def write(message: JobOrder) -> None:
+        with lock:
+            channel.write(json.dumps(message, allow_nan=False) + "\n")
+            channel.flush()
+
+    worker = Worker(write)
+    worker.known = make_jobs(worker.inbox)
+    threading.Thread(target=worker.listen, args=(sys.stdin,), daemon=True).start()
+    worker.run()

@@ -1,20 +1,162 @@
+"""A file under edit, and a journal next to it for undo after a restart or a crash.
+
+Each line is a JSON object: the initial text, then splices, and marks for undo, redo and save.
+"""
+
+import codecs
 import datetime
-from collections.abc import Iterable
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
-from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, write_mission
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.edits import changed, parse_table
-from ipoa_mission.studio.journal import SUFFIX, Journal
-from ipoa_mission.studio.mission_changes import mission_changed
+from ipoa_mission.studio.edits import changed, mission_changed, parse_table
 from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
 
-BOM = b"\xef\xbb\xbf"
+EDIT_LIMIT = 400  # kept when opened
+
+
+@dataclass(frozen=True)
+class Splice:
+    """
+    >>> splice_between("goal = 1", "goal = 2", "goal moved")
+    Splice(start=7, removed='1', inserted='2', label='goal moved')
+    """
+
+    start: int
+    removed: str
+    inserted: str
+    label: str
+
+    def redone(self, text: str) -> str:
+        return text[: self.start] + self.inserted + text[self.start + len(self.removed) :]
+
+    def undone(self, text: str) -> str:
+        return text[: self.start] + self.removed + text[self.start + len(self.inserted) :]
+
+
+def splice_between(before: str, after: str, label: str) -> Splice:
+    start = _count_equal(before, after)
+    end = _count_equal(before[start:][::-1], after[start:][::-1])
+    return Splice(start, before[start : len(before) - end], after[start : len(after) - end], label)
+
+
+def _count_equal(one: str, other: str) -> int:
+    return next((n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
+
+
+@dataclass
+class Journal:
+    """The text, that last `saved` or read, and the edits, of which the first `done` are applied."""
+
+    path: Path
+    text: str
+    saved: str
+    edits: list[Splice] = field(default_factory=list)
+    done: int = 0
+
+    @classmethod
+    def open(cls, path: Path, on_disk: str) -> "Journal":
+        """Open a file's journal, or begin one. Changes by another program become an edit."""
+        journal = _replayed(path) or cls(path, on_disk, on_disk)
+        if journal.done > EDIT_LIMIT:
+            journal._rewrite()
+        if journal.saved != on_disk:
+            journal.take_from_disk(on_disk)
+        return journal
+
+    def write(self, text: str, label: str) -> bool:
+        if text == self.text:
+            return False
+        self._splice(splice := splice_between(self.text, text, label))
+        self._append(asdict(splice))
+        return True
+
+    def step(self, by: int) -> bool:
+        """-1: undo, 1: redo; return whether it changed."""
+        if not 0 <= self.done + by <= len(self.edits):
+            return False
+        self._step(by)
+        self._append({"step": by})
+        return True
+
+    def mark_saved(self) -> None:
+        self.saved = self.text
+        self._append({"saved": self.done})
+
+    def take_from_disk(self, text: str) -> None:
+        """Take another program's text as an edit that can be undone."""
+        self.write(text, "changed by another program")
+        self.mark_saved()
+
+    @property
+    def undo_label(self) -> str | None:
+        return self.edits[self.done - 1].label if self.done else None
+
+    @property
+    def redo_label(self) -> str | None:
+        return self.edits[self.done].label if self.done < len(self.edits) else None
+
+    def _splice(self, splice: Splice) -> None:
+        self.edits[self.done :] = [splice]
+        self._step(1)
+
+    def _step(self, by: int) -> None:
+        redo = by > 0
+        self.text = self.edits[self.done].redone(self.text) if redo else self.edits[self.done - 1].undone(self.text)
+        self.done += by
+
+    def _append(self, line: dict[str, Any]) -> None:
+        if self.path.exists():
+            with self.path.open("a", encoding="utf-8", newline="\n") as file:
+                file.write(json.dumps(line, ensure_ascii=False) + "\n")
+        else:
+            self._rewrite()
+
+    def _rewrite(self) -> None:
+        first = max(0, self.done - EDIT_LIMIT)
+        text = self.text
+        for splice in reversed(self.edits[first : self.done]):
+            text = splice.undone(text)
+        self.edits, self.done = self.edits[first:], self.done - first
+        steps = [{"step": -1}] * (len(self.edits) - self.done)
+        lines = [{"text": text, "saved_text": self.saved}, *map(asdict, self.edits), *steps]
+        write_atomically(self.path, "".join(json.dumps(line, ensure_ascii=False) + "\n" for line in lines))
+
+
+def _replayed(path: Path) -> Journal | None:
+    lines = _lines(path)
+    first = next(lines, {})
+    if "text" not in first:
+        return None
+    journal = Journal(path, first["text"], first.get("saved_text", first["text"]))
+    for line in lines:
+        if "saved" in line:
+            journal.saved = journal.text
+        elif "step" in line and 0 <= journal.done + line["step"] <= len(journal.edits):
+            journal._step(line["step"])
+        elif "start" in line:
+            journal._splice(Splice(**line))
+    return journal
+
+
+def _lines(path: Path) -> Iterator[dict[str, Any]]:
+    if not path.is_file() or path.stat().st_size > 20_000_000:  # [bytes]
+        return
+    for text in path.read_text(encoding="utf-8", errors="replace").split("\n"):
+        try:
+            line = json.loads(text)
+        except ValueError:
+            return
+        if not isinstance(line, dict):
+            return
+        yield line
 
 
 class Stale(MissionError):
@@ -30,9 +172,8 @@ class Document:
         self.autopilot: str | None = None
         self.revision = 1
         self.changed_outside = False
-        self._numbered_anew = 1
-        text = read_text(path)
-        self._journal = Journal.open(path.with_name(path.name + SUFFIX), text)
+        self._renumbered_at = 1
+        self._journal = Journal.open(path.with_name(f"{path.name}.studio"), read_text(path))
 
     @property
     def text(self) -> str:
@@ -41,16 +182,19 @@ class Document:
     def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
         """Apply changes made on revision `seen`; return whether the text changed."""
         changes = tuple(changes)
-        if seen < self._numbered_anew:
+        if seen < self._renumbered_at:
             raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="review it, and repeat the change")
-        new = self._mission_with(changes) if self.is_mission else changed(self.text, changes)
-        different = self._stepped(self._journal.write(new, label))
+        if self.is_mission:
+            text = mission_changed(self.text, self.path, changes, self.autopilot)
+        else:
+            text = changed(self.text, changes)
+        different = self._journal.write(text, label)
+        self.revision += different
         if any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes):
-            self._numbered_anew = self.revision
+            self._renumbered_at = self.revision
         return different
 
     def rewrite(self, text: str, seen: int) -> bool:
-        """Replace the text of revision `seen`."""
         if seen != self.revision:
             words = f"{self.path.name} was changed elsewhere while its text was edited here"
             raise Stale(words, hint="copy your text, and reload")
@@ -62,19 +206,19 @@ class Document:
         self.revision += 1
 
     def undo(self) -> bool:
-        return self._renumbered(self._journal.undo())
+        return self._renumbered(self._journal.step(-1))
 
     def redo(self) -> bool:
-        return self._renumbered(self._journal.redo())
+        return self._renumbered(self._journal.step(1))
 
     def save(self, over: bool = False) -> None:
         """Write the file; `over` replaces changes by another program."""
-        if not over and self.path.exists() and self._on_disk() != self._journal.saved:
+        if not over and self.path.exists() and read_text(self.path) != self._journal.saved:
             self.changed_outside = True
             raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
-        mark = BOM if self.path.exists() and self.path.read_bytes().startswith(BOM) else b""
-        if not self.path.exists() or self._on_disk() != self.text:
-            write_atomically(self.path, mark + self.text.encode())
+        if not self.path.exists() or read_text(self.path) != self.text:
+            has_mark = self.path.exists() and self.path.read_bytes().startswith(codecs.BOM_UTF8)
+            write_atomically(self.path, codecs.BOM_UTF8 * has_mark + self.text.encode())
         self._journal.mark_saved()
         self.changed_outside = False
 
@@ -82,18 +226,19 @@ class Document:
         """Write the mission next to its file; return it and losses of its format."""
         if not self.is_mission:
             raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
-        file, target = self._mission(), unused(self.path.with_suffix(suffix))
+        autopilot = None if self.autopilot is None else autopilot_named(self.autopilot)
+        file, target = parse_mission(self.path, self.text, autopilot), unused(self.path.with_suffix(suffix))
         return target, write_mission(file.mission, target, suffix, file)
 
     def look_at_disk(self) -> bool:
         """Look for changes by another program, take them if there are no own; return whether the state changed."""
         try:
-            there = self._on_disk()
+            on_disk = read_text(self.path)
         except BadInput:
             return False
-        if there == self._journal.saved:
+        if on_disk == self._journal.saved:
             return False
-        if there == self.text:  # the same edit: the page's revision stays valid
+        if on_disk == self.text:  # the same edit: the page's revision stays valid
             self._journal.mark_saved()
             self.changed_outside = False
             return True
@@ -103,7 +248,7 @@ class Document:
         return not before
 
     def take_theirs(self) -> bool:
-        self._journal.take_from_disk(self._on_disk())
+        self._journal.take_from_disk(read_text(self.path))
         self.changed_outside = False
         return self._renumbered(True)
 
@@ -126,30 +271,17 @@ class Document:
             redo=journal.redo_label,
         )
 
-    def _mission_with(self, changes: Iterable[Change]) -> str:
-        return mission_changed(self.text, self.path, changes, self.autopilot)
-
-    def _mission(self) -> MissionFile:
-        return parse_mission(self.path, self.text, None if self.autopilot is None else autopilot_named(self.autopilot))
-
     def _renumbered(self, different: bool) -> bool:
-        self._stepped(different)
-        self._numbered_anew = self.revision
-        return different
-
-    def _stepped(self, different: bool) -> bool:
         self.revision += different
+        self._renumbered_at = self.revision
         return different
-
-    def _on_disk(self) -> str:
-        return read_text(self.path)
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
+        return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list):
-        return [_plain(one) for one in value]
+        return [_plain(item) for item in value]
     if isinstance(value, datetime.date | datetime.time):
         return value.isoformat()
     if isinstance(value, float) and not abs(value) < float("inf"):

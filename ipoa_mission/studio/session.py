@@ -10,10 +10,9 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.dropped import log_named
-from ipoa_mission.studio.flight_desk import FlightDesk
+from ipoa_mission.studio.flight_desk import BatteryGuard, FlightDesk
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Process, ProcessDied
-from ipoa_mission.studio.relay import Relay
 from ipoa_mission.studio.requests import (
     Do,
     Drag,
@@ -30,11 +29,9 @@ from ipoa_mission.studio.requests import (
     Within,
 )
 from ipoa_mission.studio.scenario_document import Document
-from ipoa_mission.studio.vocabulary import PageMessage
-from ipoa_mission.studio.window import Window
+from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json
 
 SETTLE_TIME_S = 0.6  # before the proved path is planned
-IDLE_TIME_S = 120.0  # without window and flight, before the planners end
 FILE_CHECK_S = 1.0
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
@@ -45,8 +42,8 @@ FOLLOWS = (
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.plan_worker"
-#: returns the address relative to this page's
-OpenFile: TypeAlias = Callable[[Path, Path | None], str]
+OpenFile: TypeAlias = Callable[[Path, Path | None], str]  # returns the address relative to this page's
+Work: TypeAlias = Callable[[], Coroutine[Any, Any, object]]
 
 
 class Session:
@@ -58,26 +55,22 @@ class Session:
         world: Path | None = None,
         log: Path | None = None,
     ) -> None:
-        self.document = Document(path)
+        self.document, self.folder = Document(path), path.parent
         self._open_file, self._world, self._log = open_file, world, log
         self.windows: set[Window] = set()
         self._seed, self._flown = seed, tuple[Path, ...]()
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
-        self._flights = FlightDesk(self.document, self.tell_all)
-        self._jobs: dict[str, asyncio.Task[None]] = {}
+        self._flights = FlightDesk(self.document, self.send_all)
+        self._jobs: dict[str, asyncio.Task[object]] = {}
         self._drags: dict[Window, Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
-        self._relay = Relay()
-
-    @property
-    def folder(self) -> Path:
-        return self.document.path.parent
+        self._batteries = BatteryGuard()
 
     def join(self, window: Window) -> None:
         self.windows.add(window)
-        window.tell(self.document.as_answer().model_dump(mode="json"))
+        window.send(self.document.as_answer())
         for message in self._latest.values():
-            window.tell(message)
+            window.send(message)
         if "world" not in self._latest:
             self._follow()
 
@@ -85,10 +78,10 @@ class Session:
         self.windows.discard(window)
         self._drags.pop(window, None)
 
-    def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
+    def send_all(self, message: PageMessage | dict[str, Any]) -> None:
         """Send to every window; keep the latest answer of each kind for later ones."""
-        answer = message if isinstance(message, dict) else message.model_dump(mode="json")
-        self._relay.hear(answer)
+        answer = as_json(message)
+        self._batteries.hear(answer)
         kind = answer["kind"]
         if kind in KEPT and (slot := _slot(answer)) != "trouble of edit":
             self._latest[slot] = answer
@@ -97,7 +90,7 @@ class Session:
         if kind == "survey" and not answer["flown"]:
             self._flown = ()  # of another survey
         for window in self.windows:
-            window.tell(answer)
+            window.send(answer)
 
     async def handle(self, request: Any, window: Window) -> None:
         try:
@@ -118,7 +111,7 @@ class Session:
                     self._open_dropped(request.path, window)
                 case SaveAs():
                     file, remarks = self.document.save_as(request.suffix)
-                    self.tell_all(Written(files=(file.name,), remarks=remarks))
+                    self.send_all(Written(files=(file.name,), remarks=remarks))
                 case Within():
                     self._world = None if request.scenario is None else Path(request.scenario)
                     self.document.read_for(request.autopilot)
@@ -126,23 +119,21 @@ class Session:
                 case Upload():
                     self._expect_ready()
                     self._forget("trouble of flight")
-                    request = self._relay.expect_charged(request, is_survey="survey" in self._latest)
-                    name = self._name_of(request.flight)
-                    self._flights.upload(request, partial(self._hand_over, request.flight), name)
+                    upload = self._batteries.expect_charged(request, is_survey="survey" in self._latest)
+                    self._flights.upload(upload, partial(self._hand_over, upload.flight), self._name_of(upload.flight))
                 case Start():
                     await self._flights.start(request)
                 case Find():
                     latitude, longitude = place_of(request.place)
-                    found = Found(place=(longitude, latitude), words=request.place.strip())
-                    window.tell(found.model_dump(mode="json"))
+                    window.send(Found(place=(longitude, latitude), words=request.place.strip()))
                 case Listen():
                     self._flights.listen(request.link)
                 case Order():
                     await self._flights.order(request)
         except MissionError as error:
             of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start | Order | Listen) else "edit"
-            window.tell(Trouble(of=of, message=str(error), hint=error.hint).model_dump(mode="json"))
-            window.tell(self.document.as_answer().model_dump(mode="json"))
+            window.send(Trouble(of=of, message=str(error), hint=error.hint))
+            window.send(self.document.as_answer())
 
     def _do(self, request: Do) -> None:
         document = self.document
@@ -153,17 +144,18 @@ class Session:
                 self._changed(document.redo())
             case "save" | "save_over":
                 document.save(over=request.what == "save_over")
-                self.tell_all(document.as_answer())
+                self.send_all(document.as_answer())
             case "take_theirs":
                 self._changed(document.take_theirs())
             case "plan":
                 self._start("plan", self._plan)
             case "cancel":
                 self._stop("plan")
-                self.tell_all(Trouble(of="plan", message="planning was cancelled", revision=document.revision))
+                self.send_all(Trouble(of="plan", message="planning was cancelled", revision=document.revision))
             case "export":
                 self._expect_proved()
-                self._start("write", self._write)
+                order = {"job": "write", "folder": str(self.folder)}
+                self._start("write", partial(self._ask, self._thorough, order))
             case "detach":
                 self._expect_proved()
                 self._start("write", partial(self._detach, request.flight))
@@ -175,11 +167,11 @@ class Session:
         if self._open_file is None or path.suffix.lower() not in MISSIONS:
             raise MissionError("expected a mission", place=path.name)
         address = self._open_file(path, None if self.document.is_mission else self.document.path)
-        window.tell(Elsewhere(address=address).model_dump(mode="json"))
+        window.send(Elsewhere(address=address))
 
     def _changed(self, different: bool) -> None:
         if different:
-            self.tell_all(self.document.as_answer())
+            self.send_all(self.document.as_answer())
             self._follow()
 
     def _follow(self) -> None:
@@ -194,24 +186,24 @@ class Session:
             self._start("plan", self._plan_when_settled)
 
     async def _look(self) -> None:
-        seen = -1
-        while seen != self.document.revision:
-            seen = self.document.revision
-            makes_sense = await self._ask(self._quick, {"job": "look"})
-            if not makes_sense:
+        shown = -1
+        while shown != self.document.revision:
+            shown = self.document.revision
+            is_valid = await self._ask(self._quick, {"job": "look"})
+            if not is_valid:
                 self._stop("plan")
-            elif seen == self.document.revision:
+            elif shown == self.document.revision:
                 await self._ask(self._quick, {"job": "sketch", "number": None, "changes": []})
 
     async def _judge(self) -> None:
-        seen = -1
-        while seen != self.document.revision:
-            seen = self.document.revision
+        checked = -1
+        while checked != self.document.revision:
+            checked = self.document.revision
             worlds = await asyncio.to_thread(_scenarios_in, self.folder, self._world)
             log = None if self._log is None else str(self._log)
             await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
         if "plan" in self._latest:
-            self._start("endings", self._tell_endings)
+            self._start("endings", self._show_contingencies)
 
     def _judged_by(self) -> dict[str, Any]:
         return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
@@ -221,7 +213,7 @@ class Session:
             window, drag = self._drags.popitem()
             changes = [change.model_dump(mode="json") for change in drag.changes]
             order = {"job": "sketch", "number": drag.number, "changes": changes}
-            await self._ask(self._quick, order, window.tell)
+            await self._ask(self._quick, order, window.send)
 
     async def _plan_when_settled(self) -> None:
         await self._thorough.start()
@@ -233,9 +225,9 @@ class Session:
         self._stop("endings")
         order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
         if await self._ask(self._thorough, order):
-            self._start("endings", self._tell_endings)
+            self._start("endings", self._show_contingencies)
 
-    async def _tell_endings(self) -> None:
+    async def _show_contingencies(self) -> None:
         if self.document.is_mission:
             await self._ask(self._quick, self._judged_by() | {"job": "end mission"})
             return
@@ -243,21 +235,18 @@ class Session:
         for flight in range(len(flights)):
             await self._ask(self._thorough, {"job": "end", "flight": flight})
 
-    async def _write(self) -> None:
-        await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
-
     async def _detach(self, flight: int) -> None:
         folder, written = self.folder, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
             written.extend(answer.get("files", ()))
             if answer["kind"] == "trouble":
-                self.tell_all(answer)
+                self.send_all(answer)
 
         await self._ask(self._thorough, {"job": "detach", "folder": str(folder), "flight": flight}, hear)
         if written and self._open_file is not None:
             address = self._open_file(folder / written[0], self.document.path)
-            self.tell_all(Elsewhere(address=address))
+            self.send_all(Elsewhere(address=address))
 
     async def _hand_over(self, flight: int, file: Path) -> bool:
         if self.document.is_mission:
@@ -290,14 +279,14 @@ class Session:
             raise MissionError(words, hint="wait for it, or correct the scenario", code="not-planned")
 
     async def _ask(
-        self, process: Process, order: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None
+        self, process: Process, order: dict[str, Any], send: Callable[[dict[str, Any]], None] | None = None
     ) -> bool:
         """Have a worker do a job and send its answers; return whether there was no error."""
         document, kinds = self.document, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
             kinds.append("" if answer.get("of") == "edit" else answer["kind"])
-            (tell or self.tell_all)(answer)
+            (send or self.send_all)(answer)
 
         order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order
         try:
@@ -305,20 +294,20 @@ class Session:
         except ProcessDied:
             kinds.append("trouble")
             message = "the planner ended unexpectedly; nothing of the scenario is lost"
-            self.tell_all(Trouble(of="plan", message=message, hint="plan again", revision=document.revision))
+            self.send_all(Trouble(of="plan", message=message, hint="plan again", revision=document.revision))
         return "trouble" not in kinds
 
-    def _job(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    def _job(self, name: str, work: Work) -> None:
         if name not in self._jobs or self._jobs[name].done():
             self._jobs[name] = asyncio.create_task(work())
 
-    def _start(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    def _start(self, name: str, work: Work) -> None:
         self._stop(name)
         self._jobs[name] = asyncio.create_task(work())
 
     def _stop(self, name: str) -> None:
-        if (job := self._jobs.get(name)) is not None:
-            job.cancel()
+        if name in self._jobs:
+            self._jobs[name].cancel()
 
     async def run(self) -> None:
         alone_s = 0.0
@@ -326,11 +315,11 @@ class Session:
             while True:
                 await asyncio.sleep(FILE_CHECK_S)
                 alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + FILE_CHECK_S
-                if IDLE_TIME_S <= alone_s < IDLE_TIME_S + FILE_CHECK_S:
+                if 120.0 <= alone_s < 120.0 + FILE_CHECK_S:
                     await self._rest()
                 revision = self.document.revision
                 if self.document.look_at_disk():
-                    self.tell_all(self.document.as_answer())
+                    self.send_all(self.document.as_answer())
                     if self.document.revision != revision:
                         self._follow()
         finally:
@@ -346,21 +335,16 @@ class Session:
         await asyncio.gather(self._quick.close(), self._thorough.close())
         self._forget(*FOLLOWS, "world", "mission")
 
-    def _forget(self, *what: str) -> None:
+    def _forget(self, *names: str) -> None:
         kept = self._latest.items()
-        self._latest = {slot: answer for slot, answer in kept if slot not in what and answer["kind"] not in what}
+        self._latest = {slot: answer for slot, answer in kept if not {slot, answer["kind"]} & {*names}}
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    match answer["kind"]:
-        case "trouble":
-            return f"trouble of {answer['of']}"
-        case "endings":
-            return f"endings of {answer['flight']}"
-        case kind:
-            return str(kind)
+    of = {"trouble": "of", "endings": "flight"}.get(answer["kind"])
+    return str(answer["kind"]) if of is None else f"{answer['kind']} of {answer[of]}"
 
 
 def _scenarios_in(folder: Path, also: Path | None) -> list[str]:
-    found = sorted(str(path) for path in folder.glob("*.toml"))
-    return found if also is None or str(also) in found else [str(also), *found]
+    scenarios = sorted(str(path) for path in folder.glob("*.toml"))
+    return scenarios if also is None or str(also) in scenarios else [str(also), *scenarios]

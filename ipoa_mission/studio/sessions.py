@@ -1,53 +1,122 @@
+"""Open files by the token of their address, and the start page."""
+
 import asyncio
 import hmac
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, TypeAlias
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
+from ipoa_mission.logs.flight_log import read_flights
+from ipoa_mission.mission.mission_io import write_mission
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.report.compare import compare_logged
+from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
+from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
+from ipoa_mission.studio.dropped import LOGS, keep
+from ipoa_mission.studio.place import place_of
+from ipoa_mission.studio.requests import Begin, Open
 from ipoa_mission.studio.session import Session
-from ipoa_mission.studio.vocabulary import PageMessage
-from ipoa_mission.studio.window import Window
+from ipoa_mission.studio.vocabulary import PageMessage, Window
+
+OPENED = (".toml", *MISSIONS, *LOGS)
+#: of a file, given a mission's scenario or log; returns the token
+OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 
 
-class Host(Protocol):
-    @property
-    def folder(self) -> Path: ...
+class Lobby:
+    """Recent files, this folder, a new scenario."""
 
-    def join(self, window: Window) -> None: ...
+    def __init__(self, folder: Path, open_file: OpenAt) -> None:
+        self.folder, self._open_file = folder, open_file
 
-    def leave(self, window: Window) -> None: ...
+    def join(self, window: Window) -> None:
+        window.send(self._start())
 
-    def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Send to every window, also to later ones."""
+    def leave(self, window: Window) -> None:
+        pass
 
-    async def handle(self, request: Any, window: Window) -> None: ...
+    def send_all(self, message: PageMessage | dict[str, Any]) -> None:
+        """Do nothing: the start page has no map."""
 
-    async def run(self) -> None: ...
+    async def run(self) -> None:
+        pass
+
+    async def handle(self, request: Any, window: Window) -> None:
+        try:
+            match request:
+                case Open():
+                    token = await asyncio.to_thread(self.opened, self._offered(request.path))
+                case Begin():
+                    token = await asyncio.to_thread(self._begin, request)
+                case _:
+                    raise BadInput("expected a file that is open", hint="open one first")
+            window.send(Elsewhere(address=f"../{token}/"))
+        except MissionError as error:
+            window.send(Trouble(of="file", message=str(error), hint=error.hint))
+
+    def opened(self, path: Path, world: Path | None = None) -> str:
+        """Open a scenario, a mission, or a log with its mission; return its token."""
+        if path.suffix.lower() in LOGS:
+            return self._open_file(_mission_of(path), world, path)
+        return self._open_file(path, world, None)
+
+    def take(self, name: str, content: bytes) -> str:
+        """Keep a dropped file and open it; return its relative address."""
+        return f"../{self.opened(keep(name, content, self.folder, OPENED))}/"
+
+    def _begin(self, request: Begin) -> str:
+        target = unused(self.folder / "mission.toml")
+        begin_scenario(target, (*place_of(request.place), request.altitude))
+        return self._open_file(target, None, None)
+
+    def _start(self) -> Beginning:
+        recent = [Path(opened.path) for opened in memory.recent() if opened.path]
+        here = sorted(path for path in self.folder.iterdir() if path.suffix.lower() in OPENED)[:40]
+        return Beginning(
+            folder=str(self.folder),
+            recent=_files(path for path in recent if path.is_file()),
+            here=_files(path for path in here if path not in recent),
+            examples=_files([packed("campus.toml")]),
+        )
+
+    def _offered(self, path: str) -> Path:
+        """Return an offered file; copy an example into the folder first."""
+        start = self._start()
+        if path in [file.path for file in start.examples]:
+            return keep(Path(path).name, Path(path).read_bytes(), self.folder, OPENED)
+        if path not in [file.path for file in (*start.recent, *start.here)]:
+            raise BadInput("expected a file that the page offers", hint="drop it on the page", place=path)
+        return Path(path)
+
+
+Host: TypeAlias = Session | Lobby
 
 
 class Sessions:
-    """Hosts by the token of their address; a page of an earlier run reopens its file."""
+    """A page of an earlier run reopens its file."""
 
     def __init__(self, port: int = 0, seed: int = 0) -> None:
         self._port, self._seed = port, seed
         self._hosts: dict[str, Host] = {}
         self._tasks: dict[str, asyncio.Task[None]] = {}
-        self._told: list[PageMessage] = []
+        self._sent: list[PageMessage] = []
         self._more = asyncio.Event()
 
     def add(self, token: str, host: Host) -> None:
         self._hosts[token] = host
-        for message in self._told:
-            host.tell_all(message)
+        for message in self._sent:
+            host.send_all(message)
         self._more.set()
 
-    def tell_everyone(self, message: PageMessage) -> None:
-        self._told.append(message)
+    def send_everyone(self, message: PageMessage) -> None:
+        self._sent.append(message)
         for host in self._hosts.values():
-            host.tell_all(message)
+            host.send_all(message)
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
         known = memory.address_of(path.resolve())
@@ -63,11 +132,11 @@ class Sessions:
         for known, host in self._hosts.items():
             if hmac.compare_digest(known.encode(), token.encode()):
                 return host
-        for one in memory.recent():
-            if one.path and hmac.compare_digest(one.token.encode(), token.encode()):
+        for opened in memory.recent():
+            if opened.path and hmac.compare_digest(opened.token.encode(), token.encode()):
                 with suppress(MissionError):
-                    self.add(one.token, self._session(one))
-                    return self._hosts[one.token]
+                    self.add(opened.token, self._session(opened))
+                    return self._hosts[opened.token]
         return None
 
     async def run(self) -> None:
@@ -83,9 +152,39 @@ class Sessions:
                 task.cancel()
             await asyncio.gather(*self._tasks.values(), return_exceptions=True)
 
-    def _session(self, known: memory.Opened) -> Session:
+    def _session(self, opened: memory.Opened) -> Session:
         def open_beside(path: Path, world: Path | None) -> str:
             return f"../{self.open_file(path, world)}/"
 
-        world, log = (Path(one) if one and Path(one).is_file() else None for one in (known.world, known.log))
-        return Session(Path(known.path), self._seed, open_beside, world, log)
+        world, log = (Path(name) if name and Path(name).is_file() else None for name in (opened.world, opened.log))
+        return Session(Path(opened.path), self._seed, open_beside, world, log)
+
+
+def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
+    """Put a goal north of home: latitude, longitude [deg], altitude [m AMSL]."""
+    latitude, longitude, altitude = home
+    rounded = round(latitude, 7), round(longitude, 7), round(altitude, 1)
+    write_atomically(target, new_scenario(target, rounded).text)
+
+
+def _files(paths: Iterable[Path]) -> tuple[StartFile, ...]:
+    kinds = {".toml": "scenario", **dict.fromkeys(LOGS, "log")}
+    return tuple(
+        StartFile.model_validate(
+            {"path": str(p), "name": p.name, "folder": str(p.parent), "of": kinds.get(p.suffix.lower(), "mission")}
+        )
+        for p in paths
+    )
+
+
+def _mission_of(log: Path) -> Path:
+    read = read_flights(log)
+    for flight in read.flights:
+        compared = compare_logged(flight) if flight.in_mission else None
+        if compared is not None:
+            mission = replace(compared.forecast.given, parameters=compared.parameters)
+            target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
+            write_mission(mission, target)
+            return target
+    words = ["expected the mission that was flown in it", *read.remarks]
+    raise MissionError("; ".join(words), hint="open the mission, then the log", code="log-incomplete", place=log.name)

@@ -72,9 +72,8 @@ def studio(
             name = "the start page" if file is None else file.name
             print_lines(f"{name} is open at {address}", "Ctrl-C ends it; anyone with this address can plan and fly")
             if source is not None:
-                print_lines(
-                    f"map tiles: {source.origin or source.shown.attribution} (remembered; --tiles none forgets them)"
-                )
+                origin = source.origin or source.shown.attribution
+                print_lines(f"map tiles: {origin} (remembered; --tiles none forgets them)")
         if browser:
             webbrowser.open(address)
 
@@ -83,7 +82,7 @@ def studio(
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
-    from ipoa_mission.studio.lobby import begin_scenario
+    from ipoa_mission.studio.sessions import begin_scenario
 
     if home is None:
         raise BadInput(

@@ -1,5 +1,6 @@
 """Positions are [longitude, latitude] in degrees, as in GeoJSON."""
 
+import asyncio
 from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Any, Literal, TypeAlias
@@ -42,6 +43,20 @@ def renamed(words: str, key: str, called: Callable[[list[int]], str]) -> str:
 
 class PageMessage(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+def as_json(message: PageMessage | dict[str, Any]) -> dict[str, Any]:
+    return message if isinstance(message, dict) else message.model_dump(mode="json")
+
+
+class Window:
+    """An open page; a task of its own sends messages in order from the `queue`."""
+
+    def __init__(self) -> None:
+        self.queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+
+    def send(self, message: PageMessage | dict[str, Any]) -> None:
+        self.queue.put_nowait(as_json(message))
 
 
 class MapLine(PageMessage):

@@ -21,13 +21,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
-from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
-from ipoa_mission.studio.session import Session
-from ipoa_mission.studio.sessions import Host, Sessions
+from ipoa_mission.studio.sessions import Host, Lobby, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
-from ipoa_mission.studio.window import Window
+from ipoa_mission.studio.vocabulary import Window
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
@@ -37,11 +35,11 @@ POLICY = (
 
 
 def policy_for(origin: str | None) -> str:
-    if origin is None:
-        return POLICY
-    return POLICY.replace("img-src 'self'", f"img-src 'self' {origin}").replace(
-        "connect-src 'self'", f"connect-src 'self' {origin}"
-    )
+    sources = ("img-src 'self'", "connect-src 'self'")
+    policy = POLICY
+    for source in () if origin is None else sources:
+        policy = policy.replace(source, f"{source} {origin}")
+    return policy
 
 
 HEADERS = {
@@ -58,11 +56,8 @@ class Guard:
     """Refuse foreign requests, and send security headers; `knows` checks a token."""
 
     def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
-        self._app = app
-        self._knows = knows
-        self._hosts = frozenset(hosts)
-        self._origins = frozenset(f"http://{host}" for host in self._hosts)
-        self._policy = policy
+        self._app, self._knows, self._hosts = app, knows, frozenset(hosts)
+        self._headers = HEADERS | {"Content-Security-Policy": policy}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -76,42 +71,37 @@ class Guard:
     def _allowed(self, scope: Scope) -> bool:
         headers = Headers(scope=scope)
         origin = headers.get("origin")
-        if headers.get("host") not in self._hosts or (origin is not None and origin not in self._origins):
+        if headers.get("host") not in self._hosts or origin not in (None, *(f"http://{host}" for host in self._hosts)):
             return False
         if headers.get("sec-fetch-site", "none") not in ("none", "same-origin"):
             return False
         must_say_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
         if must_say_origin and origin is None:
             return False
-        first = scope["path"].lstrip("/").split("/", 1)[0]
-        return self._knows(first)
+        return self._knows(scope["path"].lstrip("/").split("/", 1)[0])
 
     def _with_headers(self, send: Send) -> Send:
-        async def dressed(message: Message) -> None:
+        async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
-                headers = HEADERS | {"Content-Security-Policy": self._policy}
-                message["headers"] = [
-                    *message.get("headers", []),
-                    *((key.lower().encode(), value.encode()) for key, value in headers.items()),
-                ]
+                added = ((key.lower().encode(), value.encode()) for key, value in self._headers.items())
+                message["headers"] = [*message.get("headers", []), *added]
             await send(message)
 
-        return dressed
+        return send_with_headers
 
 
-LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
 def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
     """Return the web application; `host` is its "name:port"."""
     if tiles is not None:
-        sessions.tell_everyone(tiles.shown)
+        sessions.send_everyone(tiles.shown)
 
     def at(request: HTTPConnection) -> Host:
-        found = sessions.at(request.path_params["token"])
-        assert found is not None, "the guard lets nobody else pass"
-        return found
+        host = sessions.at(request.path_params["token"])
+        assert host is not None, "the guard lets nobody else pass"
+        return host
 
     async def page(request: Request) -> Response:
         name = request.path_params.get("name") or "index.html"
@@ -130,7 +120,6 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
         try:
             if isinstance(host, Lobby):
                 return JSONResponse({"address": await asyncio.to_thread(host.take, name, bytes(content))})
-            assert isinstance(host, Session), "whoever is no lobby is a session"
             file = await asyncio.to_thread(keep, name, bytes(content), host.folder)
             return JSONResponse(await asyncio.to_thread(use_of, file, host.document.text))
         except MissionError as error:
@@ -141,28 +130,28 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
         if tiles is None or tiles.read is None or zoom > DEEPEST:
             return PlainTextResponse("Not found", 404)
         picture = tiles.read(zoom, column, row)
-        told = None if picture is None else headers_of(picture, tiles.shown.vector)
-        return Response(status_code=204) if told is None else Response(picture, headers=told)
+        headers = None if picture is None else headers_of(picture, tiles.shown.vector)
+        return Response(status_code=204) if headers is None else Response(picture, headers=headers)
 
     async def talk(socket: WebSocket) -> None:
         await socket.accept()
-        window, session = Window(), at(socket)
+        window, host = Window(), at(socket)
         sending = asyncio.create_task(_send(socket, window))
-        session.join(window)
+        host.join(window)
         try:
             while True:
                 text = await socket.receive_text()
                 try:
                     request = REQUESTS.validate_json(text)
                 except ValidationError as error:
-                    trouble = Trouble(of="edit", message=f"expected a valid message: {error.error_count()} errors")
-                    window.tell(trouble.model_dump(mode="json"))
-                    continue
-                await session.handle(request, window)
+                    words = f"expected a valid message: {error.error_count()} errors"
+                    window.send(Trouble(of="edit", message=words))
+                else:
+                    await host.handle(request, window)
         except WebSocketDisconnect:
             pass
         finally:
-            session.leave(window)
+            host.leave(window)
             sending.cancel()
 
     @asynccontextmanager
@@ -175,12 +164,8 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
 
     routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
     routes += [Route("/tiles/{z:int}/{x:int}/{y:int}", tile), Route("/", page), Route("/{name}", page)]
-    guard = Middleware(
-        Guard,
-        knows=lambda token: sessions.at(token) is not None,
-        hosts=(host,),
-        policy=policy_for(None if tiles is None else tiles.origin),
-    )
+    policy = policy_for(None if tiles is None else tiles.origin)
+    guard = Middleware(Guard, knows=lambda token: sessions.at(token) is not None, hosts=(host,), policy=policy)
     return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 
@@ -207,7 +192,8 @@ def serve(
         token = start.token if path is None else lobby.opened(path, world)
         host = f"127.0.0.1:{number}"
         app = application(sessions, bundle, host, tiles)
-        config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
+        limit = 4_000_000  # of a message [bytes]
+        config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=limit)
         tell_address(f"http://{host}/{token}/")
         uvicorn.Server(config).run(sockets=[listener])
 

@@ -4,24 +4,24 @@ from collections.abc import Mapping
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.flight_answers import State
-from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.studio.processes import Answer, Job, JobOrder, Subject, work
 
 
-def echo(order: Order, answer: Answer) -> None:
+def echo(order: JobOrder, answer: Answer) -> None:
     answer(State(phase="idle", words=order["words"]))
 
 
-def refuse(order: Order, answer: Answer) -> None:
+def refuse(order: JobOrder, answer: Answer) -> None:
     raise MissionError("no", hint="try yes")
 
 
-def sleep(order: Order, answer: Answer) -> None:
+def sleep(order: JobOrder, answer: Answer) -> None:
     answer(State(phase="idle", words="sleeping"))
     while True:
         time.sleep(0.01)
 
 
-def die(order: Order, answer: Answer) -> None:
+def die(order: JobOrder, answer: Answer) -> None:
     os._exit(3)
 
 

@@ -1,5 +1,5 @@
-from ipoa_mission.studio.harness import work
 from ipoa_mission.studio.plan_worker import PlanWorker
+from ipoa_mission.studio.processes import work
 from tests.quick_search import search_quickly
 
 if __name__ == "__main__":

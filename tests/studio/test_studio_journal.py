@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.studio.journal import EDIT_LIMIT, Journal, splice_between
+from ipoa_mission.studio.scenario_document import EDIT_LIMIT, Journal, splice_between
 
 
 def reopened(path: Path, on_disk: str) -> Journal:
@@ -26,16 +26,16 @@ def test_a_restart_changes_nothing(tmp_path_factory: pytest.TempPathFactory, doi
         if isinstance(doing, str):
             journal.write(doing, doing)
         elif doing > 0:
-            journal.redo()
+            journal.step(1)
         else:
-            journal.undo()
+            journal.step(-1)
         again = reopened(path, "begin")
         assert (again.text, again.undo_label, again.redo_label) == (
             journal.text,
             journal.undo_label,
             journal.redo_label,
         )
-    while journal.undo():
+    while journal.step(-1):
         pass
     assert journal.text == "begin"
 
@@ -59,7 +59,7 @@ def test_another_programs_text_is_taken_and_ours_is_one_step_back(tmp_path: Path
     journal.write("ours", "ours")
     again = reopened(tmp_path / "x.studio", "theirs")
     assert (again.text, again.saved) == ("theirs", "theirs")
-    again.undo()
+    again.step(-1)
     assert again.text == "ours"
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission import BadInput, estimate, read_mission
-from ipoa_mission.studio.mission_changes import mission_changed
+from ipoa_mission.studio.edits import mission_changed
 from ipoa_mission.studio.requests import InsertItem, MoveItem, PutItem
 from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Sessions

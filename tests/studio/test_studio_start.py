@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import read_scenario
-from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.place import place_of
-from ipoa_mission.studio.sessions import Sessions
+from ipoa_mission.studio.sessions import Lobby, Sessions
 from ipoa_mission.studio.web_server import application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient

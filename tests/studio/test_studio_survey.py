@@ -15,9 +15,9 @@ from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
 from ipoa_mission.studio.edits import changed
+from ipoa_mission.studio.flight_desk import BatteryGuard
 from ipoa_mission.studio.plan_worker import look, sketch
-from ipoa_mission.studio.refused import refused
-from ipoa_mission.studio.relay import Relay
+from ipoa_mission.studio.remedies import plan_trouble
 from ipoa_mission.studio.requests import (
     AddCorner,
     Change,
@@ -218,7 +218,7 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
         hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # give no more room
         with pytest.raises(MissionError) as error:
             plan_survey(scenario=wanted)
-    trouble = refused(error.value, wanted, 1)
+    trouble = plan_trouble(error.value, wanted, 1)
     mended = parse_scenario(changed(text, remedy(trouble, label).changes), MEADOW)
     assert plan_survey(scenario=mended).plan.coverage.share > 0.999
 
@@ -332,7 +332,7 @@ def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
 
 
 def test_on_a_link_the_next_flight_waits_for_a_battery_and_is_the_same_vehicle_s() -> None:
-    relay, on_link = Relay(), Upload(link="udpin:127.0.0.1:14550")
+    relay, on_link = BatteryGuard(), Upload(link="udpin:127.0.0.1:14550")
     assert relay.expect_charged(on_link, is_survey=True) == on_link
     relay.hear({"kind": "loaded", "mission": "field-1", "system": 7})
     again = relay.expect_charged(on_link, is_survey=True)  # nothing has turned yet

@@ -11,7 +11,7 @@ from ipoa_mission import Forecast, read_mission
 from ipoa_mission.link.messages import Message, Text
 from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
 from ipoa_mission.studio.flight_answers import Seen
-from ipoa_mission.studio.watch import Watch
+from ipoa_mission.studio.flight_worker import Watch
 
 MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
 

@@ -1,3 +1,5 @@
+"""An open mission on the page, and its findings."""
+
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,29 +21,28 @@ from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.stored_mission import values_of
-from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
-from ipoa_mission.studio.mission_answers import Checked, Flaw, ItemField, ItemKind, MissionItem, OpenMission
+from ipoa_mission.studio.flight_answers import Checked, Flaw, ItemField, ItemKind, MissionItem, OpenMission
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
 from ipoa_mission.world.frame import LocalFrame
 
-LONGEST = 32  # letters
-HOLD, HEADING = ("Stay for", "s"), ("Heading there", "°, empty: its own")
-#: Label and unit by command; other params are shown if not zero.
-OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
-    Command.NAV_WAYPOINT: {1: HOLD, 2: ("Acceptance radius", "m"), 4: HEADING},
-    Command.NAV_SPLINE_WAYPOINT: {1: HOLD},
+#: Label and unit by command and param; others are shown if not zero.
+FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {
+    Command.NAV_WAYPOINT: {
+        1: ("Stay for", "s"), 2: ("Acceptance radius", "m"), 4: ("Heading there", "°, empty: its own")
+    },
+    Command.NAV_SPLINE_WAYPOINT: {1: ("Stay for", "s")},
     Command.NAV_ARC_WAYPOINT: {1: ("Turn by", "°")},
-    Command.NAV_LOITER_UNLIM: {3: ("Radius", "m"), 4: HEADING},
+    Command.NAV_LOITER_UNLIM: {3: ("Radius", "m"), 4: ("Heading there", "°, empty: its own")},
     Command.NAV_LOITER_TURNS: {1: ("Turns", ""), 3: ("Radius", "m")},
-    Command.NAV_LOITER_TIME: {1: HOLD, 3: ("Radius", "m")},
+    Command.NAV_LOITER_TIME: {1: ("Stay for", "s"), 3: ("Radius", "m")},
     Command.NAV_RETURN_TO_LAUNCH: {},
-    Command.NAV_LAND: {4: HEADING},
-    Command.NAV_TAKEOFF: {4: HEADING},
+    Command.NAV_LAND: {4: ("Heading there", "°, empty: its own")},
+    Command.NAV_TAKEOFF: {4: ("Heading there", "°, empty: its own")},
     Command.NAV_DELAY: {1: ("Wait for", "s")},
     Command.CONDITION_DELAY: {1: ("Wait for", "s")},
     Command.CONDITION_DISTANCE: {1: ("Until within", "m")},
@@ -65,10 +66,8 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
 
 
 def kinds_of(firmware: Firmware) -> tuple[ItemKind, ...]:
-    """Return the firmware's mission commands, moving ones first."""
-    lists = firmware.fence.keys() | firmware.rally.keys()
-    taken = sorted((firmware.placed.keys() | firmware.plain.keys()) - lists)
-    return tuple(kind_of(command, command in firmware.placed) for command in taken)
+    commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
+    return tuple(kind_of(command, command in firmware.placed) for command in sorted(commands))
 
 
 def kind_of(command: int, placed: bool) -> ItemKind:
@@ -77,43 +76,33 @@ def kind_of(command: int, placed: bool) -> ItemKind:
 
 
 def _fields(command: int, placed: bool) -> Iterator[ItemField]:
-    ours, theirs = OURS.get(command), params_in_words(command)
-    for number in range(1, 5 if placed else 8):
-        label, unit = (ours or {}).get(number, ("", ""))
-        if not label and ours is not None:
-            continue
-        if label or number in theirs:
-            about = theirs.get(number, "")
-            what = f"param{number}"
-            yield ItemField.model_validate(
-                {"what": what, "label": label or _shortened(about), "unit": unit, "about": about}
-            )
+    """A placed item's position has no fields."""
+    described = params_in_words(command)
+    usual = dict.fromkeys(described, ("", ""))
+    for number, (label, unit) in sorted(FIELDS.get(command, usual).items()):
+        if number < (5 if placed else 8):
+            about = described.get(number, "")
+            field = {"what": f"param{number}", "label": label or _shortened(about), "unit": unit, "about": about}
+            yield ItemField.model_validate(field)
 
 
 def _shortened(words: str) -> str:
     first = re.split(r"[.,;:(]", words, maxsplit=1)[0].strip() or words
-    if len(first) <= LONGEST:
-        return first
-    return first[:LONGEST].rsplit(" ", 1)[0] + " …"
+    return first if len(first) <= 32 else first[:32].rsplit(" ", 1)[0] + " …"
 
 
-MAP_MARGIN = 0.25  # of the places' extent
-LEAST_MAP_MARGIN = 60.0  # [m]
-
-
-def opened(
+def mission_answer(
     file: MissionFile, forecast: Forecast, revision: int, worlds: Sequence[str], world: str | None
 ) -> OpenMission:
     mission = forecast.given
-    firmware = mission.autopilot.firmware(mission.firmware_version)
-    kinds = {kind.command: kind for kind in kinds_of(firmware)}
+    kinds = {kind.command: kind for kind in kinds_of(mission.autopilot.firmware(mission.firmware_version))}
     for item in mission.items:
         kinds.setdefault(item.command, kind_of(item.command, item.has_position))
     parts = complex_at(mission)
     return OpenMission(
         revision=revision,
         autopilot=str(mission.autopilot),
-        autopilots=tuple(str(one) for one in registered()),
+        autopilots=tuple(map(str, registered())),
         firmware=mission.autopilot.checked_for(mission.firmware_version),
         scenario=world,
         worlds=tuple(worlds),
@@ -144,23 +133,22 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    mission, scenario = forecast.given, forecast.scenario
-    home = mission.home
-    here = round(home.longitude_deg, 7), round(home.latitude_deg, 7)
+    mission, scenario, frame = forecast.given, forecast.scenario, LocalFrame(forecast.given.home)
+    here = round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7)
     spot = answers.Spot(name="home", path=("home",), place=here, up=0.0, above_ground=0.0)
-    frame = LocalFrame(home)
-    fences = tuple(fence_of(n, FenceSection.model_validate(one), frame) for n, one in enumerate(fences_of(mission)))
-    if scenario is not None and scenario.why_elsewhere(home) is None:
+    sections = map(FenceSection.model_validate, fences_of(mission))
+    fences = tuple(fence_of(n, section, frame) for n, section in enumerate(sections))
+    if scenario is not None and scenario.why_elsewhere(mission.home) is None:
         world = world_of(scenario, revision)
         bodies = tuple(body.model_copy(update={"path": None}) for body in world.bodies)
         return world.model_copy(update={"spots": (spot,), "bodies": bodies, "fences": fences})
     places = [place[:2] for place in item_places(mission, frame, forecast.ground) if place is not None]
     points = np.array([np.zeros(2), *places])
     points = points[np.isfinite(points).all(axis=1) & (np.abs(points) < UNKNOWN_EXTENT / 10).all(axis=1)]
-    room = max(LEAST_MAP_MARGIN, MAP_MARGIN * float(np.ptp(points, axis=0).max()))
+    room = max(60.0, 0.25 * float(np.ptp(points, axis=0).max()))  # [m]
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
-    rim = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-    (west, south), _, (east, north), _ = around = on_map(frame, rim)
+    corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
+    (west, south), _, (east, north), _ = around = on_map(frame, corners)
     return answers.World(
         revision=revision,
         box=(west, south, east, north),
@@ -173,41 +161,40 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
         fences=fences,
         ground=(),
         heights=answers.Heights(corner=(west, south), step=(1.0, 1.0), columns=1, up=()),
-        home_amsl=home.altitude,
+        home_amsl=mission.home.altitude,
         required=0.0,
         remarks=(),
     )
 
 
-def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> tuple[Checked, bool]:
-    mission, scenario = forecast.given, forecast.scenario
+def check_answer(findings: Sequence[Finding], forecast: Forecast, revision: int) -> Checked:
+    def shown(words: str) -> str:
+        return words if forecast.scenario is None else without_folders(words, forecast.scenario)
+
     flaws = tuple(
         Flaw(
             severity=finding.severity.value,
             seq=finding.seq,
-            words=_words(finding.message, scenario),
-            hint=finding.hint and _words(finding.hint, scenario),
+            words=shown(finding.message),
+            hint=finding.hint and shown(finding.hint),
         )
         for finding in findings
     )
-    why: str | None = None
+    remarks = () if forecast.scenario is None else tuple(map(shown, forecast.scenario.remarks))
+    return Checked(revision=revision, flaws=flaws, timeless=_why_timeless(forecast), remarks=remarks)
+
+
+def _why_timeless(forecast: Forecast) -> str | None:
+    mission, scenario = forecast.given, forecast.scenario
     if not mission.items:
-        why = "it has no item"
-    elif refusals(mission):
-        why = "a position or a height is not valid"
-    elif is_too_long(mission):
-        why = "its vehicle holds fewer items"
-    elif scenario is not None and scenario.why_elsewhere(mission.home) is not None:
-        why = "it is at another place than the scenario"
-    else:
-        try:
-            if not len(forecast.estimate.track.times) > 1:
-                why = "nothing in it moves the vehicle"
-        except MissionError as error:
-            why = str(error)
-    remarks = () if scenario is None else tuple(without_folders(words, scenario) for words in scenario.remarks)
-    return Checked(revision=revision, flaws=flaws, timeless=why, remarks=remarks), why is None
-
-
-def _words(words: str, scenario: Scenario | None) -> str:
-    return words if scenario is None else without_folders(words, scenario)
+        return "it has no item"
+    if refusals(mission):
+        return "a position or a height is not valid"
+    if is_too_long(mission):
+        return "its vehicle holds fewer items"
+    if scenario is not None and scenario.why_elsewhere(mission.home) is not None:
+        return "it is at another place than the scenario"
+    try:
+        return None if len(forecast.estimate.track.times) > 1 else "nothing in it moves the vehicle"
+    except MissionError as error:
+        return str(error)

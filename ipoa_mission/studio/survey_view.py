@@ -1,0 +1,212 @@
+"""The survey on the map: its area, lines and coverage."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.camera import CAMERAS
+from ipoa_mission.scenario.survey_section import SurveySection
+from ipoa_mission.studio import answers
+from ipoa_mission.studio.area_edits import depth_of, parts_of
+from ipoa_mission.studio.edits import frame_of
+from ipoa_mission.studio.handed import survey_over
+from ipoa_mission.studio.plan_answers import expected
+from ipoa_mission.studio.survey_answers import (
+    AreaRing,
+    CoarseSurvey,
+    LeastOverlap,
+    Polygons,
+    SurveyArea,
+    SurveyLayout,
+    SurveyLine,
+)
+from ipoa_mission.studio.view import on_map, without_folders
+from ipoa_mission.studio.vocabulary import Path, renamed
+from ipoa_mission.survey.laying import SurveySketch
+from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.survey_flight import Survey
+from ipoa_mission.survey.survey_plan import SurveyPlan
+from ipoa_mission.survey.tour import Tour
+from ipoa_mission.world.frame import LocalFrame
+
+
+def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) -> SurveyArea:
+    """Return a scenario's drawn area, valid or not; an area of a map only if valid."""
+    rings = list[AreaRing]()
+    with suppress(KeyError, TypeError, ValueError, IndexError):
+        rings = list(_drawn(table["survey"], frame_of(dict(table))))
+    if not rings and scenario is not None and scenario.survey_area is not None:
+        rings = list(_mapped(scenario))
+    return SurveyArea(revision=revision, rings=tuple(rings), cameras=tuple(CAMERAS))
+
+
+def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[AreaRing]:
+    if "line" in survey:
+        yield AreaRing(name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame))
+    polygon = survey.get("polygon", [])
+    for path, ring in parts_of(polygon):
+        is_hole = len(path) > 2 and path[-1] != 0
+        corners = ring[:-1] if len(ring) > 3 and list(ring[0]) == list(ring[-1]) else ring
+        places = _places(corners, frame)
+        yield AreaRing(name=ring_name(path, polygon), path=path, what="hole" if is_hole else "outer", places=places)
+
+
+def _mapped(scenario: Scenario) -> Iterator[AreaRing]:
+    assert scenario.survey_area is not None
+    parts = shapely.get_parts(scenario.survey_area.shape)
+    for n, part in enumerate(parts):
+        for m, ring in enumerate((part.exterior, *part.interiors)):
+            name = _name(n, m, len(parts))
+            places = on_map(scenario.frame, shapely.get_coordinates(ring)[:-1])
+            yield AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
+
+
+def _places(corners: Any, frame: LocalFrame) -> Any:
+    return on_map(frame, np.array(corners, float).reshape(-1, 2))
+
+
+def ring_name(path: Path, polygon: Any) -> str:
+    numbers = [int(step) for step in path[2:]]
+    part, ring = numbers if len(numbers) == 2 else (0, *numbers) if numbers else (0, 0)
+    return _name(part, ring, len(polygon) if depth_of(polygon) == 4 else 1)
+
+
+def _name(part: int, ring: int, parts: int) -> str:
+    area = "area" if parts == 1 else f"area {part + 1}"
+    return area if ring == 0 else f"hole {ring}" + (f" of {area}" if parts > 1 else "")
+
+
+def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
+    """Replace paths by their labels on the page.
+
+    >>> field = [[[0.0, 0.0], [9.0, 0.0], [9.0, 9.0]], [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0]]]
+    >>> in_words("survey.polygon[1][2]: expected a number", {"survey": {"polygon": field}})
+    'hole 1, corner 3: expected a number'
+    >>> in_words("survey.gsd_cm: expected more than 0")
+    'ground sampling distance: expected more than 0'
+    """
+    survey = (table or {}).get("survey")
+    polygon = survey.get("polygon", []) if isinstance(survey, Mapping) else []
+    deep = max(depth_of(polygon) - 2, 0)
+
+    def name(numbers: list[int]) -> str:
+        ring, corner = numbers[:deep], numbers[deep : deep + 1]
+        path: Path = ("survey", "polygon", *ring, *([0] * (deep - len(ring))))
+        return ring_name(path, polygon) + "".join(f", corner {n + 1}" for n in corner)
+
+    labels = {"gsd_cm": "ground sampling distance", "direction_deg": "direction", "area": "the area's map"}
+    for key in sorted(SurveySection.model_fields.keys() - {"polygon", "line"}, key=len, reverse=True):
+        message = message.replace(f"survey.{key}", labels.get(key, key.replace("_", " ")))
+    message = renamed(message, "survey.line", lambda n: "corridor" + "".join(f", corner {k + 1}" for k in n[:1]))
+    return renamed(message, "survey.polygon", name)
+
+
+def coarse_survey(
+    sketch: SurveySketch, scenario: Scenario, revision: int, number: int | None, took_s: float
+) -> CoarseSurvey:
+    sight, ground = sketch.sight, scenario.airspace.ground
+    free = sketch.area.without(sketch.keep_out)
+    lines = [*laid_lines(sketch.tour, sight, ground)]
+    overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
+    return CoarseSurvey(
+        revision=revision,
+        number=number,
+        layout=_layout(scenario, sketch, (sketch.tour,), overlaps),
+        seconds=round(sketch.seconds, 1),
+        took_s=round(took_s, 3),
+    )
+
+
+def planned_survey(
+    survey: Survey, revision: int, took_s: float, flown: Sequence[FilePath] = ()
+) -> answers.PlannedSurvey:
+    plan, parts = survey.plan, []
+    remarks = tuple(without_folders(words, plan.scenario) for words in survey.notes)
+    for n, (name, flight) in enumerate(zip(survey.names, plan.flights, strict=True)):
+        warned = tuple(without_folders(finding.message, plan.scenario) for finding in flight.findings)
+        proof = survey_over(survey, n).proof
+        proved = {"of": "scenario", "proof": proof, "warnings": warned, "remarks": remarks}
+        parts.append(
+            answers.SurveyPart(
+                file=f"{name}.plan",
+                lines=len(flight.tour.swaths),
+                photos=plan.sight.photos_of(flight.tour),
+                plan=expected(flight.forecast, name, revision, took_s).model_copy(update=proved),
+            )
+        )
+    energy = [part.plan.energy_wh for part in parts if part.plan.energy_wh is not None]
+    tours = tuple(flight.tour for flight in plan.flights)
+    return answers.PlannedSurvey(
+        revision=revision,
+        layout=_layout(plan.scenario, plan, tours, plan.overlaps),
+        flights=tuple(parts),
+        flown=tuple(log.name for log in flown),
+        total_s=round(survey.total_s, 2),
+        energy_wh=round(sum(energy), 2) if len(energy) == len(parts) else None,
+        took_s=round(took_s, 2),
+    )
+
+
+def _layout(
+    scenario: Scenario, laid: SurveySketch | SurveyPlan, tours: Sequence[Tour], overlaps: Overlaps | None
+) -> SurveyLayout:
+    frame, shape, sight, coverage = scenario.frame, laid.area.shape, laid.sight, laid.coverage
+    swaths = [swath for tour in tours for swath in tour.swaths]
+    around = shape.buffer(sight.spacing)
+    kept_out = shapely.Polygon() if laid.keep_out is None else laid.keep_out.intersection(around)
+    longest = max(swaths, key=lambda swath: swath.length)
+    east, north = longest.end - longest.begin
+    gaps = [part for part in shapely.get_parts(coverage.gaps) if part.area > 0.01]  # [m^2], else of rounding
+    front, side = (None, None) if overlaps is None else (overlaps.front, overlaps.side)
+    starts = () if scenario.survey is None else scenario.survey.starts or ()
+    return SurveyLayout(
+        starts=on_map(frame, np.array(starts).reshape(-1, 2)),
+        lines=tuple(_lines(scenario, sight, tours)),
+        ways=tuple(on_map(frame, way) for tour in tours for way in tour.ways if len(way) > 1),
+        seen=_polygons(scenario, coverage.seen),
+        gaps=tuple(_polygon(scenario, part) for part in gaps if part.geom_type == "Polygon"),
+        kept_out=_polygons(scenario, kept_out),
+        share=coverage.share,
+        gaps_m2=round(float(sum(part.area for part in gaps)), 2),
+        area_m2=round(float(shape.area), 1),
+        outside_m=round(coverage.outside_m, 2),
+        spacing=round(sight.spacing, 2),
+        trigger=None if sight.trigger is None else round(sight.trigger, 2),
+        photos=sum(sight.photos(swath.length) for swath in swaths),
+        height=(round(sight.least, 2), round(sight.least + sight.band, 2)),
+        footprint=(round(sight.across, 2), round(sight.along, 2)),
+        front=None if front is None else _least(front, frame),
+        side=None if side is None else _least(side, frame),
+        short=() if overlaps is None else tuple(map(in_words, overlaps.falls_short(*sight.overlaps))),
+        degrees=round(math.degrees(math.atan2(east, north)) % 180.0, 1) % 180.0,
+    )
+
+
+def _least(overlap: Overlap, frame: LocalFrame) -> LeastOverlap:
+    return LeastOverlap(share=overlap.share, place=on_map(frame, np.array([overlap.at]))[0])
+
+
+def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[SurveyLine]:
+    for n, tour in enumerate(tours):
+        for swath in tour.swaths:
+            begin, end, *photos = on_map(
+                scenario.frame, np.vstack([swath.begin, swath.end, photo_places(swath, sight).reshape(-1, 2)])
+            )
+            low, high = (scenario.airspace.ground(np.array([swath.begin, swath.end])) + sight.middle).round(1).tolist()
+            yield SurveyLine(flight=n, begin=begin, end=end, up=(low, high), photos=tuple(photos))
+
+
+def _polygons(scenario: Scenario, shape: Any) -> Polygons:
+    simple = shapely.simplify(shape, tolerance=0.1)
+    return tuple(_polygon(scenario, part) for part in shapely.get_parts(simple) if part.geom_type == "Polygon")
+
+
+def _polygon(scenario: Scenario, part: Any) -> Any:
+    return tuple(on_map(scenario.frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
