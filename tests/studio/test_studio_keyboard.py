@@ -9,9 +9,8 @@ import shapely
 
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tests.studio import test_studio_page as own
-from tests.studio.pointing import Hand, feature
-from tests.studio.test_studio_page import (
+from tests.studio import chromium as own
+from tests.studio.chromium import (
     address,
     browser,
     own_page,
@@ -22,6 +21,7 @@ from tests.studio.test_studio_page import (
     until,
     window,
 )
+from tests.studio.pointing import Hand, feature
 
 __all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
 

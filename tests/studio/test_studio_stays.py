@@ -1,9 +1,7 @@
 import json
 from typing import Any
 
-from tests.studio.conftest import MEADOW
-from tests.studio.pointing import Hand, feature, found
-from tests.studio.test_studio_page import (
+from tests.studio.chromium import (
     address,
     browser,
     in_a_browser,
@@ -15,6 +13,8 @@ from tests.studio.test_studio_page import (
     until,
     window,
 )
+from tests.studio.conftest import MEADOW
+from tests.studio.pointing import Hand, feature, found
 
 __all__ = ["address", "browser", "own_page", "page", "window"]
 pytestmark = in_a_browser

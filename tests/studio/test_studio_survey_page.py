@@ -2,9 +2,9 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.scenario import read_scenario
-from tests.studio import test_studio_page as own
+from tests.studio import chromium as own
+from tests.studio.chromium import address, browser, own_page, pytestmark, until
 from tests.studio.pointing import Hand, found
-from tests.studio.test_studio_page import address, browser, own_page, pytestmark, until
 
 __all__ = ["address", "browser", "own_page", "pytestmark"]
 
