@@ -136,9 +136,11 @@ def compare_logged(
     version = assumed.version or flight.firmware_version
     forecast = Forecast(replace(flown, vehicle=assumed.vehicle), wind=assumed.wind).on(version)
     record = flight.record(flown)
-    remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
+    remarks = [*_other_mission(flown, flight), *_other_place(flown, record)]
+    if (first := min(record.item_reached_s, default=0) + 1) > 1:
+        remarks.append(f"it began at item {first}")
     comparison = compare_flight(forecast.estimate, record)
-    return ComparedFlight(forecast, record, comparison, _changed(forecast.mission), remarks)
+    return ComparedFlight(forecast, record, comparison, _changed(forecast.mission), tuple(remarks))
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
@@ -158,11 +160,6 @@ def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     track = flown_track(mission, record)
     away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
     return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > 5.0 else ()
-
-
-def _begun_later(record: FlightRecord) -> tuple[str, ...]:
-    first = min(record.item_reached_s, default=0) + 1
-    return (f"it began at item {first}",) if first > 1 else ()
 
 
 def _changed(mission: Mission) -> dict[str, float]:

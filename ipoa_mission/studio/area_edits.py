@@ -102,12 +102,6 @@ def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
     del here[last]
 
 
-def move_survey(survey: MutableMapping[str, Any], move: Move) -> None:
-    for key in ("polygon", "line", "entry", "exit", "starts"):
-        if key in survey:
-            move_nested(survey[key], move)
-
-
 def move_nested(value: Any, move: Move) -> None:
     if len(value) and not isinstance(value[0], list):
         value[0], value[1] = move(value[0], value[1])

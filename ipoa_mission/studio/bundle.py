@@ -44,8 +44,9 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
     tell("building the studio's page once (npm ci, npm run build)")
     with tempfile.TemporaryDirectory(prefix="studio-") as folder:
         web = sources if (sources / "node_modules").is_dir() else _copy_sources(sources, Path(folder))
-        install = [] if _has_modules(web) else [("ci", "--omit=dev", "--no-audit", "--no-fund")]
-        for step in (*install, ("run", "build")):
+        modules, locked = web / "node_modules" / ".package-lock.json", web / "package-lock.json"
+        installed = modules.is_file() and modules.stat().st_mtime >= locked.stat().st_mtime
+        for step in (*([] if installed else [("ci", "--omit=dev", "--no-audit", "--no-fund")]), ("run", "build")):
             done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
             if done.returncode:
                 last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
@@ -86,8 +87,3 @@ def _copy_sources(sources: Path, folder: Path) -> Path:
         (folder / shared).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(sources.parents[1] / shared, folder / shared)
     return web
-
-
-def _has_modules(sources: Path) -> bool:
-    installed = sources / "node_modules" / ".package-lock.json"
-    return installed.is_file() and installed.stat().st_mtime >= (sources / "package-lock.json").stat().st_mtime

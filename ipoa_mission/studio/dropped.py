@@ -67,7 +67,8 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     table, home = parse_table(scenario), mission.home
     taken = (float(table["home"]["longitude_deg"]), float(table["home"]["latitude_deg"]))
     away = apart(home, Geodetic(taken[1], taken[0]))
-    if away > REACH and _has_map(table):
+    has_ground = table.get("terrain", {}).get("kind", "flat") != "flat"
+    if away > REACH and (table.get("obstacles") or table.get("maps") or has_ground):
         raise TooFar(
             f"expected within {REACH / 1000:g} km of the scenario's, not {away / 1000:.0f} km away",
             hint="the obstacles on this map do not move: open a new scenario for this mission",
@@ -82,10 +83,6 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     ]
     fences = list(fences_of(mission))
     return [*changes, Put(path=("fence",), value=fences)] if fences else changes
-
-
-def _has_map(table: dict[str, Any]) -> bool:
-    return bool(table.get("obstacles") or table.get("maps")) or table.get("terrain", {}).get("kind", "flat") != "flat"
 
 
 def _place(item: Item, mission: Mission) -> dict[str, float]:

@@ -124,9 +124,13 @@ def _take(document: Any, path: Path) -> None:
 def _add(document: Any, change: Add) -> None:
     table, frame = dict(change.table), frame_of(document)
     if change.place is not None:
-        in_degrees = "latitude_deg" in document.get("goal", {})
         kind = {"kind": table.pop("kind")} if "kind" in table else {}
-        table = kind | (_degrees_of(change.place) if in_degrees else _meters_of(change.place, frame)) | table
+        east, north = local_of(frame, change.place)
+        place: dict[str, Any] = {"east": east, "north": north}
+        if "latitude_deg" in document.get("goal", {}):  # then all places are in degrees
+            longitude, latitude = (round(degrees, DEGREES) for degrees in change.place)
+            place = {"latitude_deg": latitude, "longitude_deg": longitude}
+        table = kind | place | table
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
         table[key] = [local_of(frame, corner) for corner in change.ring]
@@ -146,14 +150,6 @@ def _add(document: Any, change: Add) -> None:
         tables.insert(at, formatted)
     else:
         tables.insert(at, table)
-
-
-def _degrees_of(place: LngLat) -> dict[str, Any]:
-    return {"latitude_deg": round(place[1], DEGREES), "longitude_deg": round(place[0], DEGREES)}
-
-
-def _meters_of(place: LngLat, frame: LocalFrame) -> dict[str, Any]:
-    return dict(zip(("east", "north"), local_of(frame, place), strict=True))
 
 
 def _move(table: Any, local: Move, geodetic: Move | None) -> None:
@@ -182,7 +178,10 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
     local, _ = moves_of(old, frame_of(document), np.zeros(2))
     for key in ("start", "goal"):
         _move(document.get(key, {}), local, None)
-    area_edits.move_survey(document.get("survey", {}), local)
+    survey = document.get("survey", {})
+    for key in ("polygon", "line", "entry", "exit", "starts"):
+        if key in survey:
+            area_edits.move_nested(survey[key], local)
     for key in ("via", "rally", "obstacles", "fence"):
         for table in document.get(key, ()):
             _move(table, local, None)

@@ -8,7 +8,6 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.autopilot.commands import Command, short_name
-from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
@@ -65,11 +64,6 @@ FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {
 }  # fmt: skip
 
 
-def kinds_of(firmware: Firmware) -> tuple[ItemKind, ...]:
-    commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
-    return tuple(kind_of(command, command in firmware.placed) for command in sorted(commands))
-
-
 def kind_of(command: int, placed: bool) -> ItemKind:
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
     return ItemKind(command=command, name=name, placed=placed, fields=tuple(_fields(command, placed)))
@@ -95,7 +89,9 @@ def mission_answer(
     file: MissionFile, forecast: Forecast, revision: int, worlds: Sequence[str], world: str | None
 ) -> OpenMission:
     mission = forecast.given
-    kinds = {kind.command: kind for kind in kinds_of(mission.autopilot.firmware(mission.firmware_version))}
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
+    kinds = {command: kind_of(command, command in firmware.placed) for command in sorted(commands)}
     for item in mission.items:
         kinds.setdefault(item.command, kind_of(item.command, item.has_position))
     parts = complex_at(mission)
