@@ -343,30 +343,8 @@ class Written(PageMessage):
     remarks: tuple[str, ...] = ()
 
 
-Answer: TypeAlias = Annotated[
-    Document
-    | Trouble
-    | World
-    | Tiles
-    | Sketch
-    | Progress
-    | Plan
-    | SurveyArea
-    | CoarseSurvey
-    | PlannedSurvey
-    | StripOfEndings
-    | OpenMission
-    | Checked
-    | Beginning
-    | Replay
-    | Elsewhere
-    | Found
-    | Heard
-    | Loaded
-    | Seen
-    | Landed
-    | State
-    | Written,
-    Field(discriminator="kind"),
-]
+OfDocument: TypeAlias = Document | Trouble | World | Tiles | Sketch | Progress | Plan
+OfMission: TypeAlias = SurveyArea | CoarseSurvey | PlannedSurvey | StripOfEndings | OpenMission | Checked
+OfFlight: TypeAlias = Beginning | Replay | Elsewhere | Found | Heard | Loaded | Seen | Landed | State | Written
+Answer: TypeAlias = Annotated[OfDocument | OfMission | OfFlight, Field(discriminator="kind")]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

@@ -59,10 +59,8 @@ class FlightDesk:
 
     async def order(self, request: Order) -> None:
         if not self._flies:
-            orders = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}
-            raise MissionError(
-                f"no {orders[request.what]}: nothing flies", hint="start a flight first", code="not-in-the-air"
-            )
+            name = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}[request.what]
+            raise MissionError(f"no {name}: nothing flies", hint="start a flight first", code="not-in-the-air")
         await self._process.send(request.model_dump(mode="json"))
 
     @property

@@ -269,12 +269,10 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
         )
 
 
-def _taken(
-    contingency: Contingency, contingencies: Contingencies, first: int = 16, most: int = 24
-) -> dict[float, Taken]:
-    """Return costs at some times, with more samples at jumps, such as where a return begins to climb first."""
+def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float, Taken]:
+    """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = contingencies.in_air
-    evenly = np.linspace(begin, end, min(first, 2 + math.floor((end - begin) / STEP_S))).tolist()
+    evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / STEP_S))).tolist()
     costs = {time: taken for time in evenly if (taken := contingencies.takes(contingency, time)) is not None}
     while len(costs) < 24:
         wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > MIN_STEP_S]

@@ -310,12 +310,12 @@ class Session:
             self._jobs[name].cancel()
 
     async def run(self) -> None:
-        alone_s = 0.0
+        alone_s, limit_s = 0.0, 120.0  # without window and flight
         try:
             while True:
                 await asyncio.sleep(FILE_CHECK_S)
                 alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + FILE_CHECK_S
-                if 120.0 <= alone_s < 120.0 + FILE_CHECK_S:
+                if limit_s <= alone_s < limit_s + FILE_CHECK_S:
                     await self._rest()
                 revision = self.document.revision
                 if self.document.look_at_disk():

@@ -59,10 +59,8 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
     if vector:
-        is_gzip = tile.startswith(b"\x1f\x8b")
-        return {"Content-Type": "application/vnd.mapbox-vector-tile"} | (
-            {"Content-Encoding": "gzip"} if is_gzip else {}
-        )
+        packed = {"Content-Encoding": "gzip"} if tile.startswith(b"\x1f\x8b") else {}
+        return {"Content-Type": "application/vnd.mapbox-vector-tile"} | packed
     kinds = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
     kind = next((kind for begin, kind in kinds.items() if tile.startswith(begin)), None)
     return None if kind is None else {"Content-Type": kind}
@@ -73,9 +71,8 @@ def _of_server(address: str, attribution: str | None) -> TileSource:
         address = address.replace(wmts, ours)
     parts = urlsplit(address)
     origin = f"{parts.scheme}://{parts.netloc}"
-    if not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d+)?", origin) or not all(
-        key in address for key in ("{z}", "{x}", "{y}")
-    ):
+    has_keys = all(key in address for key in ("{z}", "{x}", "{y}"))
+    if not has_keys or not re.fullmatch(r"https?://[A-Za-z0-9.-]+(:\d+)?", origin):
         raise BadInput("expected http(s)://HOST/... with {z}, {x} and {y} in it", place=f"--tiles: {address}")
     is_vector = parts.path.rpartition(".")[2].lower() in VECTOR
     deepest = 14 if is_vector else DEEPEST  # the page enlarges vector tiles beyond
