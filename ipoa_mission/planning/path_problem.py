@@ -5,9 +5,9 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
+from ipoa_mission.scenario.flight_sections import CostSection, OptimizerSection, PlanningSection
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.scenario.path_limits import Limits
-from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
 from ipoa_mission.world.airspace import Airspace
 
 

@@ -1,3 +1,5 @@
+"""Estimate the energy of a scenario's flight by its learned curve, its airframe, or its hover power."""
+
 from dataclasses import replace
 
 from ipoa_mission.autopilot.energy import Battery, Consumption, PowerCurve, TimedPath, by_curve, consumption
@@ -5,11 +7,6 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.wind import CALM, Wind
-
-# Actual over predicted energy, nine flights in ten: 0.75 to 1 (docs/lab/profiles.md).
-BY_AIRFRAME = (0.75, 1.4)
-CURVE_TERMS = ("square", "cube", "climb", "descent")  # in addition to hover
-BY_HOVER = (0.85, 1.25)
 
 
 def flight_energy(
@@ -44,16 +41,18 @@ def flight_energy(
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
+    """Return actual over predicted energy, nine flights in ten: docs/lab/profiles.md."""
     if learned is None or learned.hover_power is None:
-        return BY_AIRFRAME
+        return 0.75, 1.4
     ratio = learned.energy_ratio
-    return BY_HOVER if ratio is None else (ratio.low, ratio.high)
+    return (0.85, 1.25) if ratio is None else (ratio.low, ratio.high)
 
 
 def curve_of(learned: LearnedVehicle | None) -> PowerCurve | None:
     if learned is None or learned.hover_power is None or learned.airspeed is None:
         return None
-    square, cube, climb, descent = (learned.value(f"{name}_power", 0.0) for name in CURVE_TERMS)
+    terms = ("square", "cube", "climb", "descent")
+    square, cube, climb, descent = (learned.value(f"{term}_power", 0.0) for term in terms)
     return PowerCurve(learned.hover_power.value, square, cube, climb, descent, learned.airspeed.value)
 
 

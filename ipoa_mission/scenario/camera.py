@@ -1,3 +1,5 @@
+"""Define cameras: known ones by name, others by numbers."""
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -52,8 +54,8 @@ CAMERAS: Mapping[str, Camera] = {
 
 def camera_named(name: str) -> Camera:
     by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
-    if (found := by_letters.get(name.casefold())) is not None:
-        return found
+    if (camera := by_letters.get(name.casefold())) is not None:
+        return camera
     near = get_close_matches(name.casefold(), by_letters, n=1)
     hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
     words = f"expected the name of a known camera{hint}"

@@ -1,3 +1,5 @@
+"""Explain pydantic's errors in a scenario: the place, the expected value, and near or known keys."""
+
 import difflib
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -7,27 +9,25 @@ from pydantic import BaseModel, ValidationError
 
 from ipoa_mission.errors import BadInput, MissionError
 
-MOST_EXPLAINED = 20  # for speed
-
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
     """Return pydantic's errors as one, a line each with `source` as prefix."""
-    problems = [one for one in error.errors(include_url=False) if not _is_consequence(one)]
-    lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:MOST_EXPLAINED]]
-    if len(problems) > MOST_EXPLAINED:
-        lines.append(f"{source}and {len(problems) - MOST_EXPLAINED} more like these")
+    most = 20  # for speed
+    problems = [problem for problem in error.errors(include_url=False) if not _is_consequence(problem)]
+    lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:most]]
+    if len(problems) > most:
+        lines.append(f"{source}and {len(problems) - most} more like these")
     of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
     asks_keys = any(problem["type"] in of_keys for problem in problems)
     hint = "`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None
     first, kind = problems[0], problems[0]["type"]
     cause = getattr(first.get("ctx", {}).get("error"), "__cause__", None)
-    code = cause.code if isinstance(cause, MissionError) else _CODES.get(kind)
+    codes = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
+    code = cause.code if isinstance(cause, MissionError) else codes.get(kind)
     place = (source + _place(first["loc"], table)).removesuffix(": ") + (".kind" if kind.startswith("union") else "")
     words = lines[0].removeprefix(f"{place}: ")
     return BadInput(words, hint, code=code, place=place if words != lines[0] else None).followed_by(*lines[1:])
 
-
-_CODES = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
 
 _EXPECTED = {
     "greater_than": "a number greater than {gt:g}",
@@ -49,7 +49,7 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
         case "extra_forbidden":
             key = str(problem["loc"][-1])
             keys = _known_keys(problem["loc"], model)
-            near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
+            near = [known for known in keys if key in known.split("_")] or difflib.get_close_matches(key, keys, n=1)
             if others := [] if near else _tables_with(key, model):
                 return f"{place}: unknown key; {key} belongs {_or(others)}"
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
@@ -69,10 +69,8 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
         case "string_pattern_mismatch":
             wanted = "a valid file name" if place == "name" else "letters, digits and underscores"
         case "too_short" | "too_long":
-            wanted = (
-                f"at least {limits['min_length']} entries" if kind == "too_short" else f"{limits['max_length']} entries"
-            )
-            given = len(given)
+            too_short = f"at least {limits['min_length']} entries" if kind == "too_short" else ""
+            wanted, given = too_short or f"{limits['max_length']} entries", len(given)
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
@@ -116,13 +114,13 @@ def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[s
 
 def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
     schema = _schema(model)
-    tables = {name: _resolved(one, schema, "") for name, one in schema["properties"].items()}
+    tables = {name: _resolved(node, schema, "") for name, node in schema["properties"].items()}
     before = ["before all tables"] if key in tables and "properties" not in tables[key] else []
-    return before + [f"in [{name}]" for name, one in tables.items() if key in one.get("properties", {})]
+    return before + [f"in [{name}]" for name, table in tables.items() if key in table.get("properties", {})]
 
 
 def _resolved(node: Any, schema: Any, tag: str) -> Any:
-    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)
+    node = next((choice for choice in node.get("anyOf", ()) if "$ref" in choice), node)
     if "discriminator" in node:
         mapping = node["discriminator"]["mapping"]
         node = {"$ref": mapping[tag]} if tag in mapping else node

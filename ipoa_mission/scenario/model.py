@@ -1,3 +1,5 @@
+"""Define the scenario: the table of a scenario file, with its world and limits."""
+
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -13,6 +15,14 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.flight_sections import (
+    CostSection,
+    OptimizerSection,
+    PlanningSection,
+    RouteSection,
+    SafetySection,
+    WindSection,
+)
 from ipoa_mission.scenario.map_sections import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.path_limits import Limits, low_zones, without_repeats
@@ -24,15 +34,11 @@ from ipoa_mission.scenario.place_sections import (
     Place,
     TerrainSection,
 )
-from ipoa_mission.scenario.safety import SafetySection
-from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
-from ipoa_mission.scenario.site import NO_REACH, Reach
+from ipoa_mission.scenario.section import NotNegative, Section
 from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
-from ipoa_mission.scenario.survey_area import Area
+from ipoa_mission.scenario.survey_area import Area, Reach
 from ipoa_mission.scenario.survey_section import SurveySection, with_survey
 from ipoa_mission.scenario.vehicle_section import VehicleSection
-from ipoa_mission.scenario.wind_section import WindSection
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
@@ -47,41 +53,19 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def with_profile(table: Mapping[str, Any]) -> dict[str, Any]:
-    name = table.get("profile")
-    return _with_defaults(PROFILES.get(name, {}) if isinstance(name, str) else {}, table)
-
-
-def _with_defaults(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+def _merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table with defaults, at all depths."""
     merged = {**settings, **table}
     for key in settings.keys() & table.keys():
         if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
-            merged[key] = _with_defaults(settings[key], table[key])
+            merged[key] = _merged(settings[key], table[key])
     return merged
 
 
-CIRCUMFERENCE = 40_000_000.0  # of the Earth [m]
+# A file's name that is valid on every system.
+_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 CACHED = ("frame", "survey_area", "_surroundings", "from_starts")
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
-
-
-class RouteSection(Section):
-    """Waypoints of the curve, and the end of the mission."""
-
-    mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
-    """`even`: a waypoint every `spacing` meters. `corridor`: fewest waypoints with legs within `tolerance`. `spline`:
-    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time with the predicted path within
-    `tolerance`; of routes within half a per cent, the one with the greatest clearance."""
-    spacing: Positive = 10.0
-    """Greatest distance between waypoints of `even` and `spline` [m]."""
-    tolerance: Positive = 4.0
-    """Greatest distance of the legs (`corridor`) or the predicted path (`fastest`) from the curve [m]."""
-    ending: Literal["rtl", "land"] = "rtl"
-    """`rtl`: return to home and land, after a climb over the goal if needed for clearance. `land`: land at the goal."""
-
-
-# Valid on every system.
-FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
 def _needs_ends(schema: dict[str, Any]) -> None:
@@ -102,7 +86,7 @@ class Scenario(Section):
 
     model_config = ConfigDict(json_schema_extra=_needs_ends)
 
-    name: Annotated[str, Field(pattern=FILE_NAME)] = "mission"
+    name: Annotated[str, Field(pattern=_NAME)] = "mission"
     """Also the name of the output files. Default: that of the scenario file."""
     profile: Literal["delivery", "rescue", "endurance"] | None = None
     """Weights and distances for a task. Explicit values take precedence. Default: the weights of the paper."""
@@ -151,7 +135,11 @@ class Scenario(Section):
     @model_validator(mode="before")
     @classmethod
     def _with_defaults(cls, table: Any, info: ValidationInfo) -> Any:
-        return with_survey(with_profile(table), info.context) if isinstance(table, dict) else table
+        if not isinstance(table, dict):
+            return table
+        name = table.get("profile")
+        profile = PROFILES.get(name, {}) if isinstance(name, str) else {}
+        return with_survey(_merged(profile, table), info.context)
 
     @model_validator(mode="after")
     def _near_home(self) -> "Scenario":
@@ -160,7 +148,7 @@ class Scenario(Section):
             there = place.there()
             away = float(np.hypot(*place.east_north(self.frame))) if there is None else apart(self.frame.home, there)
             if not away < REACH:
-                far = f"{away / 1000:.0f}" if away < 100 * CIRCUMFERENCE else f"{away / 1000:.0e}"
+                far = f"{away / 1000:{'.0f' if away < 4e9 else '.0e'}}"  # 100 times around the Earth
                 why = "" if there is None else swap_hint(self.frame.home, there, name)
                 words = f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}"
                 raise ValueError(words)
@@ -290,7 +278,7 @@ class Scenario(Section):
     def survey_reach(self) -> Reach:
         """Return a survey's corners (n, 2), and its height [m]."""
         area = self.survey_area
-        return NO_REACH if self.survey is None or area is None else self.survey.reach(area)
+        return (np.zeros((0, 2)), 0.0) if self.survey is None or area is None else self.survey.reach(area)
 
     @property
     def airspace(self) -> Airspace:

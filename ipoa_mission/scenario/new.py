@@ -1,3 +1,5 @@
+"""Write a first scenario file from a map and an elevation model, or from home alone."""
+
 import json
 import math
 import os
@@ -20,9 +22,6 @@ from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FREE_RADIUS = 12.0  # [m]
-LARGEST_OFFSET = 200.0  # from the map's middle [m]
-CANDIDATE_SPACING = 4.0  # [m]
-GOAL_DISTANCE_DEG = 0.0009  # of the goal from home without a map [deg], about 100 m
 UNKNOWN_ALTITUDE = "home.altitude_amsl is 0 m: correct it, or give --elevation FILE or --home LAT LON ALT"
 UNKNOWN_GOAL = "the goal is 100 m north of home: correct it"
 
@@ -57,13 +56,14 @@ def new_scenario(
     else:
         altitude = 0.0
         remarks.append(UNKNOWN_ALTITUDE)
-    parts = _parts()
+    template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
+    parts = dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
     text = (
         parts["template"]
         .rstrip()
         .format(
             home=(latitude, longitude, altitude),
-            goal=goal or (round(latitude + GOAL_DISTANCE_DEG, 7), longitude),
+            goal=goal or (round(latitude + 0.0009, 7), longitude),  # about 100 m
             autopilot=default_autopilot(),
             terrain=parts["flat"] if elevation is None else parts["elevation"].format(_quoted(elevation, target)),
             maps=parts["no_maps"] if buildings is None else parts["buildings"].format(_quoted(buildings, target)),
@@ -73,32 +73,27 @@ def new_scenario(
     return NewScenario(text, tuple(remarks))
 
 
-def _parts() -> dict[str, str]:
-    template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
-    return dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
-
-
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return places south-west and north-east [deg]."""
-    frame = LocalFrame(_middle(path))
-    within = np.full(2, -LARGEST_OFFSET - 2 * FREE_RADIUS), np.full(2, LARGEST_OFFSET + 2 * FREE_RADIUS)
-    found = search_buildings(path, BuildingRules(), frame, within)
-    if not found.standing:
-        found = search_buildings(path, BuildingRules(take="all"), frame, within)
-    if not found.standing:
-        raise NothingThere(f"expected buildings, but none of {found.features} features is an obstacle", place=path)
-    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
-    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, LARGEST_OFFSET)
-    sides = [np.arange(-each, each + CANDIDATE_SPACING, CANDIDATE_SPACING) for each in reach]
-    places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    in_doubt = [thing.shape for thing in found.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
-    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", FREE_RADIUS)[0]
+    """Return free places south-west and north-east of the map's middle, at most 200 m away [deg]."""
+    frame, farthest = LocalFrame(_middle(path)), 200.0
+    within = np.full(2, -farthest - 2 * FREE_RADIUS), np.full(2, farthest + 2 * FREE_RADIUS)
+    buildings = search_buildings(path, BuildingRules(), frame, within)
+    if not buildings.standing:
+        buildings = search_buildings(path, BuildingRules(take="all"), frame, within)
+    if not buildings.standing:
+        words = f"expected buildings, but none of {buildings.features} features is an obstacle"
+        raise NothingThere(words, place=path)
+    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in buildings.standing]
+    shapes += [thing.shape for thing in buildings.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    reach = np.minimum(np.ptp(buildings.box.reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, farthest)
+    places = np.stack(np.meshgrid(*(np.arange(-side, side + 4.0, 4.0) for side in reach)), axis=-1).reshape(-1, 2)
+    near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", FREE_RADIUS)[0]
     free = np.delete(places, np.unique(near), axis=0)
     if len(free) < 2:
         raise BadInput(f"expected {FREE_RADIUS:g} m of free room for a take-off among the buildings", place=path)
     ends = [free[np.argmin(np.linalg.norm(free - corner, axis=1))] for corner in (-0.8 * reach, 0.8 * reach)]
-    degrees = np.round(frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))[:2], 7).T.tolist()
-    return tuple(degrees[0]), tuple(degrees[1])
+    start, goal = np.round(frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))[:2], 7).T.tolist()
+    return tuple(start), tuple(goal)
 
 
 def _middle(path: Path) -> Geodetic:

@@ -1,3 +1,5 @@
+"""Convert no-fly zones of maps to obstacles between their vertical limits."""
+
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +17,6 @@ from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 UNLIMITED_HEIGHT = 10_000.0  # [m]
 MARGIN = 100.0  # around the bounds [m]
-GROUND_LINES = 33  # each way
 
 
 def no_fly_prisms(
@@ -82,8 +83,8 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
 
 
 def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    """Return heights on a lattice, (n,) [m]."""
-    east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
+    """Return heights on a lattice of 33 lines each way, (n,) [m]."""
+    east, north = (np.linspace(box[0][axis], box[1][axis], 33) for axis in (0, 1))
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 

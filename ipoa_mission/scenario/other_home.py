@@ -1,4 +1,4 @@
-"""Move home to a start place; meters from home are converted."""
+"""Move a scenario's home to a start place of its survey; meters from home are converted."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -20,20 +20,18 @@ from ipoa_mission.scenario.place_sections import (
     TerrainSection,
 )
 from ipoa_mission.scenario.section import Section
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 
-START_TOLERANCE = 1.0  # [m]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
-# of places (n, 2) [m]
-Move: TypeAlias = Callable[[Points], Points]
+Move: TypeAlias = Callable[[Points], Points]  # of places (n, 2) [m]
 
 
 def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
-    away = _away(scenario, home)
-    if not away or min(away) > START_TOLERANCE or apart(home, scenario.frame.home) <= START_TOLERANCE:
+    """Return the scenario from the start place at `home`; itself if `home` is its own, or no start place."""
+    tolerance, away = 1.0, _away(scenario, home)  # [m]
+    if not away or min(away) > tolerance or apart(home, scenario.frame.home) <= tolerance:
         return scenario
     return at_start(scenario, int(np.argmin(away)))
 
@@ -80,10 +78,17 @@ def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
     section, old = scenario.survey, scenario.frame
     assert section is not None
     assert section.starts is not None
-    home = _home_at(scenario, np.array(section.starts[n]))
+    place = np.array(section.starts[n])
+    there = old.geodetic(np.append(place, float(scenario.airspace.terrain.height(place[None])[0])))
+    home = HomeSection(
+        latitude_deg=round(there.latitude_deg, 7),
+        longitude_deg=round(there.longitude_deg, 7),
+        altitude_amsl=round(there.altitude, 3),
+    )
     new = LocalFrame(home.geodetic())
     move, rise = between(old, new), home.altitude_amsl - old.home.altitude
     start = Place(east=0.0, north=0.0, height_above_ground=section.height)
+    survey = {key: _nested(getattr(section, key), move) for key in ("polygon", "line", "starts")}
     return {
         "home": home,
         "start": start,
@@ -91,22 +96,12 @@ def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
         "via": (),
         "bounds": _bounds(scenario, new, rise),
         "terrain": _terrain(scenario, new, rise, n),
-        "obstacles": tuple(_moved(one, old, new) for one in scenario.obstacles),
-        "maps": tuple(_over(one, rise) if isinstance(one, NoFlyMap) else one for one in scenario.maps),
-        "fence": tuple(_moved(one, old, new) for one in scenario.fence),
-        "rally": tuple(_moved(one, old, new) for one in scenario.rally),
-        "survey": _survey(section, move),
+        "obstacles": tuple(_moved(obstacle, old, new) for obstacle in scenario.obstacles),
+        "maps": tuple(_raised(zones, -rise) if isinstance(zones, NoFlyMap) else zones for zones in scenario.maps),
+        "fence": tuple(_moved(fence, old, new) for fence in scenario.fence),
+        "rally": tuple(_moved(place, old, new) for place in scenario.rally),
+        "survey": section.model_copy(update=survey),
     }
-
-
-def _home_at(scenario: Scenario, place: Points) -> HomeSection:
-    height = float(scenario.airspace.terrain.height(place[None])[0])
-    there = scenario.frame.geodetic(np.append(place, height))
-    return HomeSection(
-        latitude_deg=round(there.latitude_deg, 7),
-        longitude_deg=round(there.longitude_deg, 7),
-        altitude_amsl=round(there.altitude, 3),
-    )
 
 
 def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
@@ -126,10 +121,8 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
         return given.model_copy(update={"height": given.height - rise})
     if isinstance(given, GridTerrain) and isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
-        east, north = (
-            terrain.east + terrain.spacing * np.arange(columns),
-            terrain.north + terrain.spacing * np.arange(rows),
-        )
+        east = terrain.east + terrain.spacing * np.arange(columns)
+        north = terrain.north + terrain.spacing * np.arange(rows)
         nodes = np.column_stack([np.tile(east, rows), np.repeat(north, columns), terrain.heights.ravel()])
         moved = new.to_local(*scenario.frame.to_geodetic(nodes))
         corner = moved[:, :2].mean(axis=0) - terrain.spacing * (np.array([columns, rows]) - 1) / 2
@@ -142,35 +135,32 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
     return given
 
 
-def _moved(one: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
+def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
+    """Return a section at the same place: horizontally in degrees, its heights and heading from the new home."""
     changes, at = dict[str, Any](), (0.0, 0.0)
-    if isinstance(one, Horizontal):
-        at = one.east_north(old)
+    if isinstance(section, Horizontal):
+        at = section.east_north(old)
         there = old.geodetic(np.array([*at, 0.0]))
-        changes = {
-            "east": None,
-            "north": None,
-            "latitude_deg": there.latitude_deg,
-            "longitude_deg": there.longitude_deg,
-        }
+        degrees = {"latitude_deg": there.latitude_deg, "longitude_deg": there.longitude_deg}
+        changes = {"east": None, "north": None, **degrees}
     for key in ("footprint", "polygon"):
-        if (ring := getattr(one, key, None)) is not None:
+        if (ring := getattr(section, key, None)) is not None:
             changes |= {key: None, f"{key}_geodetic": _degrees(ring, old)}
             at = tuple(np.mean(ring, axis=0).tolist())
-            if holes := getattr(one, "holes", ()):
+            if holes := getattr(section, "holes", ()):
                 changes["holes"] = tuple(_degrees(hole, old) for hole in holes)
-        elif (ring := getattr(one, f"{key}_geodetic", None)) is not None:
+        elif (ring := getattr(section, f"{key}_geodetic", None)) is not None:
             latitude, longitude = np.mean(ring, axis=0)
             at = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
-    if (center := getattr(one, "center", None)) is not None:
+    if (center := getattr(section, "center", None)) is not None:
         changes["center"] = _moved(center, old, new)
     for key in ("up", "base"):
-        if (height := getattr(one, key, None)) is not None:
+        if (height := getattr(section, key, None)) is not None:
             changes[key] = float(new.local(old.geodetic(np.array([*at, height])))[2])
-    if (heading := getattr(one, "heading_deg", None)) is not None:
+    if (heading := getattr(section, "heading_deg", None)) is not None:
         (east, north), (ahead, farther) = between(old, new)(np.array([at, (at[0], at[1] + 1.0)]))
         changes["heading_deg"] = heading + math.degrees(math.atan2(ahead - east, farther - north))
-    return one.model_copy(update=changes)
+    return section.model_copy(update=changes)
 
 
 def _degrees(ring: Iterable[tuple[float, float]], frame: LocalFrame) -> Ring:
@@ -178,19 +168,14 @@ def _degrees(ring: Iterable[tuple[float, float]], frame: LocalFrame) -> Ring:
     return tuple(zip(latitude.tolist(), longitude.tolist(), strict=True))
 
 
-def _over(zones: NoFlyMap, rise: float) -> NoFlyMap:
-    ends = {key: value - rise for key in ("base", "top") if (value := getattr(zones, key)) is not None}
+def _raised(zones: NoFlyMap, by: float) -> NoFlyMap:
+    ends = {key: value + by for key in ("base", "top") if (value := getattr(zones, key)) is not None}
     return zones.model_copy(update=ends)
-
-
-def _survey(section: SurveySection, move: Move) -> SurveySection:
-    keys = ("polygon", "line", "starts")
-    return section.model_copy(update={key: _nested(getattr(section, key), move) for key in keys})
 
 
 def _nested(value: Any, move: Move) -> Any:
     if value is None:
         return None
     if not isinstance(value[0][0], int | float):
-        return [_nested(one, move) for one in value]
+        return [_nested(part, move) for part in value]
     return tuple(map(tuple, move(np.array(value, float)).tolist()))

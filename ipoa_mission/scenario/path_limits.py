@@ -1,4 +1,4 @@
-"""Start, goal and via points may be low: the required height is theirs in a circle around."""
+"""Define the limits of a path. Around a low start, goal or via point its own height is required."""
 
 from dataclasses import dataclass, replace
 
@@ -8,8 +8,6 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Airspace
 
 SLACK = 0.01  # [m]
-CLIMB_OUT = 0.5  # height over distance
-SAME_PLACE_DISTANCE = 1e-3  # [m]
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,11 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    stops = [start]
+    same_place, stops = 1e-3, [start]  # [m]
     for place in via:
-        if np.linalg.norm(place - stops[-1]) > SAME_PLACE_DISTANCE:
+        if np.linalg.norm(place - stops[-1]) > same_place:
             stops.append(place)
-    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME_PLACE_DISTANCE:
+    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= same_place:
         stops.pop()
     return np.vstack([*stops, goal])
 
@@ -86,7 +84,7 @@ def place_names(places: Points) -> list[str]:
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
     """Return circles around places (k, 3) below `least` [m]."""
     heights = spots[:, 2] - airspace.ground(spots)
-    slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
+    slope = min(0.5, float(np.tan(min(angle, 1.5))))  # of the climb-out
     return tuple(
         LowZone(float(spot[0]), float(spot[1]), float(least - height + SLACK) / slope, float(height) - SLACK)
         for spot, height in zip(spots, heights, strict=True)

@@ -1,3 +1,5 @@
+"""Define the tables of places, terrain, fence and bounds."""
+
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
@@ -12,7 +14,6 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-LEAST_DROP = 0.01  # of curvature [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
@@ -106,7 +107,7 @@ class FlatTerrain(Section):
 
     def build(self, home: Geodetic, reach: float) -> Terrain:
         ground = SeaLevel.around(home, self.height, reach)
-        return ground if ground.drop > LEAST_DROP else Flat(self.height)
+        return ground if ground.drop > 0.01 else Flat(self.height)  # drop by curvature [m]
 
 
 class PeakSection(Section):

@@ -1,3 +1,5 @@
+"""Read a scenario file (TOML), with its maps and wind."""
+
 import re
 import tomllib
 from pathlib import Path
@@ -11,7 +13,6 @@ from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario
 
 LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
-_COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$")  # a decimal comma
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
 # Multi-line strings, comments, keys of too many parts, the rest.
 _WORDS = re.compile(
@@ -76,7 +77,8 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         at = re.search(r"at line (\d+)", str(error))
-        if at is not None and (comma := _COMMA.search(text.split("\n")[int(at[1]) - 1].rstrip())):
+        decimal_comma = r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$"
+        if at is not None and (comma := re.search(decimal_comma, text.split("\n")[int(at[1]) - 1].rstrip())):
             words = f"expected a number with a point, {comma[1]}.{comma[2]}, not {comma[1]},{comma[2]}"
             raise WrongFormat(words, place=f"{path}: line {at[1]}") from error
         raise WrongFormat(f"{lowered(str(error))}", hint="a scenario is a TOML file", place=path) from error

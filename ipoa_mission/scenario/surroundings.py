@@ -1,25 +1,29 @@
+"""Build the world of a scenario: bounds, ground, obstacles, zones and fences, from its maps and sections."""
+
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
+from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.maps.standing import Standing, raise_buildings
-from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
-from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain
-from ipoa_mission.scenario.site import Layout
+from ipoa_mission.scenario.obstacles import ObstacleSection
+from ipoa_mission.scenario.place_sections import BoundsSection, FenceSection, FlatTerrain, Place, TerrainSection
+from ipoa_mission.scenario.survey_area import Reach
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
@@ -29,7 +33,30 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
 
 HOME = shapely.Point(0.0, 0.0)
-SEGMENTS = 16  # per quarter circle
+WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
+BEYOND = f"more than {MARGIN:g} m outside the bounds"
+
+
+class Site(Protocol):
+    """The parts of a scenario that make its world."""
+
+    start: Place
+    goal: Place
+    via: tuple[Place, ...]
+    bounds: BoundsSection
+    terrain: TerrainSection
+    obstacles: tuple[ObstacleSection, ...]
+    maps: tuple[MapSection, ...]
+    fence: tuple[FenceSection, ...]
+
+    @property
+    def frame(self) -> LocalFrame: ...
+
+    @property
+    def unix_s(self) -> float | None: ...
+
+    @property
+    def survey_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -66,7 +93,7 @@ def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, to
 
 def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
     if fence.center is not None and fence.radius is not None:
-        return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=SEGMENTS)
+        return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
     corners = np.array(fence.polygon or fence.polygon_geodetic)
     if fence.polygon_geodetic is not None:
         latitude, longitude = corners.T
@@ -76,11 +103,6 @@ def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
         reason = shapely.is_valid_reason(shape).split("[")[0].lower()
         raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)
     return shape
-
-
-WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
-BEYOND = f"more than {MARGIN:g} m outside the bounds"
-COVER_TOLERANCE = 1e-6  # [m]
 
 
 @dataclass(frozen=True)
@@ -105,13 +127,9 @@ class _Zones:
     remarks: Mapping[int, tuple[str, ...]]
 
 
-def surroundings_of(scenario: Layout) -> Surroundings:
+@many_objects()
+def surroundings_of(scenario: Site) -> Surroundings:
     """Return a scenario's world. Raises BadInput."""
-    with many_objects():
-        return _surroundings_of(scenario)
-
-
-def _surroundings_of(scenario: Layout) -> Surroundings:
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
     things = _things(scenario)
@@ -124,13 +142,13 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
     zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, UNLIMITED_HEIGHT))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
-    footprint = Polygon(*rings_of(_one(areas))) if areas else None
+    footprint = Polygon(*rings_of(_common(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
-    passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
+    passed = (*maps.passed_over, *(thing for read in buildings.values() for thing in read.passed_over), *beyond)
     counts = tuple(count_passed_over(passed, _left_out(scenario, buildings)))
-    unread = gathered((*maps.unread, *contrary, *(thing for found in buildings.values() for thing in found.unread)))
-    of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
+    unread = gathered((*maps.unread, *contrary, *(thing for read in buildings.values() for thing in read.unread)))
+    of_maps = {**maps.remarks} | {number: read.remarks for number, read in buildings.items()}
     remarks = (
         *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
         *terrain_remarks,
@@ -141,34 +159,30 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     return Surroundings(airspace, fence, passed, counts, unread, remarks)
 
 
-def _read_zones(scenario: Layout) -> _Zones:
-    no_fly: list[tuple[NoFlyMap, MapArea]] = []
-    areas: list[Any] = []
-    passed: list[PassedOver] = []
-    unread: list[Unread] = []
-    remarks: dict[int, tuple[str, ...]] = {}
-    fenced = False
+def _read_zones(scenario: Site) -> _Zones:
+    no_fly, areas, fenced = list[tuple[NoFlyMap, MapArea]](), list[Any](), False
+    passed, unread, remarks = list[PassedOver](), list[Unread](), dict[int, tuple[str, ...]]()
     for number, section in enumerate(scenario.maps):
         if isinstance(section, BuildingsMap):
             continue
-        found = section.read(scenario.frame, scenario.unix_s)
-        passed += found.passed_over
-        unread += found.unread
-        remarks[number] = found.remarks
+        zones = section.read(scenario.frame, scenario.unix_s)
+        passed += zones.passed_over
+        unread += zones.unread
+        remarks[number] = zones.remarks
         if isinstance(section, NoFlyMap):
-            no_fly += [(section, zone) for zone in found.zones]
+            no_fly += [(section, zone) for zone in zones.zones]
         else:
-            area, others = join_zones(found.zones)
+            area, others = join_zones(zones.zones)
             areas.append(area)
             why = "an area that does not touch the one around home"
-            passed += [PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)]
+            passed += [PassedOver(section.file.name, f"area {n}", why, part, False) for n, part in enumerate(others, 2)]
             fenced |= section.geofence
-        _expect_home_allowed(section, found.zones, scenario.frame.home.altitude)
-    return _Zones(tuple(no_fly), _one(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
+        _expect_home_allowed(section, zones.zones, scenario.frame.home.altitude)
+    return _Zones(tuple(no_fly), _common(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
 
 
 def _read_buildings(
-    scenario: Layout, area: Any | None, things: Box, allowed: Any | None
+    scenario: Site, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
     """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
@@ -179,27 +193,27 @@ def _read_buildings(
     least, most = _horizontal_bounds(scenario, area, things, np.zeros((0, 4)), allowed)
     reach = _reach(scenario) + WINDOW_MARGIN + MARGIN
     window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
-    found = read(window)
-    bounds = _horizontal_bounds(scenario, area, things, _boxes(_standing(scenario, found)), allowed)
+    buildings = read(window)
+    bounds = _horizontal_bounds(scenario, area, things, _boxes(_standing(scenario, buildings)), allowed)
     wanted = bounds[0] - MARGIN, bounds[1] + MARGIN
     if (wanted[0] < window[0]).any() or (wanted[1] > window[1]).any():
-        found = read(wanted)
-    return found, bounds
+        buildings = read(wanted)
+    return buildings, bounds
 
 
-def _standing(scenario: Layout, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, Standing], ...]:
-    return tuple((scenario.maps[n].file, thing) for n, found in buildings.items() for thing in found.standing)
+def _standing(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, Standing], ...]:
+    return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.standing)
 
 
-def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[Key]:
+def _left_out(scenario: Site, buildings: Mapping[int, Buildings]) -> Counter[Key]:
     counts = Counter[Key]()
-    for number, found in buildings.items():
-        counts.update(found.left_out)
-        counts[True, scenario.maps[number].file.name, BEYOND] += found.beyond
+    for number, read in buildings.items():
+        counts.update(read.left_out)
+        counts[True, scenario.maps[number].file.name, BEYOND] += read.beyond
     return counts
 
 
-def _one(areas: list[Any]) -> Any:
+def _common(areas: list[Any]) -> Any:
     common = shapely.intersection_all(areas)
     if common.geom_type != "Polygon" or common.is_empty:
         words = "expected flight areas and fences with one common area"
@@ -208,9 +222,8 @@ def _one(areas: list[Any]) -> Any:
 
 
 def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea, ...], altitude: float) -> None:
-    home = shapely.Point(0, 0)
     if isinstance(section, FlightAreaMap):
-        distance = min(zone.shape.distance(home) for zone in zones)
+        distance = min(zone.shape.distance(HOME) for zone in zones)
         if distance > 0:
             words = f"expected home inside the flight area, not {distance:.1f} m outside of it"
             raise BadInput(words, code="home-outside-fence", place=section.file)
@@ -218,31 +231,31 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
         for zone in zones:
             lower = zone.lower if section.base is None else None
             above = lower is not None and lower.height > (altitude if lower.reference == "AMSL" else 0.0)
-            if zone.shape.contains(home) and not above:
+            if zone.shape.contains(HOME) and not above:
                 words = f"expected home outside of no-fly zones, but it is in {zone.name}"
                 raise BadInput(words, code="home-outside-fence", place=section.file)
 
 
-def _places(scenario: Layout) -> NDArray[np.float64]:
+def _places(scenario: Site) -> NDArray[np.float64]:
     """Return home, places and survey corners, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     corners = scenario.survey_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
-def _things(scenario: Layout) -> Box:
+def _things(scenario: Site) -> Box:
     drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)
 
 
-def _reach(scenario: Layout) -> float:
+def _reach(scenario: Site) -> float:
     """Return the reach of map features [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
-    scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
+    scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
     """Return the corners (2,) of the bounds, given boxes (n, 4)."""
     if area is not None:
@@ -279,24 +292,21 @@ def _near(
             near.append(thing)
         else:
             beyond.append(PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False))
-    for of, zone in no_fly:
+    for section, zone in no_fly:
         if not zone_near(zone, corners):
-            name = zone.name.removeprefix(f"{of.file}: ")
-            beyond.append(PassedOver(of.file.name, name, BEYOND, zone.shape, False))
+            name = zone.name.removeprefix(f"{section.file}: ")
+            beyond.append(PassedOver(section.file.name, name, BEYOND, zone.shape, False))
     return tuple(near), tuple(beyond)
 
 
-def _terrain(
-    scenario: Layout, lower: NDArray[np.float64], upper: NDArray[np.float64]
-) -> tuple[Terrain, tuple[str, ...]]:
-    if isinstance(scenario.terrain, ElevationTerrain):
-        return scenario.terrain.read(
-            scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1]))
-        )
-    if isinstance(scenario.terrain, FlatTerrain):
+def _terrain(scenario: Site, lower: Vector, upper: Vector) -> tuple[Terrain, tuple[str, ...]]:
+    section = scenario.terrain
+    if isinstance(section, ElevationTerrain):
+        return section.read(scenario.frame, (float(lower[0]), float(lower[1])), (float(upper[0]), float(upper[1])))
+    if isinstance(section, FlatTerrain):
         reach = float(np.hypot(*np.maximum(np.abs(lower), np.abs(upper))))
-        return scenario.terrain.build(scenario.frame.home, reach), ()
-    terrain = scenario.terrain.build()
+        return section.build(scenario.frame.home, reach), ()
+    terrain = section.build()
     if isinstance(terrain, Grid):
         _expect_cover(terrain, (lower, upper))
     return terrain, ()
@@ -308,7 +318,7 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
     last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
     side = int(np.argmax(missing))
-    if missing[side] > COVER_TOLERANCE:
+    if missing[side] > 1e-6:
         raise NotCovered(
             f"expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
             f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
@@ -317,13 +327,12 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
         )
 
 
-def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
-    return tuple(
-        o.build(o.name or f"{o.kind} {i}", scenario.frame, Ground(terrain)) for i, o in enumerate(scenario.obstacles)
-    )
+def _drawn(scenario: Site, terrain: Terrain) -> tuple[Obstacle, ...]:
+    frame, ground = scenario.frame, Ground(terrain)
+    return tuple(o.build(o.name or f"{o.kind} {i}", frame, ground) for i, o in enumerate(scenario.obstacles))
 
 
-def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
+def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)

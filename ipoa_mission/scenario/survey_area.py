@@ -1,6 +1,8 @@
+"""Check the rings of a survey area, and hold it."""
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
@@ -8,6 +10,7 @@ import shapely
 from ipoa_mission.errors import BadInput, InvalidRing, Remedy
 from ipoa_mission.geometry import Points
 
+Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
 ARC = 64  # segments of a quarter circle

@@ -1,3 +1,5 @@
+"""Define the survey of a scenario: its area, camera, lines and start places."""
+
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -14,17 +16,12 @@ from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
-from ipoa_mission.scenario.site import Reach
-from ipoa_mission.scenario.survey_area import LEAST_M2, Area
+from ipoa_mission.scenario.survey_area import LEAST_M2, Area, Reach
 from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.polygon import union_of
 
 BAND = 0.15  # share of height over uneven ground
-WORDS = ("best", "crosshatch")
-MITRE_LIMIT = 2.0  # half widths
-SAME_START_DISTANCE = 2.0  # [m]
 USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # [m]
-LOWEST_START = 10.0  # above home, before the height is known [m]
 
 
 def _an_overlap(share: float) -> float:
@@ -36,8 +33,8 @@ def _an_overlap(share: float) -> float:
 
 def _a_direction(given: Any) -> Any:
     numbers = given if isinstance(given, list | tuple) else [given]
-    is_one = [isinstance(one, int | float) and not isinstance(one, bool) and math.isfinite(one) for one in numbers]
-    if given not in WORDS and not (is_one and all(is_one)):
+    finite = [isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers]
+    if given not in ("best", "crosshatch") and not (finite and all(finite)):
         raise ValueError(f'expected "best", "crosshatch", degrees or a list of degrees, not {given!r}')
     return given
 
@@ -52,13 +49,14 @@ def _depth(value: Any) -> int:
     return 1 + (_depth(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
 
 
-_RING: dict[str, Any] = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
+_NUMBERS: dict[str, Any] = {"type": "array", "items": {"type": "number"}}
+_RING: dict[str, Any] = {"type": "array", "items": _NUMBERS}
 _PARTS: dict[str, Any] = {"type": "array", "items": _RING}
 Overlap: TypeAlias = Annotated[float, AfterValidator(_an_overlap), NUMBER]
 Direction: TypeAlias = Annotated[
     Any,
     AfterValidator(_a_direction),
-    WithJsonSchema({"anyOf": [{"enum": [*WORDS]}, {"type": "number"}, {"type": "array", "items": {"type": "number"}}]}),
+    WithJsonSchema({"anyOf": [{"enum": ["best", "crosshatch"]}, {"type": "number"}, _NUMBERS]}),
 ]
 Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
 Rings: TypeAlias = Annotated[
@@ -140,7 +138,7 @@ class SurveySection(Section):
             if not math.hypot(*here) < REACH:
                 raise ValueError(f"starts[{n}]: expected a place within {REACH / 1000:g} km of home")
             for m, there in enumerate(starts[:n]):
-                if math.dist(here, there) < SAME_START_DISTANCE:
+                if math.dist(here, there) < 2.0:  # [m]
                     raise ValueError(f"starts[{n}]: expected another place than starts[{m}]")
 
     @property
@@ -260,7 +258,7 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
 def _corridor(line: Points, width: float, place: str) -> Any:
     if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
         raise InvalidRing("expected a line without repeated corners", place=place)
-    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE_LIMIT)
+    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=2.0)
     if shape.geom_type != "Polygon" or shape.area < LEAST_M2:
         raise InvalidRing("expected a line whose corridor is one polygon", place=place)
     return shape
@@ -273,7 +271,7 @@ def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
     try:
         section = SurveySection.model_validate(table["survey"], context=context)
     except ValidationError:
-        height = LOWEST_START
+        height = 10.0  # above home, before the height is known [m]
     else:
         height = section.height
         for key in ("start", "goal"):

@@ -1,3 +1,5 @@
+"""Define the vehicle of a scenario: autopilot, speeds, parameters, airframe and battery."""
+
 import math
 from typing import Annotated, Any
 
@@ -69,9 +71,6 @@ class AirframeSection(Section):
         )
 
 
-COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, share of the capacity
-
-
 class BatterySection(Section):
     """The battery; a plan that lands with less than the reserve is refused."""
 
@@ -83,7 +82,7 @@ class BatterySection(Section):
     """Nominal voltage: 3.7 V times the number of cells in series, or as printed [V]."""
     health: Annotated[float, Field(gt=0, le=1)] = 1.0
     """Remaining share of the capacity, as a charger or `SOH` of a smart battery reports it."""
-    temperature: Annotated[float, Field(ge=COLD[0], le=60)] | None = None
+    temperature: Annotated[float, Field(ge=-18, le=60)] | None = None
     """Temperature of the battery at take-off [degrees Celsius]. At -18 it gives half of the energy at 27, linear
     between (Battery University, BU-502). Default: warm."""
     reserve: Annotated[float, Field(ge=0, lt=1)] = 0.2
@@ -100,9 +99,8 @@ class BatterySection(Section):
 
     def build(self) -> Battery:
         wh = self.capacity_wh or (self.capacity_mah or 0.0) / 1000.0 * (self.voltage or 0.0)
-        warm = 1.0 if self.temperature is None else (min(self.temperature, WARM[0]) - COLD[0]) / (WARM[0] - COLD[0])
-        given = COLD[1] + warm * (WARM[1] - COLD[1])
-        return Battery(wh * self.health * given, self.reserve)
+        warm = 1.0 if self.temperature is None else (min(self.temperature, 27.0) + 18.0) / 45.0
+        return Battery(wh * self.health * (0.5 + warm * 0.5), self.reserve)
 
 
 class VehicleSection(Section):
@@ -194,10 +192,9 @@ class VehicleSection(Section):
         if autopilot is self.autopilot:
             return self
         parameters, words = translated(self.parameters, self.autopilot, autopilot)
-        versions = {"firmware_version": None, "unmeasured_version": False}
-        changed = {"autopilot": autopilot, **versions, "parameters": parameters}
-        copied = self.model_copy(update=changed)
-        copied._learned, copied._remarks = None, tuple(f"vehicle.parameters: {said}" for said in words)
+        changes = {"autopilot": autopilot, "parameters": parameters, "firmware_version": None}
+        copied = self.model_copy(update=changes | {"unmeasured_version": False})
+        copied._learned, copied._remarks = None, tuple(f"vehicle.parameters: {remark}" for remark in words)
         return copied
 
     def autopilot_parameters(self) -> Parameters:

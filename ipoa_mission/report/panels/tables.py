@@ -16,7 +16,7 @@ from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import ItemLeg
 from ipoa_mission.report.number_format import number, seconds, signed
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.seeking import CostSection
+from ipoa_mission.scenario.flight_sections import CostSection
 
 
 def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> str:
