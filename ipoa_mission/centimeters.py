@@ -34,5 +34,4 @@ def falls_short(kept: float, required: float) -> bool:
 
 
 def goes_beyond(reached: float, most: float) -> bool:
-    """Compare as printed [m]."""
     return up(reached) > down(most)

@@ -73,7 +73,7 @@ def in_folder(path: Path) -> Iterator[None]:
 
 
 def unused(path: Path) -> Path:
-    """Return the first free of this path, NAME-2, NAME-3, ...
+    """Return the first free of NAME, NAME-2, NAME-3, ...
 
     >>> unused(Path("nowhere/flight.tlog")).name
     'flight.tlog'
@@ -109,7 +109,6 @@ def why_no_json(text: str, at: int) -> str | None:
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
-    """Read at most `most` bytes, unless negative."""
     try:
         with path.open("rb") as file:
             return file.read(most)

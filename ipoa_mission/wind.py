@@ -72,7 +72,7 @@ class Wind:
         return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 
     def towards(self, height: float) -> tuple[float, float]:
-        """Return the eastward and northward components at a height above home [m/s]."""
+        """Return eastward and northward components [m/s]."""
         if not self.levels:
             share = self.at(height) / self.speed if self.speed else 0.0
             return self.east * share, self.north * share

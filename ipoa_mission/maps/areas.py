@@ -1,4 +1,4 @@
-"""Find no-fly zones and flight areas among the features of a map."""
+"""Find no-fly zones and flight areas in a map."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -141,7 +141,7 @@ def _above_sea(
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
-    """Return the part of their union that is nearest to home, and the others."""
+    """Return the part nearest to home, and the others."""
     whole = union_of([zone.shape for zone in zones])
     nearest, *others = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
     return nearest, tuple(others)
@@ -157,7 +157,6 @@ def _why_no_zone(rest: Sequence[Any]) -> Reason:
 
 
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
-    """Return a polygon for a closed line, and around a point with a radius."""
     if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
         return shape.buffer(radius / math.cos(math.pi / 64), quad_segs=16)  # circumscribed: 64 corners
     return closed_as_polygon(shape)

@@ -1,4 +1,4 @@
-"""Select the map features around a flight, and expect some within 100 km of home."""
+"""Select map features around a flight."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -37,7 +37,7 @@ def near_home(home: Geodetic) -> Degrees:
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
-    """Return a box in degrees: more for curvature and rounding, and on a grid, to which small changes are none."""
+    """Return a wider box on a grid, so that small changes keep it."""
     margin, grid = 0.001, 0.02
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))

@@ -1,4 +1,4 @@
-"""Assume the heights and widths of map features whose tags give none, by their kind."""
+"""Assume sizes of map features whose tags give none."""
 
 import math
 from collections.abc import Mapping

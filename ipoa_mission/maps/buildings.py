@@ -1,4 +1,4 @@
-"""Find the obstacles of a map: buildings, masts, trees, wires, and what may be one."""
+"""Find the obstacles of a map."""
 
 import math
 from collections import Counter
@@ -115,11 +115,7 @@ class Buildings:
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
-    """Return the obstacles of a map, `within` a box [m].
-
-    Raises:
-        BadInput: a feature is invalid, all are far away, or a library is missing.
-    """
+    """Return the obstacles of a map, `within` a box [m]. Raises BadInput."""
     all_buildings: bool | None = None
     finder, around = _Finder(rules, frame, path, within), Around.of(frame, within)
 

@@ -1,7 +1,6 @@
-"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL raster) as a grid of ground around home.
+"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL raster).
 
-Heights belong to posts, the centers of pixels: column 0, row 0 is the center of the first one. Places are converted
-exactly on a lattice at two altitudes, and interpolated. The local grid is raised so that no post is above it.
+Heights belong to posts, the centers of pixels. The local grid is raised so that no post is above it.
 """
 
 import warnings
@@ -48,7 +47,7 @@ class ElevationRules:
 
 
 class _Posts(NamedTuple):
-    """Heights (rows, columns) [m], and the row and column of the first."""
+    """Heights (rows, columns) [m]; row and column of the first."""
 
     heights: NDArray[np.float64]
     first: tuple[int, int]
@@ -105,12 +104,11 @@ def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: floa
 
 
 def _knots(low: float, high: float) -> Vector:
-    """Return lines of the lattice of exact conversion."""
     return np.linspace(low, high, 33, dtype=np.float64)
 
 
 def _pixels(raster: "_Raster", frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Return column, row and altitude of a lattice, (3, east, north)."""
+    """Return column, row and altitude, (3, east, north)."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
@@ -173,7 +171,6 @@ def _post_distance(raster: "_Raster", frame: LocalFrame, area: NDArray[np.float6
 
 
 def _above_sea(posts: _Posts, raster: "_Raster", rules: ElevationRules) -> tuple[_Posts, str]:
-    """Return heights above mean sea level, and a remark."""
     datum = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
     if datum == "amsl" or rules.level_at_home:
         return posts, f"heights taken as {'above mean sea level' if datum == 'amsl' else 'differences only'}"
@@ -216,7 +213,6 @@ class _Raster:
         return not self.system.is_compound and len(self.system.axis_info) == 3
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
-        """Return columns and rows of places, each (n,)."""
         x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
         a, b, c, d, e, f = self._affine
         if self.system.is_geographic:  # nearest the raster's middle
@@ -234,7 +230,6 @@ class _Raster:
         return np.asarray(latitude), np.asarray(longitude)
 
     def expect_cover(self, pixels: NDArray[np.float64]) -> None:
-        """Raise, with the side or the missing posts."""
         outside = {
             "left": -0.5 - pixels[0].min(),
             "right": pixels[0].max() - self.dataset.width + 0.5,
@@ -251,7 +246,6 @@ class _Raster:
             )
 
     def read(self, pixels: Sequence[NDArray[np.float64]], fill: bool) -> tuple[_Posts, tuple[str, ...]]:
-        """Return the posts around `pixels`, and remarks."""
         if self.dataset.height < 4 or self.dataset.width < 4:
             raise BadInput("expected at least 4 x 4 heights", place=self.path)
         columns, rows = (
@@ -285,7 +279,6 @@ class _Raster:
                 yield f"heights differ by {most:.0f} m from one {side} to the next {where}: is one missing?"
 
     def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
-        """Fill missing heights from their neighbors, or refuse them."""
         wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)
         if wild.any():
             words = f"expected heights of ground, not {posts.heights[wild][0]:g} m {self._where(wild, posts)}"
@@ -334,7 +327,7 @@ class _Raster:
 
 
 def _span(pixels: Sequence[Vector], size: int) -> tuple[int, int]:
-    """Return begin and end of the posts around pixels: two more on each side, at least four, within `size`."""
+    """Return begin and end: two posts more on each side, at least four."""
     first = max(int(np.floor(min(level.min() for level in pixels))) - 2, 0)
     end = min(int(np.ceil(max(level.max() for level in pixels))) + 3, size)
     first = max(min(first, size - 4), 0)

@@ -1,5 +1,3 @@
-"""Hold a map's feature, and check its positions."""
-
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -44,7 +42,6 @@ def printed(name: str) -> str:
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """Return the corners, if they are longitudes and latitudes."""
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
@@ -82,7 +79,6 @@ class Mistakes:
             return None
 
     def raise_all(self) -> None:
-        """Raise at most ten collected errors."""
         if self._first:
             more = (f"and {self._more} more of this kind",) if self._more else ()
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)

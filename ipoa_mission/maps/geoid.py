@@ -1,4 +1,4 @@
-"""Return the geoid's height at home. One value serves a flight: it tilts by centimeters over kilometers."""
+"""One value serves a flight: the geoid tilts by centimeters over kilometers."""
 
 from pathlib import Path
 

@@ -1,7 +1,6 @@
-"""Read UAS geographical zones, ED-269 (JSON) and ED-318 (GeoJSON): their shapes, vertical limits and times.
+"""Read UAS geographical zones, ED-269 (JSON) and ED-318 (GeoJSON): shapes, vertical limits and times.
 
-National files and shapefiles cut or rename the keys. A limit that is not understood is dropped and reported: the zone
-grows. Times are seconds since 1970 (UTC); a zone of unreadable times is always active.
+A limit that is not understood is dropped and reported: the zone grows. Times are seconds since 1970 (UTC).
 """
 
 import json
@@ -93,7 +92,7 @@ def _ring(values: Any, place: str) -> Corners:
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
-    """Return a polygon of 72 corners around a circle, at most 0.1 % wider."""
+    """Return a polygon around a circle, at most 0.1 % wider."""
     try:
         corner = np.array([center[:2]], float)
         size = float(radius)
@@ -116,7 +115,6 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def layers_apart(feature: Any) -> list[Any]:
-    """Return a feature for each layer of an ED-318 geometry collection."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):
@@ -293,7 +291,6 @@ def _instant(text: str) -> float:
 
 
 def _clock(text: str) -> float:
-    """Return seconds since midnight UTC of `17:00Z` or `17:00:00.00+02:00`."""
     match = re.fullmatch(r"(\d\d):(\d\d)(?::(\d\d)(?:\.\d+)?)?(?:Z|([+-])(\d\d):?(\d\d))", text, re.IGNORECASE)
     if match is None:
         raise ValueError(text)

@@ -1,4 +1,4 @@
-"""Read winds from GRIB by eccodes: single forecasts at heights, at the nearest grid point."""
+"""Read winds from GRIB by eccodes."""
 
 import re
 from collections import defaultdict
@@ -45,7 +45,7 @@ class _Moment(NamedTuple):
 
 
 class _Message(NamedTuple):
-    """A component [m/s or deg]; `axis_deg`: of the grid's y axis, if it is along the axes."""
+    """`axis_deg`: of the grid's y axis, for a component along the axes."""
 
     moment: _Moment
     component: Component
@@ -114,8 +114,6 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
 
 
 def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: dict[str, Nearest]) -> _Message | None:
-    """Return a component of a wind; note other winds, ignore the rest."""
-
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
@@ -153,7 +151,6 @@ def _read(eccodes: Any, handle: Any, where: str, winds: ForecastWinds, nearest: 
 
 
 def _axis_deg(eccodes: Any, get: Any, path: Path, latitude_deg: float, longitude_deg: float) -> float | None:
-    """Return the direction of a grid's y axis, if winds are along its axes and these are turned."""
     # eccodes has no uvRelativeToGrid of polar stereographic and Lambert azimuthal grids
     is_along = get("uvRelativeToGrid", int) or (get("resolutionAndComponentFlags", int) or 0) & ALONG_AXES
     kind, north_up = get("gridType"), "regular_ll regular_gg reduced_ll reduced_gg mercator unstructured_grid"
@@ -185,7 +182,6 @@ def _valid_time(get: Any) -> np.datetime64:
 
 
 def _nearest(eccodes: Any, handle: Any, winds: ForecastWinds, known: dict[str, Nearest]) -> Nearest:
-    """Return the grid point nearest to the place; `known` ones are by grid."""
     grid, place = eccodes.codes_get(handle, "md5GridSection"), winds.place
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))

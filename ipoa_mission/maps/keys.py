@@ -1,6 +1,6 @@
-"""Classify a tag's key by what it measures, in any source.
+"""Classify the keys of tags by what they measure.
 
-A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same.
+`building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same: their words count.
 """
 
 import re
@@ -51,8 +51,6 @@ _EXACT = {
 
 
 class _Words:
-    """Words of keys, which decide together what a key measures."""
-
     ABOUT_ANOTHER_KEY = _set(
         "source note notes date accuracy ref error type class code method check survey color quality status",
         "confidence material shape direction angle description name id start end name_en comment fixme",

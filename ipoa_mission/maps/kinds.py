@@ -1,4 +1,4 @@
-"""Decide from OpenStreetMap's tags whether a map feature is an obstacle, and if not, why."""
+"""Decide by tags whether a map feature is an obstacle."""
 
 import re
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Read KML and KMZ. An extruded shape has its greatest altitude as height; other altitudes are ignored."""
+"""Read KML and KMZ: of altitudes, only the greatest of an extruded shape counts."""
 
 import contextlib
 import lzma
@@ -76,7 +76,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse 1 MB at once, to limit the memory."""
+    """Parse in pieces, to limit the memory."""
     parser: Any = ElementTree.XMLPullParser(("start",))
     root: ElementTree.Element | None = None
     count, most, piece = 0, 500_000, 1 << 20

@@ -1,6 +1,6 @@
 """Read lengths and storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
 
-The greatest of ambiguous values counts, for safety.
+The greatest counts, for safety.
 """
 
 import math
@@ -109,7 +109,6 @@ def counted_storeys(text: str) -> float | None:
 
 
 def _plain(text: str) -> str:
-    """Return plain lower-case text; empty if negative, or too long to be a number."""
     text = text.translate(_WIDE).strip().lower()
     return "" if len(text) > 60 or text.startswith(("-", "−")) else text
 

@@ -26,7 +26,6 @@ READERS = (*GEOJSON, *_WHOLE_FILE_READERS, *FIRST_BYTES, *_BATCH_READERS)
 
 
 def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ...]:
-    """Read all features; report every error with file and place."""
     features: list[Feature] = []
 
     def begin() -> Take:

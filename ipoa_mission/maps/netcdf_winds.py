@@ -1,4 +1,4 @@
-"""Read winds from NetCDF by xarray, at the nearest grid point. CF attributes take precedence over names."""
+"""Read winds from NetCDF by xarray; CF attributes take precedence over names."""
 
 import re
 import warnings
@@ -238,7 +238,6 @@ def _is_pressure(name: str, unit: Any, standard: str | None) -> bool:
 def _samples(
     height: float, datum: Datum, pair: tuple[Any, Any], winds: ForecastWinds, second: Component
 ) -> WindSamples:
-    """Return the members and times of a level; `second` is the component that the pair's second variable holds."""
     values = []
     for variable, target in zip(pair, ("m/s", "m/s" if second is Component.NORTH else "deg"), strict=True):
         unit = variable.attrs.get("units")
@@ -269,7 +268,7 @@ def _grid(data: Any, variable: Any) -> CRS | tuple[float, float] | None:
 
 
 def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
-    """Return a component at the nearest grid point, and the direction of the grid's y axis if it is along the axes."""
+    """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
     place, path = winds.place, winds.path
     latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
     is_along = (
@@ -308,7 +307,6 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
 
 
 def _degrees(variable: Any, kind: str, path: Path) -> Any:
-    """Return the coordinate of unrotated latitudes or longitudes."""
     for name, coordinate in variable.coords.items():
         standard, unit = coordinate.attrs.get("standard_name"), coordinate.attrs.get("units", "degrees")
         is_named = standard == kind or (standard is None and str(name).lower() in (kind, kind[:3]))

@@ -1,6 +1,6 @@
-"""Read OpenStreetMap's XML and Overpass's JSON (`[out:json]`).
+"""Read OpenStreetMap's XML and Overpass's JSON.
 
-A feature with corners outside the extract gets an empty shape, and a note of its other corners.
+A feature with corners outside the extract gets an empty shape, and a note of the others.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Read GeoParquet by pyarrow, row group by row group."""
+"""Read GeoParquet by pyarrow."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping

@@ -1,4 +1,4 @@
-"""Describe map features that are no obstacle, or may be one: for messages, counted by reason."""
+"""Describe map features that are no obstacle, or may be one."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -79,8 +79,6 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
 
 
 def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] | None = None) -> Iterator[PassedCount]:
-    """Count features by reason; `left_out` counts those that are not among `things`."""
-
     def key_of(thing: PassedOver) -> Key:
         return not thing.may_stand, thing.file, thing.reason
 

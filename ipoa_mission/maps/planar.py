@@ -1,4 +1,4 @@
-"""Convert shapes in degrees to valid polygons in east, north [m]."""
+"""Convert shapes to valid polygons in east, north [m]."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Convert a feature's properties to tags: texts, packed tags of other tools, and nested measures."""
+"""Convert properties to tags."""
 
 import json
 import re

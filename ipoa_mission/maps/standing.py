@@ -1,5 +1,3 @@
-"""Raise the obstacles of a map over the ground."""
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Read JSON texts that may exceed memory, block by block: the features of a collection, or one value a line."""
+"""Read JSON block by block."""
 
 import codecs
 import json

@@ -1,4 +1,4 @@
-"""Read heights and widths from tags. The greatest counts, for safety; a partly understood value is reported."""
+"""Read heights from tags. The greatest counts, for safety; a partly understood value is reported."""
 
 from collections.abc import Callable, Mapping
 

@@ -1,4 +1,4 @@
-"""Hold a forecast's winds at a place, and convert their units and axes."""
+"""Hold a forecast's winds at home; convert units and axes."""
 
 import re
 from dataclasses import dataclass, field
@@ -22,8 +22,6 @@ Times = NDArray[np.datetime64]
 
 
 class Component(IntEnum):
-    """A part of a wind: east and north, or speed and a direction (`FROM` or `TO`)."""
-
     EAST = 0
     NORTH = auto()
     SPEED = auto()
@@ -50,8 +48,6 @@ class WindSamples:
 
 @dataclass
 class ForecastWinds:
-    """The winds of a file at a place, and what was not read."""
-
     path: Path
     place: Geodetic
     samples: list[WindSamples] = field(default_factory=list)
@@ -82,7 +78,7 @@ def to_east_north(along: Points, axis_deg: float) -> Points:
 
 
 def unit_factor(unit: str, target: str, place: str) -> float:
-    """Return the factor from a unit such as "m s-1", "kt", "km/h" or "ft" to `target`."""
+    """Convert units such as "m s-1", "kt", "km/h" and "ft"."""
     pint, registry = _unit_registry()
     for spelling in (unit, unit.lower()):
         try:

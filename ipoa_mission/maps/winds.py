@@ -1,4 +1,4 @@
-"""Read the wind from a forecast (NetCDF or GRIB): a profile above home."""
+"""Read the wind of a forecast (NetCDF or GRIB) as a profile above home."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,9 +22,9 @@ HIGHEST = 500.0  # above home [m]; one level above is read
 
 
 def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
-    """Return the wind at a place from a time (UTC) on; `spread` is the greatest deviation of a member or hour.
+    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour.
 
-    Heights of an unknown datum are above the ground or the geoid, whichever gives the stronger wind.
+    For heights of an unknown datum the one with the stronger wind counts.
     """
     is_grib = read_bytes(path, 4) == b"GRIB" or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
     winds = grib_winds(path, place) if is_grib else netcdf_winds(path, place)
@@ -44,7 +44,6 @@ def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
 
 
 def _profile(winds: ForecastWinds, time: np.datetime64 | None, unknown: Datum) -> ForecastWind:
-    """Return the mean wind of members and hours at up to `MAX_LEVELS` heights; `unknown` replaces an unknown datum."""
     levels = dict[float, list[WindSamples]]()
     remarks, notes = list[str](), ForecastWinds(winds.path, winds.place)
     for samples in winds.samples:

@@ -1,4 +1,4 @@
-"""Estimate the energy of a scenario's flight by its learned curve, its airframe, or its hover power."""
+"""Estimate a flight's energy by curve, airframe or hover power."""
 
 from dataclasses import replace
 
@@ -41,7 +41,7 @@ def flight_energy(
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
-    """Return actual over predicted energy, nine flights in ten: docs/lab/profiles.md."""
+    """Return actual over predicted energy, nine flights in ten (docs/lab/profiles.md)."""
     if learned is None or learned.hover_power is None:
         return 0.75, 1.4
     ratio = learned.energy_ratio

@@ -1,5 +1,3 @@
-"""Define cameras: known ones by name, others by numbers."""
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches

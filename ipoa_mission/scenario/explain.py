@@ -1,4 +1,4 @@
-"""Explain pydantic's errors in a scenario: the place, the expected value, and near or known keys."""
+"""Explain pydantic's errors in a scenario."""
 
 import difflib
 from collections.abc import Mapping, Sequence

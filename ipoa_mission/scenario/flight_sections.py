@@ -1,4 +1,4 @@
-"""Define the tables that say how to plan and fly: safety, wind, route, cost, planning, optimizer."""
+"""Tables of safety, wind, route, cost, planning and optimizer."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -1,5 +1,3 @@
-"""Define the tables that name a map: buildings, zones, flight area, elevation."""
-
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias

@@ -1,5 +1,3 @@
-"""Define the scenario: the table of a scenario file, with its world and limits."""
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -54,7 +52,6 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 
 
 def _merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table with defaults, at all depths."""
     merged = {**settings, **table}
     for key in settings.keys() & table.keys():
         if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
@@ -233,12 +230,12 @@ class Scenario(Section):
         )
 
     def expect_here(self, home: Geodetic) -> None:
-        """Refuse a `home` far away. Raises BadInput."""
+        """Raises BadInput."""
         if (elsewhere := self.why_elsewhere(home)) is not None:
             raise elsewhere
 
     def read_maps(self) -> None:
-        """Read the maps now. Raises BadInput."""
+        """Raises BadInput."""
         _ = self._surroundings
 
     @cached_property
@@ -247,22 +244,18 @@ class Scenario(Section):
 
     @cached_property
     def start_point(self) -> Vector:
-        """Return the begin of the planned path, (3,) [m]."""
         return self._point(self.start)
 
     @cached_property
     def goal_point(self) -> Vector:
-        """Return its end, (3,) [m]."""
         return self._point(self.goal)
 
     @cached_property
     def via_points(self) -> Points:
-        """Return the via points, (k, 3) [m]."""
         return self._points(self.via)
 
     @cached_property
     def rally_points(self) -> Points:
-        """Return the rally points, (k, 3) [m]."""
         return self._points(self.rally)
 
     @cached_property

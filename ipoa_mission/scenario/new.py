@@ -1,4 +1,4 @@
-"""Write a first scenario file from a map and an elevation model, or from home alone."""
+"""Write a first scenario file."""
 
 import json
 import math
@@ -74,7 +74,7 @@ def new_scenario(
 
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return free places south-west and north-east of the map's middle, at most 200 m away [deg]."""
+    """Return places south-west and north-east, at most 200 m from the middle [deg]."""
     frame, farthest = LocalFrame(_middle(path)), 200.0
     within = np.full(2, -farthest - 2 * FREE_RADIUS), np.full(2, farthest + 2 * FREE_RADIUS)
     buildings = search_buildings(path, BuildingRules(), frame, within)

@@ -1,5 +1,3 @@
-"""Convert no-fly zones of maps to obstacles between their vertical limits."""
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -83,7 +81,7 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
 
 
 def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    """Return heights on a lattice of 33 lines each way, (n,) [m]."""
+    """Return heights on a lattice, (n,) [m]."""
     east, north = (np.linspace(box[0][axis], box[1][axis], 33) for axis in (0, 1))
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 

@@ -1,5 +1,3 @@
-"""Define the obstacles that a scenario draws by hand."""
-
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np

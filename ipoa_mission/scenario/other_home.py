@@ -1,4 +1,4 @@
-"""Move a scenario's home to a start place of its survey; meters from home are converted."""
+"""Move home to a start place; meters from home are converted."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -29,7 +29,6 @@ Move: TypeAlias = Callable[[Points], Points]  # of places (n, 2) [m]
 
 
 def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
-    """Return the scenario from the start place at `home`; itself if `home` is its own, or no start place."""
     tolerance, away = 1.0, _away(scenario, home)  # [m]
     if not away or min(away) > tolerance or apart(home, scenario.frame.home) <= tolerance:
         return scenario
@@ -136,7 +135,6 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
 
 
 def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
-    """Return a section at the same place: horizontally in degrees, its heights and heading from the new home."""
     changes, at = dict[str, Any](), (0.0, 0.0)
     if isinstance(section, Horizontal):
         at = section.east_north(old)

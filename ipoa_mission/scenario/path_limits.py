@@ -1,4 +1,4 @@
-"""Define the limits of a path. Around a low start, goal or via point its own height is required."""
+"""Limits of a path. A low start, goal or via point lowers the required height around it."""
 
 from dataclasses import dataclass, replace
 

@@ -1,5 +1,3 @@
-"""Define the tables of places, terrain, fence and bounds."""
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias

@@ -1,5 +1,3 @@
-"""Read a scenario file (TOML), with its maps and wind."""
-
 import re
 import tomllib
 from pathlib import Path
@@ -43,12 +41,11 @@ def read_scenario(path: str | Path) -> Scenario:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Raises BadInput."""
     return parse_toml(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """Return the scenario; files are relative to `path`. Raises BadInput, MissionError."""
+    """Raises BadInput, MissionError."""
     return scenario_of(parse_toml(text, path), path)
 
 
@@ -68,7 +65,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """Parse a text; errors name `path`. Raises BadInput."""
+    """Raises BadInput."""
     for word in _WORDS.finditer(text):
         if word["long"]:
             line = text.count("\n", 0, word.start()) + 1

@@ -1,5 +1,3 @@
-"""Define the base of all tables of a scenario file, and types of their numbers and files."""
-
 import ast
 import inspect
 from collections.abc import Iterator, Mapping

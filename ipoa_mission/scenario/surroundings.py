@@ -1,4 +1,4 @@
-"""Build the world of a scenario: bounds, ground, obstacles, zones and fences, from its maps and sections."""
+"""Build a scenario's airspace and fences."""
 
 import math
 from collections import Counter
@@ -38,8 +38,6 @@ BEYOND = f"more than {MARGIN:g} m outside the bounds"
 
 
 class Site(Protocol):
-    """The parts of a scenario that make its world."""
-
     start: Place
     goal: Place
     via: tuple[Place, ...]
@@ -250,7 +248,6 @@ def _things(scenario: Site) -> Box:
 
 
 def _reach(scenario: Site) -> float:
-    """Return the reach of map features [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 

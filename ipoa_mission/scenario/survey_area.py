@@ -1,5 +1,3 @@
-"""Check the rings of a survey area, and hold it."""
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias

@@ -1,5 +1,3 @@
-"""Define the survey of a scenario: its area, camera, lines and start places."""
-
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -161,7 +159,6 @@ class SurveySection(Section):
         return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
     def spacing(self, height: float) -> float:
-        """Return the distance between lines [m]."""
         camera = self.taken_by
         if self.line_spacing is not None or camera is None:
             assert self.line_spacing is not None

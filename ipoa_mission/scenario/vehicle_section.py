@@ -1,5 +1,3 @@
-"""Define the vehicle of a scenario: autopilot, speeds, parameters, airframe and battery."""
-
 import math
 from typing import Annotated, Any
 
