@@ -13,7 +13,7 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, Ti
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
-from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
+from ipoa_mission.link.orders import CommandRefused, command, request_stream, set_current
 from ipoa_mission.link.telemetry import Position, SystemStatus
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.progress import Progress, silent
@@ -78,7 +78,7 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
     state.heard -= set(NEEDED_STREAMS.values())
     for _ in range(LIMITS.stream_requests):
         for name in unheard:
-            is_refused = not (yield from stream(name, STREAMS_S[name]))
+            is_refused = not (yield from request_stream(name, STREAMS_S[name]))
             refused = refused | {name} if is_refused else refused - {name}
         if (yield from until(lambda: state.heard >= set(NEEDED_STREAMS.values()), LIMITS.stream_s)):
             return
@@ -90,7 +90,7 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
 
 def unsubscribe() -> Dialogue[None]:
     for name in STREAMS_S:
-        yield from stream(name, 0.0)
+        yield from request_stream(name, 0.0)
 
 
 def expect_on_ground(state: VehicleState) -> None:

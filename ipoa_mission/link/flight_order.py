@@ -248,21 +248,17 @@ class Conformance:
         self._seen_s = heard.time_s
         if not self._state.in_air:
             return
-        if not self._flies_mission:
+        in_mission = self._state.custom_mode == self._state.autopilot.modes.mission
+        if self._order.is_paused or not (in_mission or self._returns_at_its_end):
             self._monitor.interrupt()
             return
         if self._is_ordered and self._order.is_under_way:
             return  # ignore deviations until the vehicle obeys
-        if self._state.custom_mode == self._state.autopilot.modes.mission:
+        if in_mission:
             self._is_ordered = False  # refused, or the mission was resumed
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         if (deviation := self._monitor.see(heard.time_s, place, self._item)) is not None:
             self._deviates(deviation)
-
-    @property
-    def _flies_mission(self) -> bool:
-        mode, modes = self._state.custom_mode, self._state.autopilot.modes
-        return not self._order.is_paused and (mode == modes.mission or self._returns_at_its_end)
 
     @property
     def _returns_at_its_end(self) -> bool:

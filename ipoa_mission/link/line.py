@@ -71,7 +71,7 @@ class Carrier(Protocol):
         """Take the steps of a run until something else is heard."""
         return self.receive(min(until, run.sent_s + run.wait_s))
 
-    def understands(self, target: Target) -> None:
+    def note_answer(self, target: Target) -> None:
         """Note that this target answers us."""
         return
 
@@ -134,7 +134,7 @@ class Line(Carrier):
             self._routes.speak_to(target)
         self._send(frame, self._routes.to(target))
 
-    def say(self, definition: Definition, payload: bytes) -> None:
+    def send_payload(self, definition: Definition, payload: bytes) -> None:
         """Send a payload whose fields contain the target, if any."""
         self._send(self.codec.frame(definition, payload, self.channel.unix_s()), self._routes.to(EVERYONE))
 
@@ -214,10 +214,7 @@ class Line(Carrier):
         if self.contested(system):
             raise Contested(system)
 
-    def heard_s(self, target: Target) -> float | None:
-        return self._routes.heard_s(target)
-
-    def understands(self, target: Target) -> None:
+    def note_answer(self, target: Target) -> None:
         self._understands.add(target)
 
     def no_reply_cause(self, target: Target) -> MissionError | None:
@@ -319,7 +316,7 @@ def converse(
                         exchange.receive(heard.message, now())
                         heard_s = now()
                 if exchange.was_answered:
-                    line.understands(target)
+                    line.note_answer(target)
                 elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.no_reply_cause(target)):
                     exchange.interrupt(cause, now())
                 if now() - heard_s >= quiet_s:

@@ -59,7 +59,7 @@ def as_pymavlink(frame: bytes) -> Any:
     return dialect_of(number_of(frame)).MAVLink(None).decode(bytearray(frame))
 
 
-def own_line(line: object) -> Line:
+def expect_line(line: object) -> Line:
     """Raise BadInput for MAVSDK's."""
     if not isinstance(line, Line):
         raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's", code="backend-cannot")

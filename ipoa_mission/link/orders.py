@@ -86,12 +86,12 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
             return
 
 
-def stream(name: str, interval_s: float) -> Dialogue[bool]:
+def request_stream(name: str, interval_s: float) -> Dialogue[bool]:
     result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == m.CommandResult.ACCEPTED
 
 
-def _requested(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
+def _request(name: str, kind: type[M], pause_s: float, requests: int = 5) -> Dialogue[M | None]:
     """Return None if it is refused; repeat, because an answer may belong to an earlier request."""
     request = message_request(name)
     step: Step = Ask(request)
@@ -117,23 +117,23 @@ def _requested(name: str, kind: type[M], pause_s: float, requests: int = 5) -> D
                 return heard
 
 
-def home() -> Dialogue[Geodetic | None]:
-    at = yield from _requested("HOME_POSITION", HomePosition, 2.0)
+def request_home() -> Dialogue[Geodetic | None]:
+    at = yield from _request("HOME_POSITION", HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
-def clock() -> Dialogue[SystemTime | None]:
-    return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, requests=2))
+def request_clock() -> Dialogue[SystemTime | None]:
+    return (yield from _request("SYSTEM_TIME", SystemTime, 1.0, requests=2))
 
 
-def about() -> Dialogue[AutopilotVersion | None]:
+def request_version() -> Dialogue[AutopilotVersion | None]:
     try:
-        return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, requests=2))
+        return (yield from _request("AUTOPILOT_VERSION", AutopilotVersion, 1.0, requests=2))
     except NoAnswer:
         return None
 
 
-def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
+def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
     An unknown parameter is met with silence. Each round also asks for parameters that exist: four of their answers
@@ -168,7 +168,7 @@ def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogu
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
     """Verify by the last value heard; raise NoAnswer (unknown), BadInput (type) or MissionError (not kept)."""
-    reported = yield from parameters([(name,)], autopilot)
+    reported = yield from request_parameters([(name,)], autopilot)
     if name not in reported:
         raise NoAnswer(f"the vehicle has no parameter {name}", code="unknown-parameter")
     kind = reported[name].param_type

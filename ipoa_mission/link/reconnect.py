@@ -168,10 +168,10 @@ def recognize(candidate: VehicleState, known: KnownVehicle) -> Dialogue[None]:
         NotReady, NoAnswer: it does not report its list.
     """
     candidate.expect_flown()
-    clock = yield from orders.clock()
+    clock = yield from orders.request_clock()
     if clock is not None and clock.boot_s < known.clock_s - 1.0:
         raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {candidate}")
-    before, about = known.about, (yield from orders.about())
+    before, about = known.about, (yield from orders.request_version())
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
         raise IdentityChanged("its AUTOPILOT_VERSION is another one")
     if known.onboard is not None:

@@ -11,7 +11,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, T, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, Listening, converse
-from ipoa_mission.link.mavutil_channel import messages_from, own_line, payload_of
+from ipoa_mission.link.mavutil_channel import expect_line, messages_from, payload_of
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.vehicle_state import VehicleState
@@ -44,11 +44,11 @@ class RemoteVehicle:
 
     def send(self, message: Any) -> None:
         """Send to the message's own target; raise BadInput for an unknown dialect."""
-        own_line(self.line).say(*payload_of(message))
+        expect_line(self.line).send_payload(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
         """Return the vehicle's messages as pymavlink's; `names`: only those."""
-        return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
+        return messages_from(expect_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:
         """Raise TimeUp in the present verb after this time, also in a watched flight."""
@@ -91,5 +91,5 @@ class RemoteVehicle:
 
     def _read_version(self) -> AutopilotVersion:
         if self._about is None:
-            self._about = self._hold(orders.about()) or AutopilotVersion(0)
+            self._about = self._hold(orders.request_version()) or AutopilotVersion(0)
         return self._about

@@ -339,7 +339,7 @@ class Vehicle(RemoteVehicle):
 
     def home(self) -> Geodetic | None:
         """None while the vehicle has none."""
-        return self._hold(orders.home())
+        return self._hold(orders.request_home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
         """Return the vehicle's values; leave unknown ones out.
@@ -347,7 +347,7 @@ class Vehicle(RemoteVehicle):
         Several names of a parameter are requested at once.
         """
         names = [(name,) if isinstance(name, str) else tuple(name) for name in wanted]
-        values = self._hold(orders.parameters(names, self.autopilot))
+        values = self._hold(orders.request_parameters(names, self.autopilot))
         return {name: value.param_value for name, value in values.items()}
 
     def set_parameter(self, name: str, value: float) -> None:

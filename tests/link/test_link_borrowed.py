@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
-from ipoa_mission.link.mavutil_channel import MavutilChannel, own_line
+from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_line
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
 from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
@@ -46,7 +46,7 @@ def test_what_is_no_connection_is_bad_input() -> None:
     with refuses("bad-input", "connect"):
         MavutilChannel(object())
     with refuses("backend-cannot", kind=BadInput):
-        own_line(object())
+        expect_line(object())
 
 
 def test_messages_of_pymavlinks_are_said_and_heard() -> None:

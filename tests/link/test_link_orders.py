@@ -75,35 +75,35 @@ def test_the_current_item_is_set_by_command_or_by_the_older_message() -> None:
 
 def test_home_is_asked_for_until_it_comes_or_is_unknown() -> None:
     place = HomePosition(47.0, 8.0, 400.0)
-    assert lead(orders.home(), [CommandAck(512, 0), BEAT, place]).result == Geodetic(47.0, 8.0, 400.0)
-    assert lead(orders.home(), [CommandAck(512, 0)], [place]).result == Geodetic(47.0, 8.0, 400.0)
-    assert lead(orders.home(), [CommandAck(512, 2)]).result is None
+    assert lead(orders.request_home(), [CommandAck(512, 0), BEAT, place]).result == Geodetic(47.0, 8.0, 400.0)
+    assert lead(orders.request_home(), [CommandAck(512, 0)], [place]).result == Geodetic(47.0, 8.0, 400.0)
+    assert lead(orders.request_home(), [CommandAck(512, 2)]).result is None
 
 
 def test_a_vehicle_that_knows_no_home_is_asked_some_seconds_and_not_for_ever() -> None:
     """ArduPilot without GPS accepts every request for HOME_POSITION, and sends none."""
-    patient = lead(orders.home(), *([CommandAck(512, 0)] for _ in range(99)))
+    patient = lead(orders.request_home(), *([CommandAck(512, 0)] for _ in range(99)))
     assert patient.result is None
 
 
 def test_a_refusal_of_an_earlier_request_is_no_refusal_of_this_one() -> None:
     place = HomePosition(47.0, 8.0, 400.0)
-    assert lead(orders.home(), [CommandAck(512, 3)], [place]).result == Geodetic(47.0, 8.0, 400.0)
+    assert lead(orders.request_home(), [CommandAck(512, 3)], [place]).result == Geodetic(47.0, 8.0, 400.0)
 
 
 def test_an_autopilot_tells_what_it_is_or_nothing() -> None:
     version = AutopilotVersion(36, 0x04070000)
-    assert lead(orders.about(), [BEAT, version]).result == version
-    assert lead(orders.about(), [CommandAck(512, 0), version]).result == version
-    assert lead(orders.about(), [CommandAck(512, 0)]).result is None
-    assert lead(orders.about(), [CommandAck(512, 3)]).result is None
-    assert lead(orders.about()).result is None
+    assert lead(orders.request_version(), [BEAT, version]).result == version
+    assert lead(orders.request_version(), [CommandAck(512, 0), version]).result == version
+    assert lead(orders.request_version(), [CommandAck(512, 0)]).result is None
+    assert lead(orders.request_version(), [CommandAck(512, 3)]).result is None
+    assert lead(orders.request_version()).result is None
 
 
 def test_streams_are_asked_for_by_name() -> None:
-    assert lead(orders.stream("ATTITUDE", 0.1), [CommandAck(511, 0)]).result is True
-    assert lead(orders.stream("ATTITUDE", 0.1), [CommandAck(511, 3)]).result is False
-    assert said_by(orders.stream("ATTITUDE", 0.1)) == [CommandLong(511, (30, 100_000, 0.0, 0.0, 0.0, 0.0, 0.0))]
+    assert lead(orders.request_stream("ATTITUDE", 0.1), [CommandAck(511, 0)]).result is True
+    assert lead(orders.request_stream("ATTITUDE", 0.1), [CommandAck(511, 3)]).result is False
+    assert said_by(orders.request_stream("ATTITUDE", 0.1)) == [CommandLong(511, (30, 100_000, 0.0, 0.0, 0.0, 0.0, 0.0))]
 
 
 def value_of(name: str, value: float, kind: int = 9) -> ParamValue:
@@ -113,23 +113,23 @@ def value_of(name: str, value: float, kind: int = 9) -> ParamValue:
 def test_parameters_are_read_by_name_and_whole_numbers_as_each_firmware_sends_them() -> None:
     bits = struct.unpack("<f", struct.pack("<i", 4001))[0]
     answers: list[list[Message]] = [[BEAT, value_of("A", bits, 6)], [value_of("B", 2.5)]]
-    both = lead(orders.parameters([["A"], ["B"]], PX4), *answers).result
+    both = lead(orders.request_parameters([["A"], ["B"]], PX4), *answers).result
     assert {name: one.param_value for name, one in both.items()} == {"A": 4001.0, "B": 2.5}
-    as_it_is = lead(orders.parameters([["A"]], ARDUPILOT), [value_of("A", 7.0, 6)]).result
+    as_it_is = lead(orders.request_parameters([["A"]], ARDUPILOT), [value_of("A", 7.0, 6)]).result
     assert as_it_is["A"].param_value == 7.0
-    assert said_by(orders.parameters([["A"]], PX4)) == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID")]
+    assert said_by(orders.request_parameters([["A"]], PX4)) == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID")]
     with refuses("no-answer", "", "for A"):
-        lead(orders.parameters([["A"]], PX4))
+        lead(orders.request_parameters([["A"]], PX4))
 
 
 def test_a_parameter_with_several_names_is_known_by_the_first_that_is_answered() -> None:
     answers: list[list[Message]] = [[], [value_of("WPNAV_SPEED", 500.0)]]
-    known = lead(orders.parameters([["WP_SPD", "WPNAV_SPEED"]], ARDUPILOT), *answers).result
+    known = lead(orders.request_parameters([["WP_SPD", "WPNAV_SPEED"]], ARDUPILOT), *answers).result
     assert {name: one.param_value for name, one in known.items()} == {"WPNAV_SPEED": 500.0}
 
 
 def test_a_parameter_that_does_not_exist_is_left_out() -> None:
-    known = lead(orders.parameters([["A"], ["NONE"]], ARDUPILOT), [value_of("A", 7.0)]).result
+    known = lead(orders.request_parameters([["A"], ["NONE"]], ARDUPILOT), [value_of("A", 7.0)]).result
     assert list(known) == ["A"]
 
 

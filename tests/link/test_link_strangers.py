@@ -135,8 +135,8 @@ def test_vehicles_with_ids_of_their_own_are_not_contested() -> None:
     assert meet(line, 2).autopilot is ARDUPILOT
     assert not line.contested(1)
     assert not line.contested(2)
-    assert line.heard_s(Target(9, 1)) is None
-    assert line.heard_s(VEHICLE) == pytest.approx(line.channel.now(), abs=1.1)
+    assert line._routes.heard_s(Target(9, 1)) is None
+    assert line._routes.heard_s(VEHICLE) == pytest.approx(line.channel.now(), abs=1.1)
 
 
 # --- made-up ids and forged answers ---------------------------------------------------------------------------------

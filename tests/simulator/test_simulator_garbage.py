@@ -29,7 +29,7 @@ from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.events import event_number
 from ipoa_mission.link.mavftp import FileMessage, Opcode, read_file
 from ipoa_mission.link.mission_upload_file import upload_by_file
-from ipoa_mission.link.orders import parameters, set_current
+from ipoa_mission.link.orders import request_parameters, set_current
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.upload import Upload, upload
@@ -174,7 +174,7 @@ def mislead_a_client(chance: random.Random) -> None:
         lambda: set_current(1),
         lambda: prepare(departure),
         lambda: depart(departure),
-        lambda: parameters(("A", "B"), family),
+        lambda: request_parameters(("A", "B"), family),
         lambda: read_file("x"),
     ]
     dialogue = chance.choice(dialogues)()
