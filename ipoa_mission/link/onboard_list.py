@@ -29,16 +29,18 @@ class OnboardList:
     def note(self, message: Message, is_flying: bool = False) -> None:
         """Another id or number of items is a replacement; warn once in flight."""
         if self.job.kind == MissionType.MISSION and isinstance(message, Current):
-            self.changed = self.changed or self._other(message)
+            self.changed = self.changed or self._replacement(message)
         if self.changed and is_flying and not self.is_reported:
             self.is_reported = True
             log.warning("%s", ReplacedSince(self))
 
     def is_confirmed_by(self, current: Current | None) -> bool:
-        is_ours = current is not None and self.list_id != 0 and current.mission_id == self.list_id
-        return is_ours and current is not None and not self._other(current)
+        """Check for a report of our id, and of nothing else."""
+        if current is None or self.list_id == 0 or current.mission_id != self.list_id:
+            return False
+        return not self._replacement(current)
 
-    def _other(self, current: Current) -> str:
+    def _replacement(self, current: Current) -> str:
         if self.list_id and current.mission_id not in (0, self.list_id):
             return f"it has the id {current.mission_id}, and ours has {self.list_id}"
         total, unknown = current.total, (0, 65535)
@@ -102,19 +104,15 @@ class ListWatcher:
         if answer is not None and answer.checksum is not None:
             self._asked.clear()
             if answer.checksum != onboard.list_id:
-                yield from self._read_again()
+                try:
+                    onboard.list_id = (yield from _read_again(onboard.job)) or onboard.list_id
+                except Replaced as replaced:
+                    onboard.changed = str(replaced.difference)
+                except NotReady:  # another station may be uploading
+                    return
         elif now_s >= self._due_s:
             self._due_s = now_s + CHECK_INTERVAL_S
-            question = checksum_question(onboard.job.kind, numbers, self._asked)
-            yield Remark(question)
-
-    def _read_again(self) -> Dialogue[None]:
-        try:
-            self._onboard.list_id = (yield from _read_again(self._onboard.job)) or self._onboard.list_id
-        except Replaced as replaced:
-            self._onboard.changed = str(replaced.difference)
-        except NotReady:  # another station may be uploading
-            return
+            yield Remark(checksum_question(onboard.job.kind, numbers, self._asked))
 
 
 def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:
