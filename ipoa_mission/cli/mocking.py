@@ -71,7 +71,7 @@ def mock(
     from ipoa_mission.autopilot.known_parameters import expect_own
     from ipoa_mission.autopilot.version import Version
     from ipoa_mission.cli.options import signer_of
-    from ipoa_mission.link.address import parse_address
+    from ipoa_mission.link.channel import parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import serve
 

@@ -15,8 +15,7 @@ from ipoa_mission.autopilot.vehicle_kind import QUADROTOR, Kind
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import upload, wire
-from ipoa_mission.link.address import Address, Transport, parse_address
-from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.channel import Address, LinkDown, Transport, parse_address
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until

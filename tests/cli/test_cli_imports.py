@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import UdpChannel
+from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.mock_server import Server

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import TcpChannel, UdpChannel
+from ipoa_mission.link.channel import TcpChannel, UdpChannel, parse_address
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station

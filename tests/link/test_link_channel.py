@@ -9,8 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
+from ipoa_mission.link.channel import LinkDown, SerialChannel, UdpChannel, open_channel, parse_address, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.link.address import Address, Transport, parse_address
-from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
+from ipoa_mission.link.channel import Address, LinkDown, Transport, UdpChannel, open_channel, parse_address
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer

@@ -10,8 +10,7 @@ pytest.importorskip("mavsdk")
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link import upload
-from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import UdpChannel
+from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line

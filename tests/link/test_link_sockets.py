@@ -5,8 +5,7 @@ from contextlib import closing
 
 import pytest
 
-from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import LinkDown, TcpChannel, UdpChannel
+from ipoa_mission.link.channel import LinkDown, TcpChannel, UdpChannel, parse_address
 from tests.refused import refuses
 
 

@@ -5,7 +5,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from ipoa_mission.link.address import Transport, parse_address
+from ipoa_mission.link.channel import Transport, parse_address
 
 
 @contextmanager
