@@ -8,11 +8,6 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 
 
-def known_parameters() -> frozenset[str]:
-    tables = (autopilot.parameter_table for autopilot in registered())
-    return frozenset(name for table in tables for name in (*table.moving, *table.renamed))
-
-
 def known_names() -> frozenset[str]:
     return frozenset(name for autopilot in registered() for name in autopilot.parameter_names)
 

@@ -10,7 +10,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
-from ipoa_mission.autopilot.known_parameters import known_parameters
+from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Current, ParamValue
@@ -20,7 +20,8 @@ from ipoa_mission.vehicles.arducopter.log import BATTERIES, FMT, HEAD, KINDS
 from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
 from tools import command_line
 
-PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
+TABLES = [vehicle.parameter_table for vehicle in registered()]
+PARAMETERS = {"LOG_DISARMED", "SDLOG_MODE"}.union(*(table.moving.keys() | table.renamed.keys() for table in TABLES))
 THINNED = (Position, Attitude, LocalPosition, SystemTime)
 KEPT = {
     "HEARTBEAT", "STATUSTEXT", "EVENT", "COMMAND_LONG", "COMMAND_INT", "COMMAND_ACK", "MISSION_COUNT",

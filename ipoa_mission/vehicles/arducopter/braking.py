@@ -73,13 +73,11 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
     behind = math.atan2(ahead * math.cos(aside), flown - ahead * math.sin(aside))
     settled = math.acos(min(speed * math.cos(aside) ** 2 / (spin * radius), 1.0))
     if behind - aside < settled:
-        back = _fallen_back(behind - aside, settled, max(abs(turn) - behind, 0.0))
+        # the angle from velocity to point after a turn at the speed limit
+        back = settled * math.tanh(
+            settled * max(abs(turn) - behind, 0.0) / 2.0 + math.atanh((behind - aside) / settled)
+        )
         flown, behind = radius * math.cos(back) / math.cos(aside), aside + back
     pace, near = spin * flown, accel / limits.p_position**2
     runs_on = pace / limits.p_position if pace <= near else near / 2.0 + pace**2 / (2.0 * accel)
     return FlownCircle(flown, behind, runs_on, limits.circle_sense)
-
-
-def _fallen_back(begin: float, settled: float, turn: float) -> float:
-    """Return the angle from velocity to point after a turn at the speed limit."""
-    return settled * math.tanh(settled * turn / 2.0 + math.atanh(begin / settled))

@@ -207,17 +207,15 @@ def _items(result: Any | None) -> Iterator[Event]:
 
 
 def _fixes(topics: dict[str, Any]) -> Fixes:
-    times, latitude, longitude, altitude = _global(topics) if POSITIONS[0] in topics else _local(topics[POSITIONS[1]])
+    if place := topics.get(POSITIONS[0]):
+        stamps, latitude, longitude, altitude = (_column(place, name) for name in ("timestamp", "lat", "lon", "alt"))
+        times = stamps / 1e6
+    else:
+        times, latitude, longitude, altitude = _local(topics[POSITIONS[1]])
     times, kept = np.unique(times, return_index=True)
     latitude, longitude, altitude = latitude[kept], longitude[kept], altitude[kept]
     velocity = np.column_stack([_velocity(topics, axis, times) for axis in ("vx", "vy", "vz")])
     return Fixes(times, latitude, longitude, altitude, altitude - _ground(topics, times, altitude), velocity)
-
-
-def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
-    place = topics[POSITIONS[0]]
-    latitude, longitude, altitude = (_column(place, name) for name in ("lat", "lon", "alt"))
-    return _column(place, "timestamp") / 1e6, latitude, longitude, altitude
 
 
 def _column(topic: Any, name: str) -> Vector:

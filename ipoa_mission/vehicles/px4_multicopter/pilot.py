@@ -23,7 +23,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
 #: They suppress the report of the waypoint before (measured).
 REPORT_SUPPRESSING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
@@ -31,6 +31,8 @@ NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 
 
 class PX4Pilot:
+    """Give the vehicle its orders, one after another; `Situation` says which mode and item are current."""
+
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
@@ -65,10 +67,10 @@ class PX4Pilot:
 
     def climb(self, height: float) -> None:
         """Climb to a height above home [m], and stay."""
-        here = self._over_home()
-        self._here = here._replace(up=height)
-        rise = take_off if self._now.landed else self._way_to
-        self._carry_out([rise(self._here, self._limits), *stay(self._here, self._limits, math.inf)])
+        here, limits = self._over_home(), self._limits
+        top = self._here = here._replace(up=height)
+        rise = take_off(top, limits) if self._now.landed else leg(here, top, None, limits, limits.cruise)
+        self._carry_out([rise, *stay(top, limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """Fly to a place and stay; NaN: last place, present height, usual speed."""
@@ -215,9 +217,6 @@ class PX4Pilot:
         self._announced, self._orders = False, orders
         if orders:
             self._state = begun(self._state, orders[0])
-
-    def _way_to(self, goal: Enu, limits: Px4Limits) -> Order:
-        return leg(self._over_home(), goal, None, limits, limits.cruise)
 
 
 PILOTS = Pilots(PX4Pilot)

@@ -85,6 +85,8 @@ def stop_at(program: Program, n: int, here: Place) -> Stop:
 
 
 class Copter:
+    """The flight state, and the leg before, this one and the following; `fly_to` and the like begin a leg."""
+
     def __init__(
         self,
         limits: CopterLimits,

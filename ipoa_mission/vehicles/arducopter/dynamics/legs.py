@@ -1,3 +1,5 @@
+"""Plan ArduCopter's legs: straight, arc, spline, vertical, hold and circle, with their speed limits."""
+
 import math
 from dataclasses import replace
 from functools import lru_cache
@@ -90,7 +92,7 @@ def spline_leg(
     speeds: MotionLimits,
     copter: CopterLimits,
 ) -> CopterLeg:
-    """It starts tangent to the previous leg (`spline_tangents`)."""
+    """Return a spline that starts tangent to the previous leg (`spline_tangents`)."""
     flown_in = None
     if previous is not None:
         flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
@@ -104,7 +106,7 @@ def spline_leg(
 
 
 def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
-    """`height` [m]; a HOLD `lasts` [s]."""
+    """Return a vertical leg to `height` [m]; a HOLD `lasts` [s]."""
     return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
 
 
@@ -115,7 +117,7 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
 def orbit_leg(
     here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
-    """`turn` [rad], clockwise."""
+    """Return a circle of `turn` [rad], clockwise."""
     spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
     if radius > 0.0:
         spin = circle_spin(copter, radius, speeds.level)
@@ -145,12 +147,12 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
 
 
 def speed_left(leg: CopterLeg) -> float:
-    """[m/s]"""
+    """Return the speed at a spline's end [m/s]."""
     return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
 def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: CopterLimits) -> CopterLeg:
-    """`elapsed` s after its start."""
+    """Return the leg with other speeds from `elapsed` s after its start."""
     if speeds == leg.speeds:
         return leg
     changed = leg._replace(speeds=speeds)

@@ -1,3 +1,5 @@
+"""Fly PX4's orders from start to end; long cruises are skipped."""
+
 import math
 from collections.abc import Sequence
 

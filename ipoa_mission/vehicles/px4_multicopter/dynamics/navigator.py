@@ -1,3 +1,5 @@
+"""Turn mission items, RTL and LAND into orders, as PX4's navigator."""
+
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
