@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, OwnFence, StationLoss
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
 from ipoa_mission.autopilot.guidance_profile import (
+    CommandEffects,
     FlownCircle,
     GuidanceProfile,
     Modes,
     ProtocolProfile,
-    WayKnown,
     WaypointDefaults,
 )
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
@@ -68,7 +68,7 @@ class Autopilot(metaclass=_ByName):
     parameter_table: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceProfile]
-    way_known: ClassVar[WayKnown] = WayKnown()
+    command_effects: ClassVar[CommandEffects] = CommandEffects()
     protocol_profile: ClassVar[ProtocolProfile]
     refusals: ClassVar[Refusals]
     slowed_by: ClassVar[SlowedBy]

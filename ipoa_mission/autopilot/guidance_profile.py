@@ -154,7 +154,7 @@ SIMPLE = frozenset({
 
 
 @dataclass(frozen=True)
-class WayKnown:
+class CommandEffects:
     """Commands by effect; all others make the path unknown."""
 
     flown: Set[int] = SIMPLE

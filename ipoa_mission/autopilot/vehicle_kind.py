@@ -36,11 +36,11 @@ def with_article(name: str) -> str:
 
 
 @dataclass(frozen=True)
-class Kind:
+class VehicleKind:
     """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE).
 
     >>> from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
-    >>> str(Kind(3, 1)), str(Kind(12, QUADROTOR)), str(Kind(0, QUADROTOR))
+    >>> str(VehicleKind(3, 1)), str(VehicleKind(12, QUADROTOR)), str(VehicleKind(0, QUADROTOR))
     ('ArduPilot plane', 'PX4 multicopter', 'multicopter with another firmware (MAV_AUTOPILOT 0)')
     """
 

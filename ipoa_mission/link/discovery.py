@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import cycle
 
 from ipoa_mission.autopilot.commands import VehicleCommand
-from ipoa_mission.autopilot.vehicle_kind import Kind
+from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.dialogue import NoAnswer
@@ -21,7 +21,7 @@ VERSIONS_S = 3.0
 @dataclass(frozen=True)
 class FoundVehicle:
     system: int
-    kind: Kind
+    kind: VehicleKind
     armed: bool
     is_ready: bool
 
@@ -64,7 +64,9 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     return {
-        one.system: FoundVehicle(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
+        one.system: FoundVehicle(
+            one.system, VehicleKind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY
+        )
         for one in heard
         if isinstance(beat := one.message, Heartbeat)
         and one.component == AUTOPILOT_COMPONENT

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import default_autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import QUADROTOR, Kind
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR, VehicleKind
 from ipoa_mission.errors import BadInput, MissionError, imported
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import upload, wire
@@ -148,7 +148,7 @@ class MavsdkVehicle(Vehicle):
         line = MavsdkLine(instance, system)
         reported_name = system.autopilot_type().name
         likely = next((one for one in registered() if one.firmware_name.upper() == reported_name), default_autopilot())
-        kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
+        kind = VehicleKind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: m.Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.vehicle_kind import Kind, with_article
+from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
@@ -25,7 +25,7 @@ class NotReady(MissionError):
 class NotFlown(MissionError):
     """Not a supported multicopter: nothing is changed on it."""
 
-    def __init__(self, kind: Kind, name: str = "the vehicle") -> None:
+    def __init__(self, kind: VehicleKind, name: str = "the vehicle") -> None:
         self.kind = kind
         super().__init__(
             f"{name} is {with_article(str(kind))}; missions and orders are for multicopters of ArduPilot and PX4",
@@ -36,7 +36,7 @@ class NotFlown(MissionError):
 class OtherKind(NotFlown):
     """The vehicle behind these ids has changed: nothing is sent to it."""
 
-    def __init__(self, before: Kind, kind: Kind) -> None:
+    def __init__(self, before: VehicleKind, kind: VehicleKind) -> None:
         self.kind = kind
         MissionError.__init__(
             self,
@@ -53,7 +53,7 @@ class VehicleState:
     """
 
     autopilot: Autopilot
-    kind: Kind | None = None
+    kind: VehicleKind | None = None
     booted: bool = False
     armed: bool | None = None
     custom_mode: int | None = None
@@ -64,7 +64,7 @@ class VehicleState:
     battery_left: float | None = None  # share, first battery
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
-    other: Kind | None = None
+    other: VehicleKind | None = None
 
     def note(self, message: Message) -> None:
         self.heard.add(type(message))
@@ -74,9 +74,9 @@ class VehicleState:
         match message:
             case Heartbeat() if not self.owns(message):
                 if message.autopilot != MavAutopilot.INVALID:
-                    self.other = self.other or Kind(message.autopilot, message.type)
+                    self.other = self.other or VehicleKind(message.autopilot, message.type)
             case Heartbeat():
-                self.kind = Kind(message.autopilot, message.type)
+                self.kind = VehicleKind(message.autopilot, message.type)
                 self.booted = message.system_status >= STANDBY
                 self.armed, self.custom_mode = message.armed, message.custom_mode
             case ExtendedState(landed_state) if landed_state:
@@ -102,7 +102,7 @@ class VehicleState:
             return True
         if message.autopilot == MavAutopilot.INVALID:
             return False
-        reported = Kind(message.autopilot, message.type)
+        reported = VehicleKind(message.autopilot, message.type)
         return self.kind in (None, reported) or (reported.is_flown and reported.autopilot is self.autopilot)
 
     @contextmanager

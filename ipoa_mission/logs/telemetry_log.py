@@ -12,7 +12,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.vehicle_kind import Kind, with_article
+from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
@@ -143,7 +143,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
     gathered = _Gathered()
     stamps: list[float] = []
-    kinds = dict[int, Kind]()
+    kinds = dict[int, VehicleKind]()
     chosen = None
     missing = LostFrames()
     for record in read_tlog(path, missing):
@@ -152,7 +152,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
             continue
         if heard.system not in kinds and _is_autopilot(heard):
             assert isinstance(heard.message, Heartbeat)
-            kind = kinds[heard.system] = Kind(heard.message.autopilot, heard.message.type)
+            kind = kinds[heard.system] = VehicleKind(heard.message.autopilot, heard.message.type)
             if chosen is None and _is_flown(kind) and system in (None, heard.system):
                 chosen = heard.system
         if chosen is None:
@@ -172,15 +172,15 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
 
 
-def _is_flown(kind: Kind) -> bool:
+def _is_flown(kind: VehicleKind) -> bool:
     return kind.is_flown or kind.mav_type in kind.autopilot.mav_types
 
 
-def _listed(kinds: Mapping[int, Kind]) -> str:
+def _listed(kinds: Mapping[int, VehicleKind]) -> str:
     return ", ".join(f"{system} ({kind})" for system, kind in sorted(kinds.items()))
 
 
-def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
+def _others(kinds: Mapping[int, VehicleKind], chosen: int) -> Iterator[str]:
     if len(kinds) > 1:
         others = {system: kind for system, kind in kinds.items() if system != chosen}
         flown = [system for system, kind in others.items() if _is_flown(kind)]
@@ -188,7 +188,7 @@ def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
         yield f"the log holds {len(kinds)} vehicles: read is system {chosen}, not read {_listed(others)}{read}"
 
 
-def _not_in(path: Path, kinds: Mapping[int, Kind], system: int | None) -> BadInput:
+def _not_in(path: Path, kinds: Mapping[int, VehicleKind], system: int | None) -> BadInput:
     if not kinds:
         return NothingThere("expected a .tlog with an autopilot's heartbeat, but there is none", place=path)
     if system is not None and system not in kinds:

@@ -55,7 +55,7 @@ def clearance_is_known(mission: Mission) -> bool:
 def test_a_command_is_flown_by_the_model_or_moves_nothing_or_leaves_the_clearance_unknown(
     autopilot: Autopilot, firmware: Firmware
 ) -> None:
-    known, plain = autopilot.way_known, Mission(HOME, (takeoff(HOME, 20.0), FIRST, LAST), autopilot)
+    known, plain = autopilot.command_effects, Mission(HOME, (takeoff(HOME, 20.0), FIRST, LAST), autopilot)
     newest = autopilot.firmware().version
     straight = Forecast(plain).predicted(sure=True, fast=False).track.points
     for command in sorted({*firmware.placed, *firmware.plain} - JUMPS):

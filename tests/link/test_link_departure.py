@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.vehicle_kind import Kind
+from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import (
@@ -180,7 +180,7 @@ def test_what_is_no_multicopter_is_neither_prepared_nor_armed(mav_type: int) -> 
         vehicle.hold(prepare)
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
-    vehicle.state.kind = Kind(3, mav_type)
+    vehicle.state.kind = VehicleKind(3, mav_type)
     told = len(vehicle.told)
     with pytest.raises(NotFlown):
         vehicle.hold(depart)

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, Kind
+from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
@@ -88,7 +88,7 @@ def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
 @pytest.mark.parametrize(("firmware", "mav_type"), OTHERS)
 def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmware: int, mav_type: int) -> None:
     line, channel = line_to(firmware, mav_type)
-    with refuses("not-flown", "", "vehicle 1", str(Kind(firmware, mav_type))):
+    with refuses("not-flown", "", "vehicle 1", str(VehicleKind(firmware, mav_type))):
         meet(line)
     assert {type(message) for message in channel.said} == {Heartbeat}
 
@@ -143,7 +143,7 @@ def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
     channel.turning = after, other
     with pytest.raises(NotFlown):
         fly_all(vehicle)
-    assert vehicle.state.other == Kind(*other)
+    assert vehicle.state.other == VehicleKind(*other)
     assert {type(one) for one in channel.said_since} <= {Heartbeat}
 
 
@@ -154,7 +154,7 @@ def test_what_a_companion_says_with_the_ids_of_the_autopilot_tells_nothing_of_it
     channel.far.autopilot.told = 8, 18  # type: ignore[attr-defined]
     vehicle._hold(wait(3.0))
     vehicle.upload(MISSION)
-    assert (vehicle.state.kind, vehicle.state.armed) == (Kind(3, 2), True)
+    assert (vehicle.state.kind, vehicle.state.armed) == (VehicleKind(3, 2), True)
 
 
 def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:

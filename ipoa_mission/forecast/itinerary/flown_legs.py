@@ -113,7 +113,7 @@ class _LegBuilder:
         """The direction of arrival, if it flies on without a stop, (3,) [m]."""
         self.curve: tuple[int, Vector, Vector | None] | None = None
         """The spline that led here: its item, its begin, and the direction of arrival there."""
-        self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.way_known.flown
+        self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.command_effects.flown
         self.speed: float | None = None
         """The speed of DO_CHANGE_SPEED [m/s]."""
         self.heading = 0.0

@@ -30,13 +30,13 @@ class Unknown(NamedTuple):
 def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
-    circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines
+    circles, splines = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown, autopilot.guidance.flies_splines
     if any(item.command in JUMPS for item in items):
         yield from _past_jumps(mission)
     here: Place | None = None
     braking = _braking_lengths(mission) if splines else []
     for n, item in enumerate(items):
-        if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
+        if (why := autopilot.command_effects.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
         place, before = program.place(n, here or NO_PLACE), here
         if circles and item.command == Command.NAV_LOITER_TURNS:

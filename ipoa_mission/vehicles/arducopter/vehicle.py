@@ -14,12 +14,12 @@ from ipoa_mission.autopilot.guidance_profile import (
     EQUIPMENT,
     SIMPLE,
     ArmingWords,
+    CommandEffects,
     FlownCircle,
     GuidanceProfile,
     JumpProfile,
     Modes,
     ProtocolProfile,
-    WayKnown,
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, Place, level_distance
@@ -118,7 +118,7 @@ class ArduCopter(Autopilot):
         home_is_where_armed=True,
         brakes_after=0.1,
     )
-    way_known = WayKnown(
+    command_effects = CommandEffects(
         flown=SIMPLE | {
             Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
             Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,

@@ -13,11 +13,11 @@ from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence, para
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, rows
 from ipoa_mission.autopilot.guidance_profile import (
     ArmingWords,
+    CommandEffects,
     GuidanceProfile,
     JumpProfile,
     Modes,
     ProtocolProfile,
-    WayKnown,
     WaypointDefaults,
     mode_number,
 )
@@ -117,7 +117,7 @@ class Px4Multicopter(Autopilot):
         climbs_coming_back=True,
         brakes_after=0.6,
     )
-    way_known = WayKnown(
+    command_effects = CommandEffects(
         why={
             Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
             Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
