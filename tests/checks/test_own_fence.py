@@ -41,6 +41,7 @@ SET = {"FENCE_ENABLE": 1.0, "FENCE_ACTION": 1.0, "FENCE_RADIUS": 150.0, "FENCE_A
         (AP, SET | {"FENCE_TYPE": 4.0}, (math.inf, math.inf, -math.inf)),
         (AP, SET | {"FENCE_TYPE": 15.0, "FENCE_ENABLE": 0.0}, None),
         (AP, SET | {"FENCE_TYPE": 15.0, "FENCE_ACTION": 0.0}, None),
+        (AP, SET | {"FENCE_TYPE": 15.0, "FENCE_ACTION": math.nan}, (150.0, 90.0, 5.0)),
         (AP, {}, None),
         (PX4, {"GF_ACTION": 2.0, "GF_MAX_HOR_DIST": 150.0, "GF_MAX_VER_DIST": 0.0}, (150.0, math.inf, -math.inf)),
         (PX4, {"GF_ACTION": 3.0, "GF_MAX_HOR_DIST": 0.0, "GF_MAX_VER_DIST": 40.0}, (math.inf, 40.0, -math.inf)),

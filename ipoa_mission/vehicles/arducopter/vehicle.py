@@ -252,7 +252,7 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
-        return fence_limits(parameters) if parameters.get("FENCE_ACTION", 1.0) > 0.0 else None
+        return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else fence_limits(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
         """Return RTL's rally point: the nearest inside the own fence; None: home.
