@@ -119,7 +119,6 @@ RULES = (
     ),
 )  # fmt: skip
 
-BATTERIES = tuple(f"BATT{n}" for n in "23456789")
 #: Parameters of the first and the last station id that counts (GCS::sysid_is_gcs).
 STATION_IDS = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
 STATION_LOSS = StationLoss(
@@ -128,7 +127,8 @@ STATION_LOSS = StationLoss(
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    monitored = [battery for battery in BATTERIES if parameters.get(f"{battery}_MONITOR", 0.0) > 0.0]
+    further = (f"BATT{n}" for n in "23456789")
+    monitored = [battery for battery in further if parameters.get(f"{battery}_MONITOR", 0.0) > 0.0]
     rules = (*RULES, *(_of_battery(rule, battery) for battery in monitored for rule in RULES[:2]))
     failsafes = (_failsafe(rule, parameters, series) for rule in rules)
     return tuple(_unless_less_urgent(failsafe, parameters, series) for failsafe in failsafes)

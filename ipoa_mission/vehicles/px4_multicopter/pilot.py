@@ -25,10 +25,6 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
-#: They suppress the report of the waypoint before (measured).
-REPORT_SUPPRESSING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
-NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
-
 
 class PX4Pilot:
     """Give the vehicle its orders, one after another; `Situation` says which mode and item are current."""
@@ -131,13 +127,16 @@ class PX4Pilot:
             now.mode = FlightMode.HOLD
             self._orders = []
         elif now.mode is FlightMode.MISSION:
-            hidden = now.current + 1 < len(items) and items[now.current + 1].command in REPORT_SUPPRESSING
+            # these suppress the report of the waypoint before (measured)
+            suppressing = {Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH}
+            hidden = now.current + 1 < len(items) and items[now.current + 1].command in suppressing
             now.done(now.current, announced=not hidden)
 
     def _fall(self) -> None:
         state, place = self._state, self._state.body.place
         if place.up > (ground := self._ground.at(place.east, place.north)):
-            state = state._replace(body=integrate(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
+            no_thrust = Enu(0.0, 0.0, -GRAVITY)
+            state = state._replace(body=integrate(state, no_thrust, self._law, stands=False), time=self._now.time_s)
         elif not state.body.on_ground or state.contact.stands:
             state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
         self._state = state
