@@ -28,8 +28,8 @@ def _where() -> dict[str, str]:
         from pathlib import Path
 
         stub = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-        found = re.findall(r"^from (ipoa_mission\S*) import (\w+)", stub, re.MULTILINE)
-        _WHERE.update({name: module for module, name in found})
+        names = re.findall(r"^from (ipoa_mission\S*) import (\w+)", stub, re.MULTILINE)
+        _WHERE.update({name: module for module, name in names})
     return _WHERE
 
 

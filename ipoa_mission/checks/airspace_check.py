@@ -125,7 +125,9 @@ def _where(kept: Kept) -> str:
 
 
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
-    things = [thing for thing in forecast.world.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    things = [
+        thing for thing in forecast.world.passed_over if thing.may_be_obstacle and not shapely.is_empty(thing.shape)
+    ]
     for code in sorted({thing.code for thing in things}):
         yield from _near(forecast, [thing for thing in things if thing.code == code], code)
 

@@ -33,6 +33,7 @@ from ipoa_mission.maps.kinds import (
     why_passed_over,
 )
 from ipoa_mission.maps.lengths import length_of, meters
+from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.maps.passed import (
     FAR_FROM_HOME,
@@ -45,7 +46,6 @@ from ipoa_mission.maps.passed import (
     passed_over,
 )
 from ipoa_mission.maps.planar import MapExtent, clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
-from ipoa_mission.maps.standing import Standing
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
@@ -103,7 +103,7 @@ class Buildings:
     `box`: west, south, east and north of all obstacles [m], (4,). `features` were examined, `elsewhere` not.
     """
 
-    standing: tuple[Standing, ...]
+    obstacles: tuple[MapObstacle, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
     beyond: int
@@ -128,13 +128,13 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
     while finder.guessed_wrong:
         all_buildings = finder.only_buildings
         hand_on_features(path, begin, around)
-    return finder.found(around.elsewhere)
+    return finder.buildings(around.elsewhere)
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
     finder = _Finder(rules, frame, path)
     finder.add(features)
-    return finder.found()
+    return finder.buildings()
 
 
 class _Finder:
@@ -154,7 +154,7 @@ class _Finder:
         self._extent, self._mistakes = MapExtent(frame), Mistakes()
         self._counts: Counter[str] = Counter()
         self._odd, self._odd_first = 0, list[str]()
-        self._standing, self._outside_named, self._beyond = list[Standing](), 0, 0
+        self._obstacles, self._outside_named, self._beyond = list[MapObstacle](), 0, 0
         self._passed, self._seen, self._left_out = list[PassedOver](), Counter[Key](), Counter[Key]()
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
         self._features = 0
@@ -180,7 +180,7 @@ class _Finder:
         shapes, near = to_plane(drawn, [feature.place for feature in features], self._extent)
         away = self._outside(shapely.bounds(shapes)).tolist()
         each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
-        standing: list[Standing] = []
+        obstacles: list[MapObstacle] = []
         for feature, extent, shape, sound, is_near, outside in each:
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if is_near else FAR_FROM_HOME
             if self._misses(feature, extent, self._all_buildings) and extent == "none":
@@ -191,10 +191,10 @@ class _Finder:
             parts = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
             far = outside and not any(part.reach for part in parts)
             name = "" if far else called(feature, shape)
-            standing += [part._replace(called=name) for part in parts]
-        self._keep(standing)
+            obstacles += [part._replace(called=name) for part in parts]
+        self._keep(obstacles)
 
-    def found(self, elsewhere: int = 0) -> Buildings:
+    def buildings(self, elsewhere: int = 0) -> Buildings:
         self._extent.expect_near()
         self._mistakes.raise_all()
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
@@ -204,7 +204,7 @@ class _Finder:
         if elsewhere:
             remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         counts = self._beyond, self._left_out, self._box, self._features, elsewhere
-        return Buildings(tuple(self._standing), tuple(self._passed), tuple(remarks), *counts, tuple(self._unread))
+        return Buildings(tuple(self._obstacles), tuple(self._passed), tuple(remarks), *counts, tuple(self._unread))
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
         boxes = boxes.reshape(-1, 4)
@@ -213,9 +213,9 @@ class _Finder:
         lower, upper = self._within
         return np.asarray((boxes[:, :2] > upper).any(axis=1) | (boxes[:, 2:] < lower).any(axis=1))
 
-    def _keep(self, standing: Sequence[Standing]) -> None:
-        boxes = shapely.bounds([s.shape for s in standing]).reshape(-1, 4)
-        boxes += np.outer([s.reach for s in standing], [-1, -1, 1, 1])
+    def _keep(self, obstacles: Sequence[MapObstacle]) -> None:
+        boxes = shapely.bounds([s.shape for s in obstacles]).reshape(-1, 4)
+        boxes += np.outer([s.reach for s in obstacles], [-1, -1, 1, 1])
         self._box[:2] = np.minimum(self._box[:2], boxes[:, :2].min(axis=0, initial=np.inf))
         self._box[2:] = np.maximum(self._box[2:], boxes[:, 2:].max(axis=0, initial=-np.inf))
         outside = self._outside(boxes)
@@ -223,13 +223,13 @@ class _Finder:
         self._outside_named += len(named)
         outside[named] = False
         self._beyond += int(outside.sum())
-        self._standing += compress(standing, (~outside).tolist())
+        self._obstacles += compress(obstacles, (~outside).tolist())
 
     def _misses(self, feature: Feature, extent: Extent, every: bool) -> bool:
         if feature.missing is None and extent != "none":
             return False
         why = _why_passed_over(feature, "area", self._rules, every)
-        thing = not_read(feature, self._frame, self._path) if why is None or why.may_stand else None
+        thing = not_read(feature, self._frame, self._path) if why is None or why.may_be_obstacle else None
         if isinstance(thing, Unread):
             self._unread.append(thing)
         elif thing is not None and not self._outside(shapely.bounds(thing.shape))[0]:
@@ -237,15 +237,15 @@ class _Finder:
         return thing is not None
 
     def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
-        key = (not why.may_stand, self._path.name, why.words)
+        key = (not why.may_be_obstacle, self._path.name, why.words)
         self._seen[key] += 1
-        matters = self._within is None or (why.may_stand and not outside)
+        matters = self._within is None or (why.may_be_obstacle and not outside)
         if matters or self._seen[key] <= MOST_NAMED:
             self._passed.append(replace(passed_over(feature, shape, why, self._path), code=code))
         else:
             self._left_out[key] += 1
 
-    def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[Standing]:
+    def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[MapObstacle]:
         """Return an obstacle for each part; a `sound` shape is one valid polygon."""
         rules, counts, doubts = self._rules, self._counts, list[str]()
 
@@ -273,8 +273,8 @@ class _Finder:
             top, width = wire.height if height is None else height, width_of(feature.tags, odd)
             self._doubt(feature, shape, doubts, top)
             reach = wire.reach if width is None else width / 2
-            return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
-        standing: list[Standing] = []
+            return [MapObstacle(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
+        obstacles: list[MapObstacle] = []
         building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
         for part in [shape] if sound else [part if hollow else closed_as_polygon(part) for part in flat(shape)]:
@@ -293,17 +293,17 @@ class _Finder:
                 reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
                 if width_unknown is not None:
                     counts[width_unknown] += 1
-                standing.append(Standing(feature.name, part, reach, foot, top))
+                obstacles.append(MapObstacle(feature.name, part, reach, foot, top))
                 continue
             polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
             if wrong is not None:
                 counts[f"outline(s) mended ({wrong})"] += 1
-            standing += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
+            obstacles += [MapObstacle(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
         if over_home:
             above = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}") - self._frame.home.altitude
-            return [part._replace(height=above, over_home=True) for part in standing]
-        self._doubt(feature, shape, doubts, max((part.height for part in standing), default=0.0))
-        return standing
+            return [part._replace(height=above, over_home=True) for part in obstacles]
+        self._doubt(feature, shape, doubts, max((part.height for part in obstacles), default=0.0))
+        return obstacles
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
         """Report heights not understood, or maybe above the assumed `top` [m]."""
@@ -326,7 +326,7 @@ def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, eve
     if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and extent != "none":
         return None
     settled = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
-    return replace(why, may_stand=why.may_stand and not settled)
+    return replace(why, may_be_obstacle=why.may_be_obstacle and not settled)
 
 
 def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:

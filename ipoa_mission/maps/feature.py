@@ -84,9 +84,9 @@ class Mistakes:
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
-def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
+def read_all(read: Callable[..., Feature | None], items: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
     mistakes = Mistakes()
-    features = [mistakes.attempt(read, *arguments) for arguments in each]
+    features = [mistakes.attempt(read, *arguments) for arguments in items]
     mistakes.raise_all()
     return tuple(feature for feature in features if feature is not None)
 

@@ -119,7 +119,7 @@ class _Layer:
 
 
 def _expect_whole(path: Path) -> None:
-    """Check that a Shapefile's files are whole, with as many rows."""
+    """Check that a Shapefile's files are whole, with equal rows."""
     header, sizes = 100, {}  # [bytes]
     for suffix in (".shx", ".dbf"):
         sidecar = next((p for p in map(path.with_suffix, (suffix, suffix.upper())) if p.exists()), None)
@@ -131,9 +131,9 @@ def _expect_whole(path: Path) -> None:
         if len(begin) < header or int.from_bytes(begin[24:28], "big") * 2 > size:
             raise DamagedFile("expected a whole Shapefile, but its end is missing", place=path)
     begin, size = sizes[".dbf"]
-    rows, first, each = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
+    rows, first, length = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
     indexed = (sizes[".shx"][1] - header) // 8
-    if first + rows * each > size or rows != indexed:
+    if first + rows * length > size or rows != indexed:
         raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
 
 

@@ -11,11 +11,11 @@ from ipoa_mission.errors import BadInput, NotCovered
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 
 
-def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | None, place: Path) -> tuple[float, str]:
-    """Return the height above WGS 84 [m], and its source."""
-    if isinstance(given, int | float):
-        return float(given), "as given"
-    for grid in GRIDS if given is None else (str(given),):
+def undulation(latitude_deg: float, longitude_deg: float, known: float | Path | None, place: Path) -> tuple[float, str]:
+    """Return the height above WGS 84 [m], and its source; `known`: height or PROJ grid."""
+    if isinstance(known, int | float):
+        return float(known), "as given"
+    for grid in GRIDS if known is None else (str(known),):
         try:
             shift = Transformer.from_pipeline(
                 "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad "
@@ -25,8 +25,8 @@ def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | 
         except ProjError:
             continue
         return float(height), f"by {Path(grid).name}"
-    if given is not None:
-        words = f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}"
+    if known is not None:
+        words = f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {known}"
         raise NotCovered(words, place="terrain.geoid")
     raise BadInput(
         "expected PROJ's grid of the geoid on this machine, since heights are above the ellipsoid",

@@ -283,11 +283,11 @@ def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
     return shapely.Polygon(rings[0], rings[1:])
 
 
-def _several(one: "_Reader", whole: Any) -> "_Reader":
+def _several(read_part: "_Reader", whole: Any) -> "_Reader":
     def read(values: Any, place: str, to_degrees: "_Degrees") -> Any:
         if not isinstance(values, list):
             raise BadInput("expected a list", place=place)
-        return whole([one(value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)])
+        return whole([read_part(value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)])
 
     return read
 

@@ -64,7 +64,7 @@ class Reason:
     """`heights` are keys and values under [[maps]] that give it a height."""
 
     words: str
-    may_stand: bool
+    may_be_obstacle: bool
     remedy: str = (
         'the map does not name its kind: under [[maps]], take = "all" makes it an obstacle (default_height); '
         'take = "tagged" excludes it'

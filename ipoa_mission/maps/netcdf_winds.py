@@ -70,11 +70,11 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
             elif re.search(r"wind|gust", " ".join([str(variable.name), *_descriptions(variable)]).lower()):
                 winds.note("variable that may be a wind", str(variable.name), next(iter(_descriptions(variable)), ""))
         pairs = (Component.EAST, Component.NORTH), (Component.SPEED, Component.FROM), (Component.SPEED, Component.TO)
-        for one, other in pairs:
-            for name, first in [*parts[one].items()]:
+        for component, other in pairs:
+            for name, first in [*parts[component].items()]:
                 if (second := _partner(first, parts[other].values())) is None:
                     continue
-                del parts[one][name], parts[other][str(second.name)]
+                del parts[component][name], parts[other][str(second.name)]
                 for height, datum, pair in _levels(first, second, winds):
                     winds.samples.append(_samples(height, datum, pair, winds, other))
         for group in _groups(path):
@@ -132,7 +132,7 @@ def _descriptions(variable: Any) -> list[str]:
 
 
 def _partner(first: Any, others: Iterable[Any]) -> Any | None:
-    """Return the other component on the same axes, by name."""
+    """Return the other component on the same axes."""
     alike = [other for other in others if other.dims == first.dims and set(other.coords) == set(first.coords)]
     name = str(first.name)
     return max(alike, key=lambda other: SequenceMatcher(None, name, str(other.name)).ratio(), default=None)

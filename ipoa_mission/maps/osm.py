@@ -46,10 +46,10 @@ class Extract:
     boxes: dict[str, Any] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
-    def corners(self, each: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
+    def corners(self, positions: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
         """Register positions; return node numbers."""
         numbers = []
-        for number, longitude, latitude in each:
+        for number, longitude, latitude in positions:
             name = number or f"{longitude},{latitude}"
             if longitude is not None and latitude is not None:
                 self.places.setdefault(name, (longitude, latitude))
@@ -271,8 +271,8 @@ def area_of(relation: Relation, corners_of: Callable[[str], Sequence[Sequence[fl
         rings[is_outer].append(shapely.LineString(corners))
     areas = {}
     for is_outer, lines in rings.items():
-        found, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))
+        polygons, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))
         if any(not shapely.is_empty(rest) for rest in (cuts, dangles, invalid)):
             return EMPTY_SHAPE
-        areas[is_outer] = union_of(shapely.get_parts(found))
+        areas[is_outer] = union_of(shapely.get_parts(polygons))
     return shapely.difference(areas[True], areas[False])

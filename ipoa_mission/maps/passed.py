@@ -23,7 +23,7 @@ FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PassedOver:
-    """`shape`: east, north [m], or empty; `may_stand`: a possible obstacle; `remedy`: how to settle it.
+    """`shape`: east, north [m], or empty; `may_be_obstacle`: a possible obstacle; `remedy`: how to settle it.
 
     `heights`: keys under [[maps]] that give it a height. Code `not-read` may mean a higher obstacle.
     """
@@ -32,7 +32,7 @@ class PassedOver:
     name: str
     reason: str
     shape: Any
-    may_stand: bool
+    may_be_obstacle: bool
     remedy: str = ""
     code: str = NOT_UNDERSTOOD
     heights: tuple[tuple[str, float], ...] = ()
@@ -44,7 +44,7 @@ class PassedCount:
 
     file: str
     reason: str
-    may_stand: bool
+    may_be_obstacle: bool
     count: int
     names: tuple[str, ...]
     code: str = NOT_UNDERSTOOD
@@ -57,7 +57,7 @@ class PassedCount:
 
 def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
     name = feature.name.removeprefix(f"{path}: ")
-    return PassedOver(path.name, name, why.words, shape, why.may_stand, why.remedy, heights=why.heights)
+    return PassedOver(path.name, name, why.words, shape, why.may_be_obstacle, why.remedy, heights=why.heights)
 
 
 def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:
@@ -80,10 +80,10 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
 
 def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] | None = None) -> Iterator[PassedCount]:
     def key_of(thing: PassedOver) -> Key:
-        return not thing.may_stand, thing.file, thing.reason
+        return not thing.may_be_obstacle, thing.file, thing.reason
 
     for key, group in groupby(sorted(things, key=key_of), key=key_of):
         first, *_ = several = list(group)
         names = tuple(thing.name for thing in several[:MOST_NAMED])
         count = len(several) + (left_out or {}).get(key, 0)
-        yield PassedCount(first.file, first.reason, first.may_stand, count, names, first.code)
+        yield PassedCount(first.file, first.reason, first.may_be_obstacle, count, names, first.code)

@@ -42,14 +42,14 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     if any(meaning(key) is Means.UNIT and tags[key].lower() not in meters for key in tags):
         return 0.0
     feet = keys_of(tags, Means.FOOT)
-    keys, read, each = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)
+    keys, read, unit = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)
     heights = []
     for key in keys:
         value, sure = read(tags[key])
         is_below = tags[key].startswith("-")
         if not is_below and (value is None or not sure):
             odd(key, tags[key])
-        heights.append(0.0 if value is None or not sure else value * each)
+        heights.append(0.0 if value is None or not sure else value * unit)
     return min(heights, default=0.0)
 
 

@@ -81,11 +81,11 @@ class _OrName:
         return {"anyOf": [{"type": "string"}, handler(core_schema)]}
 
 
-def _by_name(given: Any) -> Any:
-    if not isinstance(given, str):
-        return given
+def _by_name(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
     try:
-        camera = camera_named(given)
+        camera = camera_named(value)
     except BadInput as error:
         raise ValueError(f"{error} ({error.hint})") from error
     numbers = {"sensor_mm": camera.sensor, "focal_length_mm": camera.focal_length, "pixels": camera.pixels}

@@ -41,7 +41,7 @@ _EXPECTED = {
 
 def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> str:
     """Return a line like `obstacles[0].radius: expected a number greater than 0, not -3`."""
-    place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
+    place, kind, value = _place(problem["loc"], table), problem["type"], problem["input"]
     limits = problem.get("ctx", {})
     match kind:
         case "missing":
@@ -57,25 +57,25 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             wanted = _EXPECTED[kind].format(**limits)
         case "enum" | "literal_error" | "union_tag_invalid":
             if kind == "union_tag_invalid":
-                place, given = f"{place}.kind", limits["tag"]
+                place, value = f"{place}.kind", limits["tag"]
             wanted = limits.get("expected") or limits["expected_tags"]
         case "union_tag_not_found":
             return f"{place}.kind: expected, but not there"
         case "timezone_aware" | "datetime_type" | "datetime_parsing" | "datetime_from_date_parsing":
             wanted = "a time with its offset, such as 2026-11-22T10:00:00Z"
-            given = str(given)
+            value = str(value)
         case "value_error":
             return f"{place}: {limits['error']}" if place else str(limits["error"])
         case "string_pattern_mismatch":
             wanted = "a valid file name" if place == "name" else "letters, digits and underscores"
         case "too_short" | "too_long":
             too_short = f"at least {limits['min_length']} entries" if kind == "too_short" else ""
-            wanted, given = too_short or f"{limits['max_length']} entries", len(given)
+            wanted, value = too_short or f"{limits['max_length']} entries", len(value)
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
-            return f"{place}: {lowered(problem['msg'])}, not {_shown(given)}"
-    return f"{place}: expected {wanted}, not {_shown(given)}"
+            return f"{place}: {lowered(problem['msg'])}, not {_shown(value)}"
+    return f"{place}: expected {wanted}, not {_shown(value)}"
 
 
 def _is_consequence(problem: Any) -> bool:

@@ -51,7 +51,7 @@ class BuildingsMap(MapFile):
     def read(self, frame: LocalFrame, within: Box) -> Buildings:
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
-        if not (buildings.standing or buildings.elsewhere):
+        if not (buildings.obstacles or buildings.elsewhere):
             words = f"expected buildings, but none of {buildings.features} features is tagged as one"
             raise NothingThere(words, hint='`take = "all"` takes every feature, whatever its tags', place=self.file)
         return buildings

@@ -78,13 +78,15 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     frame, farthest = LocalFrame(_middle(path)), 200.0
     within = np.full(2, -farthest - 2 * FREE_RADIUS), np.full(2, farthest + 2 * FREE_RADIUS)
     buildings = search_buildings(path, BuildingRules(), frame, within)
-    if not buildings.standing:
+    if not buildings.obstacles:
         buildings = search_buildings(path, BuildingRules(take="all"), frame, within)
-    if not buildings.standing:
+    if not buildings.obstacles:
         words = f"expected buildings, but none of {buildings.features} features is an obstacle"
         raise NothingThere(words, place=path)
-    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in buildings.standing]
-    shapes += [thing.shape for thing in buildings.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in buildings.obstacles]
+    shapes += [
+        thing.shape for thing in buildings.passed_over if thing.may_be_obstacle and not shapely.is_empty(thing.shape)
+    ]
     reach = np.minimum(np.ptp(buildings.box.reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, farthest)
     places = np.stack(np.meshgrid(*(np.arange(-side, side + 4.0, 4.0) for side in reach)), axis=-1).reshape(-1, 2)
     near = shapely.STRtree(shapes).query(shapely.points(places), "dwithin", FREE_RADIUS)[0]

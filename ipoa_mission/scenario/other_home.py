@@ -115,10 +115,10 @@ def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
 
 
 def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> TerrainSection:
-    given, terrain = scenario.terrain, scenario.airspace.terrain
-    if isinstance(given, FlatTerrain):
-        return given.model_copy(update={"height": given.height - rise})
-    if isinstance(given, GridTerrain) and isinstance(terrain, Grid):
+    section, terrain = scenario.terrain, scenario.airspace.terrain
+    if isinstance(section, FlatTerrain):
+        return section.model_copy(update={"height": section.height - rise})
+    if isinstance(section, GridTerrain) and isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
         east = terrain.east + terrain.spacing * np.arange(columns)
         north = terrain.north + terrain.spacing * np.arange(rows)
@@ -127,11 +127,11 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
         corner = moved[:, :2].mean(axis=0) - terrain.spacing * (np.array([columns, rows]) - 1) / 2
         heights = tuple(map(tuple, moved[:, 2].reshape(rows, columns).tolist()))
         grid = {"east": float(corner[0]), "north": float(corner[1]), "heights": heights, "file": None}
-        return given.model_copy(update=grid)
-    if given.kind == "analytic":
+        return section.model_copy(update=grid)
+    if section.kind == "analytic":
         words = "expected home, or terrain of another kind: this one is defined from home only"
         raise BadInput(words, place=f"survey.starts[{n}]")
-    return given
+    return section
 
 
 def _moved(section: Moved, old: LocalFrame, new: LocalFrame) -> Moved:

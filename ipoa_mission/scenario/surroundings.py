@@ -17,8 +17,8 @@ from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
+from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
-from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -132,10 +132,10 @@ def surroundings_of(scenario: Site) -> Surroundings:
     allowed = allowed_area(scenario.fence, scenario.frame)
     things = _things(scenario)
     buildings, (lower, upper) = _read_buildings(scenario, maps.area, things, allowed)
-    near, beyond = _near(_standing(scenario, buildings), maps.no_fly, (lower, upper))
+    near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
-    raised = raise_buildings(near, Ground(terrain))
+    raised = raise_obstacles(near, Ground(terrain))
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
     zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, UNLIMITED_HEIGHT))
@@ -192,15 +192,15 @@ def _read_buildings(
     reach = _reach(scenario) + WINDOW_MARGIN + MARGIN
     window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
     buildings = read(window)
-    bounds = _horizontal_bounds(scenario, area, things, _boxes(_standing(scenario, buildings)), allowed)
+    bounds = _horizontal_bounds(scenario, area, things, _boxes(_map_obstacles(scenario, buildings)), allowed)
     wanted = bounds[0] - MARGIN, bounds[1] + MARGIN
     if (wanted[0] < window[0]).any() or (wanted[1] > window[1]).any():
         buildings = read(wanted)
     return buildings, bounds
 
 
-def _standing(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, Standing], ...]:
-    return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.standing)
+def _map_obstacles(scenario: Site, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, MapObstacle], ...]:
+    return tuple((scenario.maps[n].file, thing) for n, read in buildings.items() for thing in read.obstacles)
 
 
 def _left_out(scenario: Site, buildings: Mapping[int, Buildings]) -> Counter[Key]:
@@ -272,19 +272,19 @@ def _horizontal_bounds(
     return least, most
 
 
-def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
-    shapes = np.array([thing.shape for _, thing in standing], dtype=object)
-    reach = np.array([thing.reach for _, thing in standing], float)
+def _boxes(obstacles: Sequence[tuple[Path, MapObstacle]]) -> NDArray[np.float64]:
+    shapes = np.array([thing.shape for _, thing in obstacles], dtype=object)
+    reach = np.array([thing.reach for _, thing in obstacles], float)
     wide = reach != 0.0
     shapes[wide] = shapely.buffer(shapes[wide], reach[wide], quad_segs=16)
     return np.asarray(shapely.bounds(shapes)).reshape(-1, 4)
 
 
 def _near(
-    standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
-) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    near, beyond = list[Standing](), list[PassedOver]()
-    for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
+    obstacles: Sequence[tuple[Path, MapObstacle]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
+) -> tuple[tuple[MapObstacle, ...], tuple[PassedOver, ...]]:
+    near, beyond = list[MapObstacle](), list[PassedOver]()
+    for (file, thing), counts in zip(obstacles, meets(_boxes(obstacles), corners, MARGIN).tolist(), strict=True):
         if counts:
             near.append(thing)
         else:

@@ -29,12 +29,12 @@ def _an_overlap(share: float) -> float:
     return share
 
 
-def _a_direction(given: Any) -> Any:
-    numbers = given if isinstance(given, list | tuple) else [given]
+def _a_direction(value: Any) -> Any:
+    numbers = value if isinstance(value, list | tuple) else [value]
     finite = [isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers]
-    if given not in ("best", "crosshatch") and not (finite and all(finite)):
-        raise ValueError(f'expected "best", "crosshatch", degrees or a list of degrees, not {given!r}')
-    return given
+    if value not in ("best", "crosshatch") and not (finite and all(finite)):
+        raise ValueError(f'expected "best", "crosshatch", degrees or a list of degrees, not {value!r}')
+    return value
 
 
 def _nested(value: Any) -> Any:
@@ -107,9 +107,9 @@ class SurveySection(Section):
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
-        given = [key for key in ("area", "polygon", "line") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise ValueError(f"expected one of area, polygon or line, not {' and '.join(given) or 'none'}")
+        areas = [key for key in ("area", "polygon", "line") if getattr(self, key) is not None]
+        if len(areas) != 1:
+            raise ValueError(f"expected one of area, polygon or line, not {' and '.join(areas) or 'none'}")
         if self.line is not None and self.width is None:
             raise ValueError("width: expected with a line, but not there")
         if self.polygon is not None and self.width is not None:

@@ -27,15 +27,17 @@ ParameterName = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_]
 Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
 
 
-def _by_name(given: Any) -> Any:
-    return given if isinstance(given, Autopilot) else autopilot_named(given)
+def _by_name(value: Any) -> Any:
+    return value if isinstance(value, Autopilot) else autopilot_named(value)
 
 
 AutopilotName = Annotated[
     InstanceOf[Autopilot],
     BeforeValidator(_by_name),
     PlainSerializer(str),
-    WithJsonSchema({"enum": [str(one) for one in registered()], "type": "string", "default": str(default_autopilot())}),
+    WithJsonSchema(
+        {"enum": [str(autopilot) for autopilot in registered()], "type": "string", "default": str(default_autopilot())}
+    ),
 ]
 
 
@@ -199,5 +201,5 @@ class VehicleSection(Section):
         """Return the speeds as parameters, then `parameters`."""
         table = self.autopilot.parameter_table
         speeds = ((table.climb, self.climb_speed), (table.descent, self.descent_speed))
-        given = {by.name: by.spelled(speed) for by, speed in speeds if speed is not None}
-        return table.overridden(given, self.parameters)
+        changed = {parameter.name: parameter.spelled(speed) for parameter, speed in speeds if speed is not None}
+        return table.overridden(changed, self.parameters)

@@ -85,7 +85,7 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
             rings=tuple(_closed(on_map(frame, np.asarray(ring, float))) for ring in body.outline()),
         )
     for thing in scenario.passed_over:
-        if thing.may_stand and not shapely.is_empty(thing.shape):
+        if thing.may_be_obstacle and not shapely.is_empty(thing.shape):
             yield from _doubtful(thing, frame)
 
 

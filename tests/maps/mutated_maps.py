@@ -16,9 +16,9 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
+from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.maps.standing import Standing
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
@@ -32,7 +32,7 @@ class Reading:
     """Hold obstacles and remarks of a file."""
 
     def __init__(self, path: Path) -> None:
-        self.standing, self.doubts, self.words = list[Standing](), list[PassedOver](), set[str]()
+        self.obstacles, self.doubts, self.words = list[MapObstacle](), list[PassedOver](), set[str]()
         self.anywhere = False
         try:
             self._read(path)
@@ -43,15 +43,15 @@ class Reading:
     def _read(self, path: Path) -> None:
         if path.suffix == ".kml":
             zones = find_zones(read_features(path), FRAME, path)
-            self.standing = [Standing(zone.name, zone.shape, 0.0, -1e3, 1e6) for zone in zones.zones]
+            self.obstacles = [MapObstacle(zone.name, zone.shape, 0.0, -1e3, 1e6) for zone in zones.zones]
             self._say(zones.passed_over, zones.unread, zones.remarks)
         else:
             maps = search_buildings(path, BuildingRules(), FRAME)
-            self.standing = list(maps.standing)
+            self.obstacles = list(maps.obstacles)
             self._say(maps.passed_over, maps.unread, maps.remarks)
 
     def _say(self, passed: tuple[PassedOver, ...], unread: tuple[Unread, ...], remarks: tuple[str, ...]) -> None:
-        self.doubts = [thing for thing in passed if thing.may_stand]
+        self.doubts = [thing for thing in passed if thing.may_be_obstacle]
         self.words = {*remarks, *(one.words() for one in count_passed_over(passed)), *(one.words for one in unread)}
         self.anywhere = any(thing.may_limit for thing in unread)
 
@@ -64,13 +64,13 @@ class Reading:
             or any(
                 shapely.dwithin(thing.shape, point, thing.reach + NEAR)
                 and thing.foot - NEAR <= place[2] <= thing.height + NEAR
-                for thing in self.standing
+                for thing in self.obstacles
             )
         )
 
     def places(self, chance: random.Random) -> Iterator[NDArray[np.float64]]:
         """Yield places in obstacles, most of them near top and edge."""
-        for thing in self.standing:
+        for thing in self.obstacles:
             body = thing.shape.buffer(thing.reach * 0.999) if thing.reach else thing.shape.buffer(-NEAR)
             corners = shapely.get_coordinates(body)
             for _ in range(SAMPLES if len(corners) else 0):

@@ -9,8 +9,8 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
+from ipoa_mission.maps.map_obstacles import raise_obstacles
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
@@ -33,7 +33,7 @@ SLOPE = Ground(Rising())
 
 
 def stand(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> tuple[Obstacle, ...]:  # noqa: B008
-    return raise_buildings(find_buildings(read_features(path), rules, frame, path).standing, SLOPE)
+    return raise_obstacles(find_buildings(read_features(path), rules, frame, path).obstacles, SLOPE)
 
 
 def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -137,7 +137,7 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"power": "line", "name": "110 kV"}),
     )
     found = find_buildings(read_features(path), BuildingRules(default_height=11), frame, path)
-    standing = found.standing
+    obstacles = found.obstacles
     assert found.remarks == (
         "2 buildings without a height, given 11 m",
         "1 building whose min_height is not below the height, taken to begin at the ground",
@@ -146,8 +146,8 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
     )
     assert not found.passed_over
     # A bow tie of 40 m by 20 m is two triangles of 20 m by 20 m / 2.
-    assert [s.shape.area for s in standing[3:5]] == pytest.approx([200, 200], abs=1e-3)
-    assert all(shapely.is_valid(s.shape) for s in standing)
+    assert [s.shape.area for s in obstacles[3:5]] == pytest.approx([200, 200], abs=1e-3)
+    assert all(shapely.is_valid(s.shape) for s in obstacles)
 
 
 @pytest.mark.parametrize(
@@ -207,10 +207,10 @@ def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
         "</Polygon></Placemark></kml>"
     )
     found = find_buildings(read_features(path), BuildingRules(), frame, path)
-    raised = raise_buildings(found.standing, Ground(Flat(3.0)))
+    raised = raise_obstacles(found.obstacles, Ground(Flat(3.0)))
     if top is None:
         assert not raised
-        assert [thing.may_stand for thing in found.passed_over] == [True]
+        assert [thing.may_be_obstacle for thing in found.passed_over] == [True]
     else:
         (hall,) = raised
         assert hall.bounds[:, 2] == pytest.approx([3.0, top + 3.0 * (mode == "relativeToGround")], abs=0.01)

@@ -73,7 +73,7 @@ def find(path: Path, frame: LocalFrame) -> Buildings:
 def test_a_point_is_as_high_and_wide_as_any_spelling_says(
     write_map: WriteMap, frame: LocalFrame, at: At, tags: dict[str, str], height: float, radius: float
 ) -> None:
-    (thing,) = find(write_map(({"type": "Point", "coordinates": at(0, 0)}, tags)), frame).standing
+    (thing,) = find(write_map(({"type": "Point", "coordinates": at(0, 0)}, tags)), frame).obstacles
     assert (thing.height, thing.reach) == pytest.approx((height, radius))
 
 
@@ -81,7 +81,7 @@ def test_a_point_is_as_high_and_wide_as_any_spelling_says(
 def test_an_area_is_as_high_as_any_spelling_says(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], foot: float, height: float
 ) -> None:
-    (thing,) = find(write_map((square(0, 0), tags)), frame).standing
+    (thing,) = find(write_map((square(0, 0), tags)), frame).obstacles
     assert (thing.foot, thing.height) == pytest.approx((foot, height))
 
 
@@ -99,11 +99,11 @@ def test_a_height_that_is_not_understood_is_named_where_it_is(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], named: str, height: float
 ) -> None:
     found = find(write_map((square(0, 0), tags)), frame)
-    (thing,) = found.standing
+    (thing,) = found.obstacles
     (doubt,) = found.passed_over
     assert thing.height == height
     assert doubt.code == "not-read"
-    assert doubt.may_stand
+    assert doubt.may_be_obstacle
     assert named in doubt.reason
     assert doubt.shape.area == pytest.approx(400, rel=1e-3)
 
@@ -111,5 +111,5 @@ def test_a_height_that_is_not_understood_is_named_where_it_is(
 def test_a_road_on_a_bridge_is_in_the_air(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
     road = {"type": "LineString", "coordinates": [at(0, 0), at(90, 0)]}
     tags = {"highway": "primary", "bridge": "viaduct", "layer": "2"}
-    (bridge,) = find(write_map((road, tags), (road, {"highway": "primary", "bridge": "no"})), frame).standing
+    (bridge,) = find(write_map((road, tags), (road, {"highway": "primary", "bridge": "no"})), frame).obstacles
     assert (bridge.height, bridge.reach) == (20.0, 8.0)

@@ -84,7 +84,7 @@ def test_an_image_on_the_ground_is_named_where_it_lies(tmp_path: Path, frame: Lo
         f"<LatLonBox>{box}</LatLonBox></GroundOverlay></Document></kml>",
         encoding="utf-8",
     )
-    (image,) = [thing for thing in find_zones(read_features(path), frame, path).passed_over if thing.may_stand]
+    (image,) = [thing for thing in find_zones(read_features(path), frame, path).passed_over if thing.may_be_obstacle]
     assert (image.name, image.code) == ("chart", "not-read")
     assert image.shape.area == pytest.approx(AREA, rel=2e-3)
 

@@ -82,7 +82,7 @@ def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
     near = search_buildings(path, rules, frame, WITHIN)
     assert near.remarks == whole.remarks
     assert list(count_passed_over(near.passed_over, near.left_out)) == list(count_passed_over(whole.passed_over))
-    assert (near.features, len(near.standing) + near.beyond) == (whole.features, len(whole.standing))
+    assert (near.features, len(near.obstacles) + near.beyond) == (whole.features, len(whole.obstacles))
     np.testing.assert_array_equal(near.box, whole.box)
 
     def nearby(thing: Any) -> bool:
@@ -91,10 +91,10 @@ def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
         lower, upper = (WITHIN[0] - reach, WITHIN[1] + reach)
         return bool(west <= upper[0] and south <= upper[1] and east >= lower[0] and north >= lower[1])
 
-    kept = {(s.name, s.shape.wkb) for s in near.standing}
-    assert [s for s in near.standing if nearby(s)] == [s for s in whole.standing if nearby(s)]
-    assert len([s for s in near.standing if not nearby(s)]) <= MOST_NAMED
-    assert [(s.name, s.shape.wkb) in kept for s in whole.standing if not nearby(s)][:MOST_NAMED].count(False) == 0
+    kept = {(s.name, s.shape.wkb) for s in near.obstacles}
+    assert [s for s in near.obstacles if nearby(s)] == [s for s in whole.obstacles if nearby(s)]
+    assert len([s for s in near.obstacles if not nearby(s)]) <= MOST_NAMED
+    assert [(s.name, s.shape.wkb) in kept for s in whole.obstacles if not nearby(s)][:MOST_NAMED].count(False) == 0
     assert _doubtful(near.passed_over, nearby) == _doubtful(whole.passed_over, nearby)
 
 
@@ -102,7 +102,7 @@ def _doubtful(things: tuple[PassedOver, ...], nearby: Callable[[Any], bool]) -> 
     return [
         (thing.name, thing.reason, thing.shape.wkt)
         for thing in things
-        if thing.may_stand and not thing.shape.is_empty and nearby(thing)
+        if thing.may_be_obstacle and not thing.shape.is_empty and nearby(thing)
     ]
 
 

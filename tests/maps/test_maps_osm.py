@@ -69,8 +69,8 @@ def test_things_have_the_shapes_that_gdal_finds(town: Path) -> None:
 def test_what_lacks_a_corner_is_told(town: Path) -> None:
     frame = LocalFrame(Geodetic(47.0, 8.0, 400.0))
     found = find_buildings(read_features(town), BuildingRules(), frame, town)
-    assert sorted(round(thing.height, 1) for thing in found.standing) == [9.0, 12.0, 14.5, 30.0]
-    assert "Hall & more" in {thing.name for thing in found.standing}
+    assert sorted(round(thing.height, 1) for thing in found.obstacles) == [9.0, 12.0, 14.5, 30.0]
+    assert "Hall & more" in {thing.name for thing in found.obstacles}
     assert any("way/13" in thing.name or "way 13" in str(thing) for thing in found.passed_over)
 
 

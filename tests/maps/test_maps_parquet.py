@@ -94,11 +94,11 @@ def test_overtures_buildings_become_what_they_become_as_geojson(write: Write, tm
     ]
     twin.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     ours, theirs = (search_buildings(p, BuildingRules(), HOME, HERE) for p in (write(ROWS, shapes), twin))
-    assert [(s.foot, s.height) for s in ours.standing] == [(0, 21.5), (0, 12), (3, 9), (6, 9), (0, 20)]
-    assert [s._replace(shape=s.shape.wkb) for s in ours.standing] == [
-        s._replace(shape=s.shape.wkb) for s in theirs.standing
+    assert [(s.foot, s.height) for s in ours.obstacles] == [(0, 21.5), (0, 12), (3, 9), (6, 9), (0, 20)]
+    assert [s._replace(shape=s.shape.wkb) for s in ours.obstacles] == [
+        s._replace(shape=s.shape.wkb) for s in theirs.obstacles
     ]
-    assert (ours.standing[0].name, ours.remarks) == ("Hall", theirs.remarks)
+    assert (ours.obstacles[0].name, ours.remarks) == ("Hall", theirs.remarks)
     assert [(one.name, one.reason) for one in ours.passed_over] == [("f", "underground")]
 
 
@@ -111,7 +111,7 @@ def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
     spoiled[begin : begin + told.total_compressed_size] = b"\xff" * told.total_compressed_size
     path.write_bytes(spoiled)
     found = search_buildings(path, BuildingRules(), HOME, HERE)
-    assert (len(found.standing), found.elsewhere, found.features) == (5, 4, 6)
+    assert (len(found.obstacles), found.elsewhere, found.features) == (5, 4, 6)
     assert "4 things far from the flight, not examined" in found.remarks
     with refuses("damaged-file", "map.parquet"):
         read_features(path)

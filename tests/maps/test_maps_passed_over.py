@@ -47,18 +47,18 @@ def test_a_polygon_beside_a_building_stands_or_is_named(
 ) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(50, 0), tags))
     found = find(path, frame)
-    assert len(found.standing) == 2 - (expected is not None)
-    assert [(thing.reason, thing.may_stand) for thing in found.passed_over] == ([expected] if expected else [])
-    assert not any(thing.may_stand for thing in find(path, frame, BuildingRules(take="tagged")).passed_over)
+    assert len(found.obstacles) == 2 - (expected is not None)
+    assert [(thing.reason, thing.may_be_obstacle) for thing in found.passed_over] == ([expected] if expected else [])
+    assert not any(thing.may_be_obstacle for thing in find(path, frame, BuildingRules(take="tagged")).passed_over)
     is_flat = expected is not None and expected[0] in ("tagged as something flat", "a wood of unknown height")
-    assert len(find(path, frame, BuildingRules(take="all")).standing) == 2 - is_flat
+    assert len(find(path, frame, BuildingRules(take="all")).obstacles) == 2 - is_flat
 
 
 def test_a_file_of_nothing_but_buildings_is_taken_whole(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     """A cadastre's: some have a height, none a tag of OpenStreetMap."""
     path = write_map((square(0, 0), {"height": 12}), (square(50, 0), {"class": "garage"}), (square(90, 0), {}))
-    assert [(s.shape.area > 390, s.height) for s in find(path, frame).standing] == [(True, 12), (True, 20), (True, 20)]
-    assert len(find(path, frame, BuildingRules(take="tagged")).standing) == 1
+    assert [(s.shape.area > 390, s.height) for s in find(path, frame).obstacles] == [(True, 12), (True, 20), (True, 20)]
+    assert len(find(path, frame, BuildingRules(take="tagged")).obstacles) == 1
 
 
 def test_overtures_buildings_are_read_by_their_own_tags(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -72,8 +72,8 @@ def test_overtures_buildings_are_read_by_their_own_tags(write_map: WriteMap, fra
         {"height": 5, "is_underground": True},
     ]
     found = find(write_map(*((square(50 * n, 0), row) for n, row in enumerate(rows))), frame)
-    assert [(s.foot, s.height) for s in found.standing] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
-    assert found.standing[0].name == "Hall"
+    assert [(s.foot, s.height) for s in found.obstacles] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
+    assert found.obstacles[0].name == "Hall"
     assert found.remarks == (
         "1 building of known storeys and unknown roof, 3 m a storey",
         "2 buildings without a height, given 20 m",
@@ -105,7 +105,7 @@ def test_points_lines_and_what_has_no_geometry_are_counted(
 def test_the_far_part_of_a_wide_map_is_counted(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(300_000, 0), {"building": "yes", "name": "away"}))
     found = find(path, frame)
-    assert (len(found.standing), [thing.name for thing in found.passed_over]) == (1, ["away"])
+    assert (len(found.obstacles), [thing.name for thing in found.passed_over]) == (1, ["away"])
     assert found.passed_over[0].reason == "more than 100 km from home"
 
 
@@ -113,4 +113,4 @@ def test_every_building_of_overtures_utrecht_stands(samples: Path) -> None:
     found = find(samples / "bertt+overture" / "buildings.geojson", LocalFrame(Geodetic(52.1, 5.12)))
     assert not found.passed_over
     assert found.remarks == ("3739 buildings without a height, given 20 m",)
-    assert all(shapely.is_valid(s.shape) for s in found.standing)
+    assert all(shapely.is_valid(s.shape) for s in found.obstacles)

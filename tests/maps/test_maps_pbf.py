@@ -88,11 +88,11 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
     binary = make(COUNTRY)
     ours, theirs = (search_buildings(path, BuildingRules(), HOME, HERE) for path in (binary, binary.with_suffix("")))
     here = shapely.box(*np.hstack(HERE))
-    near, same = ([s for s in found.standing if here.intersects(s.shape)] for found in (ours, theirs))
+    near, same = ([s for s in found.obstacles if here.intersects(s.shape)] for found in (ours, theirs))
     assert [(one.name, one.height, one.shape.wkb) for one in near] == [(s.name, s.height, s.shape.wkb) for s in same]
     assert {one.name for one in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
     assert "3 things far from the flight, not examined" in ours.remarks
-    wood = [one for one in ours.passed_over if one.may_stand]
+    wood = [one for one in ours.passed_over if one.may_be_obstacle]
     assert [(one.name, one.reason) for one in wood] == [
         ("way/13", "of which a part is not in the file"),
         ("relation/150", "a wood of unknown height"),
@@ -110,7 +110,7 @@ def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeyp
     monkeypatch.setitem(map_reader._BATCH_READERS, ".pbf", count)
     moved = HERE[0] + 5.0, HERE[1] + 5.0
     first, second = (search_buildings(binary, BuildingRules(), HOME, box) for box in (HERE, moved))
-    assert (times, len(first.standing)) == (1, len(second.standing))
+    assert (times, len(first.obstacles)) == (1, len(second.obstacles))
     os.utime(binary, ns=(1, 1))
     search_buildings(binary, BuildingRules(), HOME, HERE)
     assert times == 2

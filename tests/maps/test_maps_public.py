@@ -51,7 +51,7 @@ def test_a_building_of_a_report_is_as_high_as_it_is(
     height: float,
 ) -> None:
     found = search(write_map((square(0, 0), tags)), frame)
-    (thing,) = found.standing
+    (thing,) = found.obstacles
     assert found.passed_over == found.unread == ()
     assert (thing.foot, thing.height) == pytest.approx((foot, height)), source
 
@@ -63,7 +63,7 @@ def test_an_outline_and_its_parts_of_other_heights_all_stand(
     outline = (square(0, 0, 40), {"building": "yes", "height": "70"})
     parts = [(square(0, 0), {"building:part": "yes", "height": "70", "min_height": "20"})]
     parts += [(square(20, 20), {"building:part": "yes", "building:levels": "4"})]
-    assert [s.height for s in search(write_map(outline, *parts), frame).standing] == [70.0, 70.0, 12.0]
+    assert [s.height for s in search(write_map(outline, *parts), frame).obstacles] == [70.0, 70.0, 12.0]
 
 
 def test_a_collection_a_line_is_read(tmp_path: Path, frame: LocalFrame, square: Square) -> None:
@@ -71,7 +71,7 @@ def test_a_collection_a_line_is_read(tmp_path: Path, frame: LocalFrame, square: 
     path = tmp_path / "town.geojsonl"
     rows = [{"type": "Feature", "properties": {"height": 9 + n}, "geometry": square(50 * n, 0)} for n in range(3)]
     path.write_text("".join(json.dumps({"type": "FeatureCollection", "features": [row]}) + "\n" for row in rows))
-    assert [s.height for s in search(path, frame).standing] == [9, 10, 11]
+    assert [s.height for s in search(path, frame).obstacles] == [9, 10, 11]
 
 
 def test_a_zone_with_a_label_in_one_collection_is_a_zone(tmp_path: Path, frame: LocalFrame) -> None:
@@ -102,4 +102,4 @@ def test_a_name_of_a_report_that_was_cut_is_a_height(
         path, shape, [np.array([height])], [field[:10]], geometry_type="Polygon", crs="EPSG:4326",
         driver="ESRI Shapefile",
     )  # fmt: skip
-    assert [s.height for s in search(path, frame).standing] == [height]
+    assert [s.height for s in search(path, frame).obstacles] == [height]

@@ -59,7 +59,7 @@ def test_names_that_a_shapefile_cut_are_found_again(
     shapefile: Write, frame: LocalFrame, tags: dict[str, Any], height: float
 ) -> None:
     maps = found(shapefile([*tags, "diameter_crown_of_it"], [*tags.values(), 1.0]), frame)
-    assert {thing.height for thing in maps.standing} == {height}
+    assert {thing.height for thing in maps.obstacles} == {height}
 
 
 def test_a_second_name_of_the_same_letters_that_may_be_a_height_is_named(shapefile: Write, frame: LocalFrame) -> None:
@@ -157,10 +157,10 @@ def test_one_house_is_the_same_in_every_spelling(tmp_path: Path, frame: LocalFra
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
     maps = found(path, frame)
-    (house,) = maps.standing
+    (house,) = maps.obstacles
     assert (house.height, house.shape.area) == pytest.approx((30.0, 76.05 * 111.18), rel=2e-3)
     assert maps.unread == ()
-    assert not any(thing.may_stand for thing in maps.passed_over)
+    assert not any(thing.may_be_obstacle for thing in maps.passed_over)
 
 
 def test_what_overpass_left_out_is_named(tmp_path: Path, frame: LocalFrame) -> None:
@@ -179,7 +179,7 @@ def test_a_way_that_leads_out_of_the_box_is_in_doubt_where_it_is_known(tmp_path:
     two["elements"].append({"type": "way", "id": 2, "tags": HOUSE, "geometry": lat_lon()})
     path.write_text(json.dumps(two))
     (doubt,) = found(path, frame).passed_over
-    assert (doubt.name, doubt.code, doubt.may_stand) == ("way/1", "not-read", True)
+    assert (doubt.name, doubt.code, doubt.may_be_obstacle) == ("way/1", "not-read", True)
     assert doubt.shape.length == pytest.approx(76.05, rel=2e-3)
 
 
@@ -207,7 +207,7 @@ def test_the_public_cases_are_read(field4: Path, frame: LocalFrame) -> None:
     for name, heights in (("f4-26-overpass-raw.json", [30, 20]), ("f4-26b-one-feature-a-line.geojson", [30, 20])):
         path = field4 / name
         assert [
-            thing.height for thing in find_buildings(read_features(path), BuildingRules(), home, path).standing
+            thing.height for thing in find_buildings(read_features(path), BuildingRules(), home, path).obstacles
         ] == heights
 
 

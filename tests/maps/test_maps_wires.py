@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
+from ipoa_mission.maps.map_obstacles import raise_obstacles, raise_span
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.standing import raise_buildings, raise_span
 from ipoa_mission.maps.wires import spans, volts_of, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL
@@ -49,7 +49,7 @@ def test_a_line_is_as_high_as_its_kind(
 ) -> None:
     line = {"type": "LineString", "coordinates": [at(0, 0), at(90, 0), at(90, 200)]}
     found = find(write_map((line, tags)), frame, take=take)
-    assert [s.height for s in found.standing] == ([] if height is None else [height, height])  # a wall for each span
+    assert [s.height for s in found.obstacles] == ([] if height is None else [height, height])  # a wall for each span
     assert bool(found.remarks) == (height is not None and "height" not in tags)
 
 
@@ -61,10 +61,10 @@ def test_the_scenario_changes_heights_and_zero_is_nothing(write_map: WriteMap, f
         (line(0), {"power": "line"}), (line(50), {"power": "cable"}), (line(99), {"aerialway": "cable_car"})
     )
     changed = find(path, frame, line_height=33.0, aerialway_height=140.0)
-    assert [s.height for s in changed.standing] == [33.0, 33.0, 140.0]
+    assert [s.height for s in changed.obstacles] == [33.0, 33.0, 140.0]
     nothing = find(path, frame, line_height=0.0, aerialway_height=0.0)
-    assert not nothing.standing
-    assert [thing.may_stand for thing in nothing.passed_over] == [False, False, False]
+    assert not nothing.obstacles
+    assert [thing.may_be_obstacle for thing in nothing.passed_over] == [False, False, False]
     assert {thing.reason for thing in nothing.passed_over} == {
         "line_height = 0 excludes it",
         "aerialway_height = 0 excludes it",
@@ -73,15 +73,15 @@ def test_the_scenario_changes_heights_and_zero_is_nothing(write_map: WriteMap, f
 
 def test_a_wood_is_what_the_scenario_says(write_map: WriteMap, frame: LocalFrame, square: Callable[..., Any]) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(90, 0), {"landuse": "forest"}))
-    assert [s.height for s in find(path, frame, wood_height=35.0).standing] == [20.0, 35.0]
-    for rules, may_stand in (
+    assert [s.height for s in find(path, frame, wood_height=35.0).obstacles] == [20.0, 35.0]
+    for rules, may_be_obstacle in (
         ({}, True),
         ({"take": "all"}, True),
         ({"take": "tagged"}, False),
         ({"wood_height": 0.0}, False),
     ):
         (wood,) = find(path, frame, **rules).passed_over
-        assert wood.may_stand is may_stand
+        assert wood.may_be_obstacle is may_be_obstacle
 
 
 def test_no_road_and_no_field_becomes_a_wall(write_map: WriteMap, frame: LocalFrame, square: Any, at: At) -> None:
@@ -93,7 +93,7 @@ def test_no_road_and_no_field_becomes_a_wall(write_map: WriteMap, frame: LocalFr
         (square(0, 0), {"amenity": "parking"}),
     ]
     found = find(write_map((square(50, 50), {"building": "yes"}), *flat), frame, take="all")
-    assert len(found.standing) == 1
+    assert len(found.obstacles) == 1
     assert len(found.passed_over) == 4
 
 
@@ -137,7 +137,7 @@ def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at:
     path = write_map(({"type": "MultiLineString", "coordinates": lines}, {"power": "line", "voltage": "110000"}))
     found = find(path, frame)
     assert found.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
-    assert len(raise_buildings(found.standing, LEVEL)) == 3
+    assert len(raise_obstacles(found.obstacles, LEVEL)) == 3
 
 
 def test_of_a_line_that_stays_in_one_place_no_span_stands() -> None:

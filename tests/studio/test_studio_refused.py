@@ -54,13 +54,13 @@ def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -
     scenario = Scenario.from_dict(parse_toml(text, MEADOW), tmp_path)
     (doubt,) = [body for body in world_of(scenario, 1).bodies if body.doubt]
     assert doubt.name
-    (thing,) = [thing for thing in scenario.passed_over if thing.may_stand]
+    (thing,) = [thing for thing in scenario.passed_over if thing.may_be_obstacle]
     heights = tuple(Remedy(("maps", 0, key), value) for key, value in thing.heights)
     high, none = plan_trouble(MissionError("it crosses a wood", remedies=heights), scenario, 1).remedies
     assert high.label == "Woods of town.geojson are 35 m high"
     for remedy, stand in ((high, 1), (none, 0)):
         mended = Scenario.from_dict(parse_toml(changed(text, remedy.changes), MEADOW), tmp_path)
-        assert not mended.passed_over or not any(thing.may_stand for thing in mended.passed_over)
+        assert not mended.passed_over or not any(thing.may_be_obstacle for thing in mended.passed_over)
         assert len(mended.airspace.obstacles) == len(scenario.airspace.obstacles) + stand
 
 

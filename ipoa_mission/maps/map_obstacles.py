@@ -13,7 +13,7 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
 
-class Standing(NamedTuple):
+class MapObstacle(NamedTuple):
     """`shape` is east, north [m]; `reach` widens a point or line.
 
     It reaches from `foot` above the lowest ground under it to `height` above the highest, or above home if `over_home`.
@@ -29,28 +29,28 @@ class Standing(NamedTuple):
     called: str = ""  # for messages
 
 
-def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
+def raise_obstacles(obstacles: Sequence[MapObstacle], ground: Ground) -> tuple[Obstacle, ...]:
     hanging = [
         prism
-        for s in standing
+        for s in obstacles
         if s.hangs
         for prism in raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
     ]
-    standing = [s for s in standing if not s.hangs]
-    if not standing:
+    upright = [s for s in obstacles if not s.hangs]
+    if not upright:
         return tuple(hanging)
-    outlines = [_outline(s) for s in standing]
+    outlines = [_outline(s) for s in upright]
     heights = ground(np.vstack(outlines))
     first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
     lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
     raised = []
-    for s, low, high in zip(standing, lowest.tolist(), highest.tolist(), strict=True):
+    for s, low, high in zip(upright, lowest.tolist(), highest.tolist(), strict=True):
         top = s.height if s.over_home else high + s.height
         raised.append(_obstacle(s, low + s.foot, max(top, low + 0.1)))  # at least 0.1 m high
     return (*raised, *hanging)
 
 
-def _outline(s: Standing) -> NDArray[np.float64]:
+def _outline(s: MapObstacle) -> NDArray[np.float64]:
     corners = shapely.get_coordinates(s.shape)
     if s.reach > 0:
         around = s.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
@@ -58,7 +58,7 @@ def _outline(s: Standing) -> NDArray[np.float64]:
     return np.vstack([corners, shapely.get_coordinates(s.shape.centroid)])
 
 
-def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
+def _obstacle(s: MapObstacle, base: float, top: float) -> Obstacle:
     name = s.called or s.name
     if s.shape.geom_type == "Point":
         return Cylinder(name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
