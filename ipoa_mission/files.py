@@ -31,24 +31,21 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
     targets = {path: Path(os.path.realpath(path)) for path in contents}
     try:
         for path, content in contents.items():
-            try:
-                handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=targets[path].parent)
-                staged[path] = Path(temporary)
-                with os.fdopen(handle, "wb") as file:
-                    file.write(content.encode() if isinstance(content, str) else content)
-                staged[path].chmod(0o666 & ~_umask())
-                _expect_file(path)
-            except OSError as error:
-                raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
+            handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=targets[path].parent)
+            staged[path] = Path(temporary)
+            with os.fdopen(handle, "wb") as file:
+                file.write(content.encode() if isinstance(content, str) else content)
+            staged[path].chmod(0o666 & ~_umask())
+            if path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         for path, target in targets.items():
             written[path] = None
-            try:
-                staged[path].replace(target)
-            except OSError as error:
-                raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
+            staged[path].replace(target)
+    except OSError as error:
+        raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
     finally:
-        for left in staged.values():
-            left.unlink(missing_ok=True)
+        for temporary_path in staged.values():
+            temporary_path.unlink(missing_ok=True)
 
 
 def make_folder(path: Path) -> None:
@@ -139,11 +136,6 @@ def _read_pipe(path: Path) -> bytes:
             raise BadInput(f"expected data in this pipe within {PIPE_TIMEOUT_S:g} s", place=path)
         os.set_blocking(pipe, True)
         return file.read()
-
-
-def _expect_file(path: Path) -> None:
-    if path.is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
 
 
 def _umask() -> int:

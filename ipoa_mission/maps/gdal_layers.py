@@ -142,14 +142,14 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
         hint = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
         return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, hint)
 
-    tags, blank, missing = dict(tags_of(row)), frozenset(blank_keys(row)), truncated(row)
+    tags, blank = dict(tags_of(row)), frozenset(blank_keys(row))
     if shape is None:
         return Feature(place, shapely.GeometryCollection(), tags, blank)
     try:
         flat = shapely.transform(shapely.force_2d(shapely.from_wkb(shape)), convert)
     except shapely.errors.GEOSException as error:
         raise BadInput(f"expected a shape: {error}", place=place) from error
-    return Feature(place, flat, tags, blank, missing and missing._replace(shape=flat))
+    return Feature(place, flat, tags, blank, truncated(row, flat))
 
 
 def _plain(value: Any) -> Any:

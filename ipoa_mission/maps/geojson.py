@@ -76,18 +76,20 @@ def _looks_sound(rings: Any) -> bool:
 
 
 BATCH = 1024
+SHAPES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
 Take = Callable[[Sequence[Feature]], object]
+_Degrees = Callable[[Corners], Corners]
 
 
 def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
     """Pass on features in batches; `begin` is called again if reading restarts."""
     try:
-        with many_objects():
-            _hand_on(path, begin)
+        _hand_on(path, begin)
     except RecursionError:
         raise TooLarge("expected a map, not endlessly nested brackets", place=path) from None
 
 
+@many_objects()
 def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
     document: dict[str, Any] = {}
     if not path.is_fifo():  # a FIFO can be read only once
@@ -168,7 +170,7 @@ class _Collection:
         if len(self._waiting) >= BATCH:
             self._make(self._to_degrees)
 
-    def _make(self, to_degrees: "_Degrees") -> None:
+    def _make(self, to_degrees: _Degrees) -> None:
         drawn = sound_polygons([_rings(feature) for _, feature in self._waiting], to_degrees)
         made = [
             self._mistakes.attempt(_feature, place, feature, to_degrees, shape)
@@ -181,9 +183,9 @@ class _Collection:
 
 def _rings(feature: Any) -> Any:
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
-    if isinstance(geometry, dict) and geometry.get("type") == "Polygon":
-        return geometry.get("coordinates")
-    return None
+    if not isinstance(geometry, dict) or geometry.get("type") != "Polygon":
+        return None
+    return geometry.get("coordinates")
 
 
 def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
@@ -200,7 +202,7 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
         placed = [(f"{place}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
         placed = [(f"{place}: feature", document)]
-    elif isinstance(kind, str) and (kind == "GeometryCollection" or kind in SHAPES):
+    elif isinstance(kind, str) and kind in {*SHAPES, "GeometryCollection"}:
         placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
         cityjson = (
@@ -220,25 +222,23 @@ def _number(feature: Any) -> str:
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
-def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None) -> Feature:
+def _feature(place: str, feature: Any, to_degrees: _Degrees, drawn: Any = None) -> Feature:
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    missing = truncated(properties)
     tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
-    if drawn is not None:
-        shape = drawn
-    else:
-        shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
+    shape = shapely.GeometryCollection() if drawn is None else drawn
+    if drawn is None and geometry is not None:
+        shape = _shape(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(layer_tags(geometry["layer"]))
-    return Feature(place, shape, tags, frozenset(blank_keys(properties)), missing and missing._replace(shape=shape))
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)), truncated(properties, shape))
 
 
-def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) -> Any:
+def _shape(geometry: Any, place: str, to_degrees: _Degrees, depth: int = 0) -> Any:
     kind = geometry.get("type") if isinstance(geometry, dict) else None
     if isinstance(geometry, dict) and kind == "GeometryCollection":
         members = geometry.get("geometries")
@@ -253,56 +253,34 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) ->
     extent = geometry.get("extent")
     if kind == "Point" and isinstance(extent, dict):  # ED-318
         return circle(geometry.get("coordinates"), extent.get("radius"), f"{place}.extent")
-    return SHAPES[kind](geometry.get("coordinates"), f"{place}.coordinates", to_degrees)
+    values, place = geometry.get("coordinates"), f"{place}.coordinates"
+    if not kind.startswith("Multi"):
+        return _part(kind, values, place, to_degrees)
+    if not isinstance(values, list):
+        raise BadInput("expected a list", place=place)
+    parts = [_part(kind.removeprefix("Multi"), value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)]
+    return getattr(shapely, kind)(parts)
 
 
-def _corners(values: Any, place: str, to_degrees: "_Degrees") -> Corners:
-    return on_earth(to_degrees(positions_of(values, place)), place)
+def _part(kind: str, values: Any, place: str, to_degrees: _Degrees) -> Any:
+    def corners_of(positions: Any, place: str) -> Corners:
+        return on_earth(to_degrees(positions_of(positions, place)), place)
 
-
-def _point(values: Any, place: str, to_degrees: "_Degrees") -> Any:
-    return shapely.Point(_corners([values], place, to_degrees)[0])
-
-
-def _line(values: Any, place: str, to_degrees: "_Degrees") -> Any:
-    corners = _corners(values, place, to_degrees)
-    if len(corners) < 2:
-        raise InvalidRing(f"expected 2 positions or more, not {len(corners)}", place=place)
-    return shapely.LineString(corners)
-
-
-def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
+    if kind == "Point":
+        return shapely.Point(corners_of([values], place)[0])
+    if kind == "LineString":
+        corners = corners_of(values, place)
+        if len(corners) < 2:
+            raise InvalidRing(f"expected 2 positions or more, not {len(corners)}", place=place)
+        return shapely.LineString(corners)
     if not isinstance(values, list) or not values:
         raise InvalidRing("expected a list of rings", place=place)
     rings = []
     for i, ring in enumerate(values):
-        corners = _corners(ring, f"{place}[{i}]", to_degrees)
-        if len({tuple(corner) for corner in corners.tolist()}) < 3:
+        rings.append(corners_of(ring, f"{place}[{i}]"))
+        if len(np.unique(rings[-1], axis=0)) < 3:
             raise InvalidRing("expected a ring of 3 different corners or more", place=f"{place}[{i}]")
-        rings.append(corners)
     return shapely.Polygon(rings[0], rings[1:])
-
-
-def _several(read_part: "_Reader", whole: Any) -> "_Reader":
-    def read(values: Any, place: str, to_degrees: "_Degrees") -> Any:
-        if not isinstance(values, list):
-            raise BadInput("expected a list", place=place)
-        return whole([read_part(value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)])
-
-    return read
-
-
-_Degrees = Callable[[Corners], Corners]
-_Reader = Callable[[Any, str, _Degrees], Any]
-
-SHAPES: Mapping[str, _Reader] = {
-    "Point": _point,
-    "MultiPoint": _several(_point, shapely.MultiPoint),
-    "LineString": _line,
-    "MultiLineString": _several(_line, shapely.MultiLineString),
-    "Polygon": _polygon,
-    "MultiPolygon": _several(_polygon, shapely.MultiPolygon),
-}
 
 
 def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:

@@ -145,8 +145,7 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
 
 def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
     plain = {name: _plain(value) for name, value in row.items()}
-    tags, blank, missing = dict(tags_of(plain)), frozenset(blank_keys(plain)), truncated(plain)
-    return Feature(place, shape, tags, blank, missing and missing._replace(shape=shape))
+    return Feature(place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)), truncated(plain, shape))
 
 
 def _plain(value: Any) -> Any:

@@ -6,8 +6,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
 
-import shapely
-
 from ipoa_mission.maps.feature import Missing
 from ipoa_mission.maps.keys import Means, meaning
 
@@ -47,13 +45,13 @@ def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
             yield key
 
 
-def truncated(properties: Mapping[str, Any]) -> Missing | None:
+def truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
     """Find packed tags that a Shapefile truncates to 254 bytes."""
     for key in PACKED:
         text = properties.get(key)
         if isinstance(text, str) and (rest := _rest(text)):
             words = f"of which {key} is not whole (... {rest[-20:]!r})"
-            return Missing(words, shapely.GeometryCollection(), "write the map as a GeoPackage, which keeps long texts")
+            return Missing(words, shape, "write the map as a GeoPackage, which keeps long texts")
     return None
 
 
