@@ -242,7 +242,7 @@ def feature_of(
         hull = shapely.MultiPoint(known).convex_hull if known else EMPTY_SHAPE
         remedy = "export a larger part of the map, with everything that crosses its edge"
         missing = Missing("of which a part is not in the file", hull, remedy, elsewhere=not known)
-    return Feature(place, shape, {**tags, "@id": name.replace(" ", "/")}, missing=missing)
+    return Feature(place, shape, {**tags, "@id": name.replace(" ", "/", 1)}, missing=missing)
 
 
 def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:
