@@ -5,7 +5,7 @@ import shapely
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.place_sections import Horizontal, Ring
+from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
 from ipoa_mission.scenario.section import Positive, Section
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
@@ -91,11 +91,10 @@ class PrismSection(Section):
 
     @field_validator("footprint", "footprint_geodetic")
     @classmethod
-    def _crosses_nothing(cls, ring: tuple[tuple[float, float], ...] | None) -> tuple[tuple[float, float], ...] | None:
+    def _crosses_nothing(cls, ring: Ring | None) -> Ring | None:
         if ring is not None and not (shape := shapely.Polygon(ring)).is_valid:
-            raise ValueError(
-                f"expected a ring that does not cross itself, not one with {shapely.is_valid_reason(shape)}"
-            )
+            why = shapely.is_valid_reason(shape)
+            raise ValueError(f"expected a ring that does not cross itself, not one with {why}")
         return ring
 
     @model_validator(mode="after")
@@ -105,11 +104,12 @@ class PrismSection(Section):
         return self
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        outer = _corners(self.footprint, self.footprint_geodetic, frame)
-        geodetic = self.footprint_geodetic is not None
-        holes = [_corners(None if geodetic else hole, hole if geodetic else None, frame) for hole in self.holes]
+        outer, *holes = (
+            np.asarray(ring, float) if self.footprint_geodetic is None else east_north_of(ring, frame)
+            for ring in (self.footprint_geodetic or self.footprint or (), *self.holes)
+        )
         bottom, top = _vertical_extent(self.base, self.height, ground, outer)
-        return Prism(name, _ring(outer), tuple(_ring(hole) for hole in holes), bottom, top)
+        return Prism(name, _ring(outer), tuple(map(_ring, holes)), bottom, top)
 
 
 ObstacleSection: TypeAlias = Annotated[
@@ -122,13 +122,6 @@ def _vertical_extent(base: float | None, height: float, ground: Ground, footprin
         return base, base + height
     heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))
     return float(heights.min()), float(heights.max()) + height
-
-
-def _corners(local: Ring | None, geodetic: Ring | None, frame: LocalFrame) -> Points:
-    if local is not None:
-        return np.asarray(local, float)
-    latitude, longitude = np.asarray(geodetic, float).T
-    return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
 
 
 def _ring(corners: Points) -> tuple[tuple[float, float], ...]:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.map_sections import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -13,6 +13,12 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
+
+
+def east_north_of(ring: Ring, frame: LocalFrame) -> Points:
+    """Convert latitudes and longitudes."""
+    latitude, longitude = np.asarray(ring, float).T
+    return frame.to_local(latitude, longitude, np.full(len(latitude), frame.home.altitude))[:, :2]
 
 
 class HomeSection(Section):

@@ -22,7 +22,14 @@ from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.obstacles import ObstacleSection
-from ipoa_mission.scenario.place_sections import BoundsSection, FenceSection, FlatTerrain, Place, TerrainSection
+from ipoa_mission.scenario.place_sections import (
+    BoundsSection,
+    FenceSection,
+    FlatTerrain,
+    Place,
+    TerrainSection,
+    east_north_of,
+)
 from ipoa_mission.scenario.survey_area import Reach
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
@@ -92,11 +99,8 @@ def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, to
 def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
     if fence.center is not None and fence.radius is not None:
         return shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
-    corners = np.array(fence.polygon or fence.polygon_geodetic)
-    if fence.polygon_geodetic is not None:
-        latitude, longitude = corners.T
-        corners = frame.to_local(latitude, longitude, np.full(len(corners), frame.home.altitude))[:, :2]
-    shape = shapely.Polygon(corners)
+    geodetic, local = fence.polygon_geodetic, fence.polygon
+    shape = shapely.Polygon(local if geodetic is None else east_north_of(geodetic, frame))
     if not shape.is_valid or math.isclose(shape.area, 0.0):
         reason = shapely.is_valid_reason(shape).split("[")[0].lower()
         raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)

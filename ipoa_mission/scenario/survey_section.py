@@ -166,7 +166,6 @@ class SurveySection(Section):
         return camera.footprint(height)[0] * (1.0 - _given(self.side_overlap))
 
     def trigger(self, height: float) -> float | None:
-        """Return the distance between photos [m], or None."""
         camera = self.taken_by
         return None if camera is None else camera.footprint(height)[1] * (1.0 - _given(self.front_overlap))
 
