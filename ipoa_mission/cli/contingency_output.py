@@ -87,14 +87,7 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
 
 
 def bar_of(rows: Sequence[ContingencyRow]) -> str:
-    """Return characters of equal time, each its worst row.
-
-    >>> from ipoa_mission.autopilot.returning import Contingency
-    >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
-    >>> unclear = ContingencyRow(Contingency.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
-    >>> bar_of((clear, unclear)).count("-")
-    24
-    """
+    """Return characters of equal time, each its worst row."""
     begin, end = rows[0].from_s, rows[-1].to_s
     edges = [begin + n * (end - begin) / CELLS for n in range(CELLS)] + [end]
     cells = [{row.grade for row in rows if row.from_s <= b and a <= row.to_s} for a, b in pairwise(edges)]

@@ -8,7 +8,7 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import confirm, reporting_interrupt
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import notes, print_json, print_lines, print_table, progress_bar
+from ipoa_mission.cli.output import print_json, print_lines, print_table, progress_bar
 from ipoa_mission.errors import NothingThere, OptionConflict
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
 #: with every frame in a log
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-OPTION = Path("--survey")  # begins errors without a scenario
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
 
@@ -67,39 +66,25 @@ class SurveyOptions:
 
     def scenario(self, path: Path | None) -> "Scenario":
         """Return the scenario with this survey; without a file home is at the area's begin. Raises BadInput."""
-        from ipoa_mission.scenario.scenario_file import read_scenario, read_table, scenario_of
-        from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
+        names = {"height": "height_above_ground", "gsd": "gsd_cm"}
+        options = {name: getattr(self, name) for name in ("height", "line_spacing", "width", "camera", "gsd")}
+        keys = {names.get(name, name): value for name, value in options.items() if value is not None}
+        if self.survey is not None:
+            from ipoa_mission.survey.survey_flight import scenario_over
 
-        keys = {"height": "height_above_ground", "gsd": "gsd_cm"}
-        options = ("height", "line_spacing", "width", "camera", "gsd")
-        asked_for = {name: value for name in options if (value := getattr(self, name)) is not None}
-        if self.survey is None:
-            if asked_for:
-                raise OptionConflict("expected with --survey", place=f"--{next(iter(asked_for)).replace('_', '-')}")
-            if path is None:
-                raise OptionConflict("expected a scenario, or an area: --survey AREA")
-            return read_scenario(path)
-        table = (
-            {"name": self.survey.stem.removesuffix(".osm"), "home": _home_beside(self.survey)}
-            if path is None
-            else read_table(path)
-        )
-        own = table.pop("survey", {})
-        asked = dict(own) if isinstance(own, dict) else {}
-        asked |= {keys.get(name, name): value for name, value in asked_for.items()}
-        if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
-            asked["height_above_ground"] = USUAL_HEIGHT
-        if asked.keys().isdisjoint({"line_spacing", "camera"}):
-            asked["line_spacing"] = USUAL_SPACING
-        for other in ("polygon", "line"):
-            asked.pop(other, None)
-        rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
-        is_beside = path is None or path.parent == Path()
-        area = self.survey if is_beside else self.survey.absolute()
-        return scenario_of(rest | {"survey": asked | {"area": str(area)}}, path or OPTION)
+            return scenario_over(self.survey, path, keys, _home_in(self.survey) if path is None else {})
+        for name, value in options.items():
+            if value is not None:
+                raise OptionConflict("expected with --survey", place=f"--{name.replace('_', '-')}")
+        if path is None:
+            raise OptionConflict("expected a scenario, or an area: --survey AREA")
+        from ipoa_mission.scenario.scenario_file import read_scenario
+
+        return read_scenario(path)
 
 
-def _home_beside(area: Path) -> dict[str, float]:
+def _home_in(area: Path) -> dict[str, float]:
+    """Return the first corner of a map's area."""
     import shapely
 
     from ipoa_mission.maps.map_reader import read_features
@@ -122,68 +107,11 @@ def plan_here(
 
 
 def print_survey(survey: "Survey", written: list[Path]) -> None:
-    lines, rows = describe(survey), flight_rows(survey)
-    columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
-    if survey.plan.section.starts is not None:
-        columns.append("from")
-        rows = [(*row, begins_at(survey, n)) for n, row in enumerate(rows)]
-    print_lines(*lines)
-    print_table("flights, in this order", columns, rows)
+    from ipoa_mission.survey.survey_flight import describe, flight_table
+
+    print_lines(*describe(survey))
+    print_table("flights, in this order", *flight_table(survey))
     print_lines(f"written: {', '.join(map(str, written))}")
-
-
-def describe(survey: "Survey") -> list[str]:
-    from ipoa_mission.centimeters import down
-    from ipoa_mission.cli.plan_output import wind_words
-
-    plan, first = survey.plan, survey.flights[0].mission
-    seen, sight = plan.coverage, plan.sight
-    firmware = first.autopilot.checked_for(first.firmware_version)
-    heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
-    photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
-    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
-    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
-    told = [f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"]
-    if flown := plan.flown:
-        told.append(
-            f"as flown, with corners cut and passed: {down(100 * flown.share):.2f} %, {flown.outside_m:.1f} m outside"
-        )
-    overlaps = [f"photos overlap by {plan.overlaps} at least"] if str(plan.overlaps or "") else []
-    return [
-        f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
-        f"for {firmware}{photos}",
-        *told,
-        *overlaps,
-        f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
-        *wind_words(survey.flights[0].wind),
-        *survey.warnings,
-        *notes(survey.notes),
-    ]
-
-
-def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
-    from ipoa_mission.centimeters import down
-
-    rows = list[tuple[str, ...]]()
-    for name, flight in zip(survey.names, survey.plan.flights, strict=True):
-        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
-        photos = survey.plan.sight.photos_of(flight.tour)
-        rows.append(
-            (
-                f"{name}.plan",
-                str(len(flight.tour.swaths)),
-                str(photos),
-                str(len(flight.forecast.mission.items)),
-                f"{flight.forecast.estimate.total_s:.1f}",
-                "" if energy is None else f"{energy.energy_wh:.1f}",
-                "" if kept is None else f"{down(kept.kept):.2f} to {kept.to}",
-            )
-        )
-    return rows
-
-
-def begins_at(survey: "Survey", n: int) -> str:
-    return "east {:.0f}, north {:.0f} m".format(*survey.plan.begin_of(survey.plan.flights[n]))
 
 
 def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
@@ -218,7 +146,6 @@ def fly_survey(
     from ipoa_mission.cli.flown_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
-    from ipoa_mission.survey.survey_flight import survey_as_json
 
     if not as_json:
         print_survey(survey, written)
@@ -241,9 +168,13 @@ def fly_survey(
             hint = next_steps(link, on_link.system, record)
             break
     if as_json:
-        about = survey_as_json(survey.plan, survey.names)
         error = {key: words for key, words in (("error", why), ("hint", hint)) if words}
-        result = {"survey": about, "flown": flown, "written": [str(path) for path in written], **error}
+        result = {
+            "survey": survey.summary()["survey"],
+            "flown": flown,
+            "written": [str(path) for path in written],
+            **error,
+        }
         print_json(result, indent=None if any("deviations" in one for one in flown) else 2)  # below lines of events
     if why:
         print(f"error: {why}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
@@ -251,9 +182,11 @@ def fly_survey(
 
 
 def _is_ready(survey: "Survey", n: int) -> bool:
+    from ipoa_mission.survey.survey_flight import begin_in_words
+
     landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
-    place = f"{begins_at(survey, n)} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
+    place = f"{begin_in_words(survey.plan, survey.plan.flights[n])} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
     position = f"the vehicle is at {place}, " if is_elsewhere else ""
     words = (
         f"{landed} has landed. Fly {following}: {position}a charged battery is in, and nobody is near the propellers?"

@@ -38,8 +38,8 @@ from ipoa_mission.studio.remedies import plan_trouble, text_trouble
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_view import area_of, coarse_survey, planned_survey
 from ipoa_mission.studio.view import line_of, world_of
-from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
+from ipoa_mission.survey.survey_task import sketch_survey
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 

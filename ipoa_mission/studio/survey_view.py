@@ -28,11 +28,11 @@ from ipoa_mission.studio.survey_answers import (
 )
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import Path, renamed
-from ipoa_mission.survey.laying import SurveySketch
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
+from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
@@ -169,7 +169,7 @@ def _layout(
     return SurveyLayout(
         starts=on_map(frame, np.array(starts).reshape(-1, 2)),
         lines=tuple(_lines(scenario, sight, tours)),
-        ways=tuple(on_map(frame, way) for tour in tours for way in tour.ways if len(way) > 1),
+        ways=tuple(on_map(frame, way) for tour in tours for way in tour.transits if len(way) > 1),
         seen=_polygons(scenario, coverage.seen),
         gaps=tuple(_polygon(scenario, part) for part in gaps if part.geom_type == "Polygon"),
         kept_out=_polygons(scenario, kept_out),

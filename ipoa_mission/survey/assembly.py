@@ -1,62 +1,73 @@
+"""Assemble a tour's mission: lines, transits, camera and gimbal commands."""
+
+import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import shapely
 
 from ipoa_mission import Command, Frame
 from ipoa_mission.checks.airspace_check import clear_in
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points
-from ipoa_mission.mission.items import Item, Mission, camera_trigger
+from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
+from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
+from ipoa_mission.planning.path_problem import PathProblem, problem_of
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
-from ipoa_mission.routing.route import Route
+from ipoa_mission.routing.resample import corridor
+from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.free import FreeSpace
+from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.survey.line_heights import lifted
-from ipoa_mission.survey.qgc_item import survey_item
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.survey.transit import SAME_PLACE, clear_way
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.polygon import union_of
 
-PITCH_DOWN_DEG = -90.0
-MOUNT_MODE_TARGETING = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
+SAME_PLACE = 0.5  # [m]
 
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
     """Return the mission of a tour. Raises NoPath, NoRoute, MissionError, BadInput, Unsafe."""
     path, begins, ends = _path(tour)
     points, corners = lifted(path, sight, scenario.airspace.ground)
-    out = clear_way(scenario.start_point, points[0], scenario, growth, seed)[:-1]
+    out = _clear_transit(scenario.start_point, points[0], scenario, growth, seed)[:-1]
     back = np.zeros((0, 3))
     if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:
-        back = clear_way(points[-1], scenario.goal_point, scenario, growth, seed)[1:]
-    built = _built(out, points, back, scenario)
-    if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(built[0], scenario).ways_home):
+        back = _clear_transit(points[-1], scenario.goal_point, scenario, growth, seed)[1:]
+    route = Route(np.vstack([out, points, back]))
+    mission = build_mission(route, scenario)
+    if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(mission, scenario).ways_home):
         here = back[-1] if len(back) else points[-1]
         home = np.array([0.0, 0.0, scenario.start_point[2]])
-        built = _built(out, points, np.vstack([back, clear_way(here, home, scenario, growth, seed)[1:]]), scenario)
-    mission, numbers = built
-    numbers = numbers[len(out) :]
-    cameras = [camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
+        back = np.vstack([back, _clear_transit(here, home, scenario, growth, seed)[1:]])
+        route = Route(np.vstack([out, points, back]))
+        mission = build_mission(route, scenario)
+    numbers = items_of_waypoints(route)[len(out) :]
+    cameras = [_camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
     after = [(numbers[corners[at]], 2 * n, cameras[n][0]) for n, at in enumerate(begins)]
     after += [(numbers[corners[at]], 2 * n + 1, cameras[n][1]) for n, at in enumerate(ends)]
     items = [*mission.items]
-    for place, _, camera in sorted(after, key=lambda one: one[:2], reverse=True):
+    for place, _, camera in sorted(after, key=lambda row: row[:2], reverse=True):
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
-    gimbal = gimbal_items(scenario, mission)
+    gimbal = _gimbal_items(scenario, mission)
     items[1:1] = gimbal
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
     last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:
         return flown
-    return replace(flown, complex_items=(survey_item(flown, first, last, tour, sight, scenario),))
-
-
-def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tuple[Mission, tuple[int, ...]]:
-    route = Route(np.vstack([out, points, back]))
-    return build_mission(route, scenario), items_of_waypoints(route)
+    return replace(flown, complex_items=(_qgroundcontrol_item(flown.items[first : last + 1], tour, sight, scenario),))
 
 
 def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
@@ -69,34 +80,195 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
         return len(path) - 1
 
     for n, swath in enumerate(tour.swaths):
-        for place in tour.ways[n - 1] if n else ():
+        for place in tour.transits[n - 1] if n else ():
             reach(place)
         begins.append(reach(swath.begin))
         ends.append(reach(swath.end))
     return np.array(path), begins, ends
 
 
-def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
+def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
     if scenario.survey is None or scenario.survey.gimbal is None:
         return []
-    own = mission.autopilot.firmware(mission.firmware_version)
-    if not own.takes(Command.DO_MOUNT_CONTROL):
-        words = f"{own} takes no mission command that turns a gimbal"
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    if not firmware.takes(Command.DO_MOUNT_CONTROL):
+        words = f"{firmware} takes no mission command that turns a gimbal"
         raise MissionError(words, code="command-not-taken", place="survey.gimbal")
-    angles = PITCH_DOWN_DEG, 0.0, 0.0, 0.0
-    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, angles, altitude=MOUNT_MODE_TARGETING)]
+    pitch_deg, mount_mode = -90.0, 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
+    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (pitch_deg, 0.0, 0.0, 0.0), altitude=mount_mode)]
 
 
-def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
+def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
     """Return the items that start photos every `distance` [m], and those that stop them."""
     if distance == 0.0:
         return [], []
-    own = mission.autopilot.firmware(mission.firmware_version)
-    if own.takes(Command.DO_SET_CAM_TRIGG_DIST):
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    if firmware.takes(Command.DO_SET_CAM_TRIGG_DIST):
         return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
-    if own.takes(Command.IMAGE_START_CAPTURE) and own.takes(Command.IMAGE_STOP_CAPTURE):
-        every = round(distance / (mission.cruise_speed or 1.0), 2)
-        start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))
+    if firmware.takes(Command.IMAGE_START_CAPTURE) and firmware.takes(Command.IMAGE_STOP_CAPTURE):
+        interval_s = round(distance / (mission.cruise_speed or 1.0), 2)
+        start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, interval_s, 0.0, 0.0))
         return [start], [Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)]
-    words = f"{own} takes no mission command that triggers a camera"
+    words = f"{firmware} takes no mission command that triggers a camera"
     raise MissionError(words, code="command-not-taken", place="camera")
+
+
+def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
+    """Return waypoints (k, 3): straight, else the shortest way round obstacles, else a planned path.
+
+    `growth` [m] adds clearance by obstacle name. Raises NoPath, NoRoute.
+    """
+    straight = np.array([begin, end])
+    if np.linalg.norm(end - begin) < SAME_PLACE:
+        return straight[1:]
+    task = _with_room(straight, scenario, growth)
+    if prove(straight, task, spare=0.0).holds:
+        return straight
+    for added_distance, corner_segments, factor in ((0.1, 4, 1.02), (0.01, 16, 1.0013)):
+        distance = factor * (task.limits.obstacle_distance + added_distance)
+        around = _round_obstacles(straight, task, distance, corner_segments)
+        if around is not None and prove(around, task, spare=0.0).holds:
+            return around
+    curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
+    for _ in range(5):
+        points = push_clear(corridor(curve, width), task)
+        if (proof := prove(points, task, spare=0.0)).holds:
+            return points
+        width /= 2
+    words = f"the way between home and the survey comes too close: {proof.words()}"
+    raise NoRoute(words, code="survey-too-near", known=proof.worst.about)
+
+
+def _round_obstacles(straight: Points, task: PathProblem, distance: float, corner_segments: int) -> Points | None:
+    """Return the shortest way between two places (2, 3) at `distance` round obstacles; None with too many corners."""
+    (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
+    line = shapely.LineString(straight[:, :2])
+    min_reach, max_corners = 60.0, 250  # [m]
+    near, (low, high) = line.buffer(max(line.length / 2, min_reach)), np.sort(straight[:, 2])
+    inside = near.intersection(shapely.box(west, south, east, north))
+    if (footprint := task.airspace.bounds.footprint) is not None:
+        inside = inside.intersection(footprint.shape)
+    bodies = [
+        body.plan.buffer(distance, quad_segs=corner_segments)
+        for body in task.airspace.obstacles
+        if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
+    ]
+    free = FreeSpace.of(inside.difference(union_of(bodies)))
+    if not 0 < len(free.corners) <= max_corners:
+        return None
+    places = np.vstack([free.corners, straight[:, :2]])
+    legs = np.full((len(places), len(places)), np.inf)
+    legs[:-2, :-2] = np.where(free.between < NO_WAY, free.between, np.inf)
+    seen = free.sees(straight[:, :2], free.corners)
+    legs[-2:, :-2] = np.where(seen, np.linalg.norm(straight[:, None, :2] - free.corners, axis=2), np.inf)
+    legs[:-2, -2:] = legs[-2:, :-2].T
+    passed = _shortest(legs)
+    if passed is None:
+        return None
+    path = np.vstack([straight[:1, :2], places[passed], straight[1:, :2]])
+    along = arc_lengths(path)
+    return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
+
+
+def _shortest(legs: Points) -> list[int] | None:
+    """Return the shortest way from the last node but one to the last, by legs (n, n) (Dijkstra)."""
+    count = len(legs)
+    length, before, is_open = legs[-2].copy(), np.full(count, count - 2), np.ones(count, bool)
+    is_open[-2] = False
+    while is_open[-1]:
+        here = int(np.where(is_open, length, np.inf).argmin())
+        if not (is_open[here] and np.isfinite(length[here])):
+            return None
+        is_open[here] = False
+        shorter = is_open & (length[here] + legs[here] < length)
+        length[shorter], before[shorter] = length[here] + legs[here][shorter], here
+    passed, here = list[int](), int(before[-1])
+    while here != count - 2:
+        passed.insert(0, here)
+        here = int(before[here])
+    return passed
+
+
+def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:
+    task = problem_of(with_room(clearance_task(scenario), TIGHT_PLACES))
+    bodies = tuple(
+        body.grown(growth[body.name], growth[body.name], growth[body.name]) if body.name in growth else body
+        for body in task.airspace.obstacles
+    )
+    air = Airspace(task.airspace.bounds, task.airspace.terrain, bodies)
+    return replace(task, airspace=air, places=places)
+
+
+def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
+    section, area = scenario.survey, scenario.survey_area
+    assert section is not None
+    assert area is not None
+    middles = section.middles(scenario.frame)
+    kind, version = ("CorridorScan", 2) if middles else ("survey", 5)
+    entry: dict[str, Any] = {
+        TRANSECTS: {
+            "CameraCalc": _qgroundcontrol_camera(sight, scenario),
+            "CameraShots": sight.photos_of(tour),
+            "CameraTriggerInTurnAround": False,
+            "HoverAndCapture": False,
+            ITEMS: [],
+            "Refly90Degrees": False,
+            "TurnAroundDistance": 0,
+            "VisualTransectPoints": [
+                [item.latitude_deg, item.longitude_deg] for item in items if item.command == Command.NAV_WAYPOINT
+            ],
+            "version": 2,
+        },
+        "complexItemType": kind,
+        "type": "ComplexItem",
+        "version": version,
+    }
+    if middles:
+        entry |= {"CorridorWidth": section.width, "EntryPoint": 0, "polyline": _degrees(middles[0], scenario)}
+    else:
+        east, north = (tour.swaths[0].end - tour.swaths[0].begin).tolist()
+        lines = shapely.multilinestrings([[swath.begin, swath.end] for swath in tour.swaths])
+        outer = max(area.shape.geoms, key=lambda part: part.intersection(lines).length)
+        entry |= {
+            "angle": round(90.0 - (90.0 - math.degrees(math.atan2(east, north))) % 180.0, 3),
+            "entryLocation": 0,
+            "flyAlternateTransects": False,
+            "polygon": _degrees(shapely.get_coordinates(outer.exterior)[:-1], scenario),
+            "splitConcavePolygons": False,
+        }
+    return complex_item(items, entry)
+
+
+def _qgroundcontrol_camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
+    section = scenario.survey
+    assert section is not None
+    entry: dict[str, Any] = {
+        "AdjustedFootprintFrontal": round(sight.trigger or 0.0, 2),
+        "AdjustedFootprintSide": round(sight.spacing, 3),
+        "CameraName": "Manual (no camera specs)",
+        "DistanceMode": 1,  # above home
+        "DistanceToSurface": round(sight.least, 3),
+        "version": 2,
+    }
+    if (camera := section.taken_by) is None or sight.trigger is None:
+        return entry
+    return entry | {
+        "CameraName": "Custom Camera",
+        "FixedOrientation": False,
+        "FocalLength": camera.focal_length,
+        "FrontalOverlap": round(100.0 * sight.overlaps[0], 3),
+        "ImageDensity": round(100.0 * camera.sensor[0] / camera.pixels[0] * sight.least / camera.focal_length, 6),
+        "ImageHeight": camera.pixels[1],
+        "ImageWidth": camera.pixels[0],
+        "Landscape": True,
+        "MinTriggerInterval": 0,
+        "SensorHeight": camera.sensor[1],
+        "SensorWidth": camera.sensor[0],
+        "SideOverlap": round(100.0 * sight.overlaps[1], 3),
+        "ValueSetIsDistance": True,
+    }
+
+
+def _degrees(places: Points, scenario: Scenario) -> list[list[float]]:
+    latitude, longitude, _ = scenario.frame.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
+    return [[round(float(a), 7), round(float(b), 7)] for a, b in zip(latitude, longitude, strict=True)]

@@ -1,9 +1,9 @@
+"""Split a survey's tours into forecast flights."""
+
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from itertools import chain, combinations
-from typing import Any
 
 import numpy as np
 
@@ -19,18 +19,19 @@ from ipoa_mission.routing.planned_returns import or_else, settled, why_not_plann
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start, between
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.laying import lay_lines, leg_times, way_over
-from ipoa_mission.survey.sight import Sight
-from ipoa_mission.survey.starting import RouteCost, by_start, nearest_areas, nearest_parts, quickest_parts
+from ipoa_mission.survey.survey_task import SurveyTask, lay_lines
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
-from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
+from ipoa_mission.survey.tour_split import (
+    RouteCost,
+    StartSites,
+    fewest_parts,
+    nearest_areas,
+    nearest_parts,
+    parts_of_equal_length,
+    quickest_parts,
+)
 
-MAX_EVERY_SUBSET = 3
-MIN_ONLY_FULL_SET = 10
-TRIAL_FACTOR = 1.5  # of the estimated number of lines
 IMPOSSIBLE_COST = RouteCost(np.inf, np.inf)
 JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 
@@ -39,34 +40,33 @@ JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 class FlightMaker:
     """Forecasts flights; `growth` [m] by obstacle name adds clearance."""
 
-    scenario: Scenario
-    sight: Sight
+    task: SurveyTask
     growth: Mapping[str, float]
     seed: int
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
         """Return a flight's forecast. Raises BadInput, NoPath, NoRoute, MissionError, Unsafe."""
-        world, tour = self.scenario, part.tour
+        world, tour = self.task.scenario, part.tour
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
             return longest[1]
         if part.start is not None:
-            world = _expect_clear(at_start(self.scenario, part.start), part.start)
-            tour = tour.moved(between(self.scenario.frame, world.frame))
-        return Forecast(assemble_survey(tour, self.sight, world, self.growth, self.seed), world)
+            here, world = world.frame, _expect_clear(at_start(world, part.start), part.start)
+            tour = tour.moved(between(here, world.frame))
+        return Forecast(assemble_survey(tour, self.task.sight, world, self.growth, self.seed), world)
 
     def fits(self, tour: Tour) -> bool:
-        """Return whether one flight from home flies a tour; cached."""
-        forecast = self._taken(Sortie(tour))
-        if forecast is None or (self.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
+        """Return whether one flight from home flies a tour; keeps the longest that does."""
+        forecast = self._forecast(Sortie(tour))
+        if forecast is None or (self.task.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
             return False
         self._longest[tour.swaths[0]] = tour, forecast
         return True
 
-    def tried(self, part: Sortie) -> RouteCost:
+    def cost(self, part: Sortie) -> RouteCost:
         """Return a flight's cost: infinite with too many items, over 1 without the battery reserve."""
-        forecast = self._taken(part)
+        forecast = self._forecast(part)
         if forecast is None:
             return IMPOSSIBLE_COST
         budget, seconds = budget_of(forecast), forecast.estimate.total_s
@@ -76,71 +76,65 @@ class FlightMaker:
 
     @property
     def max_lines(self) -> int:
-        vehicle = self.scenario.vehicle
-        per = 2 if self.sight.trigger is None else 4
-        return vehicle.autopilot.firmware(vehicle.version).max_items // per
+        vehicle = self.task.scenario.vehicle
+        items_per_line = 2 if self.task.sight.trigger is None else 4
+        return vehicle.autopilot.firmware(vehicle.version).max_items // items_per_line
 
-    def _taken(self, part: Sortie) -> Forecast | None:
+    def _forecast(self, part: Sortie) -> Forecast | None:
         if len(part.tour.swaths) > self.max_lines:
             return None
         forecast = self(part)
         return None if is_too_long(forecast.mission) else forecast
 
-    @cached_property
-    def cut_overlap(self) -> float:
-        """Return the overlap of the parts of a cut line [m]."""
-        return max(self.sight.trigger or 0.0, self.sight.along / 2, 1.0)
-
 
 def _expect_clear(world: Scenario, n: int) -> Scenario:
     """Refuse a start place with a blocked climb. Raises BadInput."""
     up = world.start_point[2]
-    for found in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
-        if found.limit in ("obstacles", "bounds") and found.slack < 0.0:
-            words = f"expected a place with a clear climb to {up:.0f} m: {found.words()}"
+    for check in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
+        if check.limit in ("obstacles", "bounds") and check.slack < 0.0:
+            words = f"expected a place with a clear climb to {up:.0f} m: {check.words()}"
             raise BadInput(words, code="place-blocked", place=f"survey.starts[{n}]")
     return world
 
 
-def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None) -> list[Tour]:
+def laid_tours(task: SurveyTask) -> list[Tour]:
     """Return tours to compare. Raises NoPath, MissionError."""
-    scenario, sight = make.scenario, make.sight
+    section = task.section
     if section.starts is None:
-        return [lay_lines(scenario, section, area, sight, outside)]
+        return [lay_lines(task)]
     starts = np.array(section.starts)
-    if scenario.vehicle.battery is None:
-        return [_joined(make, section, area, outside, starts)]
-    tours = [lay_lines(scenario, section, area, sight, outside)]
+    if task.scenario.vehicle.battery is None:
+        return [_joined_by_start(task, starts)]
+    tours = [lay_lines(task)]
     if section.direction_deg == "best":
         east, north = max((swath.end - swath.begin for swath in tours[0].swaths), key=np.linalg.norm).tolist()
         across = section.model_copy(update={"direction_deg": math.degrees(math.atan2(east, north)) + 90.0})
-        tours.append(lay_lines(scenario, across, area, sight, outside))
-    return tours + [_joined(make, section, area, outside, starts[[*some]]) for some in _sets(len(starts))]
+        tours.append(lay_lines(replace(task, section=across)))
+    return tours + [_joined_by_start(task, starts[[*chosen]]) for chosen in _sets_of_starts(len(starts))]
 
 
-def _sets(count: int) -> Iterator[tuple[int, ...]]:
-    """Return sets of start places to try."""
-    large = (count, count - 1, 1) if count < MIN_ONLY_FULL_SET else (count,)
-    sizes = range(count, 0, -1) if count <= MAX_EVERY_SUBSET else large
+def _sets_of_starts(count: int) -> Iterator[tuple[int, ...]]:
+    """Return the sets of start places to try; of many only the whole."""
+    sizes = range(count, 0, -1) if count <= 3 else (count, count - 1, 1) if count < 10 else (count,)
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 
-def _joined(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None, starts: Points) -> Tour:
-    scenario, sight = make.scenario, make.sight
-    swaths, ways, way = list[Swath](), list[Points](), way_over(area, scenario, section, sight, outside)
-    for start, own in zip(starts, nearest_areas(area, starts, sight.spacing), strict=True):
-        if own is None or own.without(outside).is_empty:
+def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
+    swaths, transits, transit = list[Swath](), list[Points](), task.cover.transit
+    for start, own in zip(starts, nearest_areas(task.area, starts, task.sight.spacing), strict=True):
+        if own is None or own.without(task.keep_out).is_empty:
             continue
-        tour = lay_lines(scenario, section, own, sight, outside, at=start)
-        ways += [way(swaths[-1].end, tour.swaths[0].begin)] if swaths else []
-        swaths, ways = [*swaths, *tour.swaths], [*ways, *tour.ways]
+        tour = lay_lines(replace(task, area=own), start)
+        transits += [transit(swaths[-1].end, tour.swaths[0].begin)] if swaths else []
+        swaths, transits = [*swaths, *tour.swaths], [*transits, *tour.transits]
     if not swaths:
-        lay_lines(scenario, section, area, sight, outside)  # raises the reason
-    return Tour(tuple(swaths), tuple(ways))
+        lay_lines(task)  # raises the reason
+    return Tour(tuple(swaths), tuple(transits))
 
 
-def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -> tuple[Tour, tuple[Sortie, ...]]:
+def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
     """Return the best tour, and its flights. Raises BadInput, NotEnoughBattery, NoPath, NoRoute."""
+    section = make.task.section
     if section.starts is not None:
         return _from_starts(tours, make, np.array(section.starts))
     (tour,) = tours
@@ -154,55 +148,57 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
             )
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 
-    about = _lines_at_once(tour, make)
-    if len(tour.swaths) <= TRIAL_FACTOR * about and make.fits(tour):
+    estimate = _lines_of_one_flight(tour, make)
+    if len(tour.swaths) <= 1.5 * estimate and make.fits(tour):
         return tour, (Sortie(tour),)
-    parts = fewest_parts(tour, make.fits, make.cut_overlap, max(int(about), 1))
+    parts = fewest_parts(tour, make.fits, make.task.sight.piece_overlap, max(int(estimate), 1))
     if isinstance(parts, Swath):
         raise _unreached(parts, "and home")
     return tour, tuple(map(Sortie, parts))
 
 
-def _lines_at_once(tour: Tour, make: FlightMaker) -> float:
-    if make.scenario.vehicle.battery is None or len(tour.swaths) == 1:
+def _lines_of_one_flight(tour: Tour, make: FlightMaker) -> float:
+    """Estimate how many lines one battery flies."""
+    if make.task.scenario.vehicle.battery is None or len(tour.swaths) == 1:
         return make.max_lines
     try:
-        alone = make.tried(Sortie(part_of(tour, 0, 1)))
+        first = make.cost(Sortie(tour.part(0, 1)))
     except (NoPath, NoRoute):  # another line may have a way home
         return make.max_lines
-    if not 0.0 < alone.share <= 1.0:
-        return 1.0 if alone.share else make.max_lines
-    on_a_line = leg_times(make.scenario, make.sight).seconds(tour.path) / len(tour.swaths)
-    return min(1.0 + (1.0 / alone.share - 1.0) * alone.seconds / on_a_line, make.max_lines)
+    if not 0.0 < first.share <= 1.0:
+        return 1.0 if first.share else make.max_lines
+    seconds_per_line = make.task.times.seconds(tour.path) / len(tour.swaths)
+    return min(1.0 + (1.0 / first.share - 1.0) * first.seconds / seconds_per_line, make.max_lines)
 
 
 def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tuple[Tour, tuple[Sortie, ...]]:
     """Return the best tour and its flights; without a battery each place gets the nearest lines."""
 
-    def tried(part: Sortie) -> RouteCost:
+    def cost(part: Sortie) -> RouteCost:
         try:
-            return make.tried(part)
+            return make.cost(part)
         except (NoPath, NoRoute):
             return IMPOSSIBLE_COST
 
     for n in range(len(starts)):
-        _expect_clear(at_start(make.scenario, n), n)
-    times = leg_times(make.scenario, make.sight)
+        _expect_clear(at_start(make.task.scenario, n), n)
+    sites = StartSites(starts, make.task.times, cost, make.task.sight.piece_overlap)
     best: tuple[float, Tour, tuple[Sortie, ...]] | None = None
     unreached: Swath | None = None
     for tour in tours:
-        if make.scenario.vehicle.battery is None:
-            near = nearest_parts(tour, starts, make.tried, make.cut_overlap)
-            found: tuple[tuple[Sortie, ...], float] | Swath | None = near if isinstance(near, Swath) else (near, 0.0)
+        if make.task.scenario.vehicle.battery is None:
+            near = nearest_parts(tour, replace(sites, cost=make.cost))
+            split: tuple[tuple[Sortie, ...], float] | Swath | None = near if isinstance(near, Swath) else (near, 0.0)
         else:
-            most = np.inf if best is None else best[0]
-            found = quickest_parts(tour, starts, times, tried, make.cut_overlap, most)
-        if found is None:
+            split = quickest_parts(tour, sites, np.inf if best is None else best[0])
+        if split is None:
             continue
-        if isinstance(found, Swath):
-            unreached = unreached or found
-        elif best is None or found[1] < best[0]:
-            best = found[1], tour, by_start(found[0])
+        if isinstance(split, Swath):
+            unreached = unreached or split
+        elif best is None or split[1] < best[0]:
+            parts, seconds = split
+            order = list(dict.fromkeys(part.start for part in parts))
+            best = seconds, tour, tuple(sorted(parts, key=lambda part: order.index(part.start)))
     if best is None:
         assert unreached is not None
         for n in range(len(starts)):

@@ -1,3 +1,5 @@
+"""Compute the area that tours and forecast flights see."""
+
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +15,6 @@ from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
-
-END_TOLERANCE = 0.05  # between an item and its line's end [m]
-FLOWN_ARC = 16  # segments of a quarter circle
 
 
 @dataclass(frozen=True)
@@ -35,18 +34,20 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
         whole = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
         strayed = shapely.points(shapely.get_coordinates(whole.difference(area)))
         outside = max(outside, float(shapely.distance(area, strayed).max(initial=0.0)))
-    unseen = visible.difference(union_along(np.array(lines), width / 2, FLOWN_ARC)).area
+    unseen = visible.difference(union_along(np.array(lines), width / 2, arc=16)).area
     return AsFlown(1.0 - unseen / visible.area, outside)
 
 
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
+    """Return the track, and when lines begin and end (n, 2) [s]."""
+    tolerance = 0.05  # between an item and its line's end [m]
     prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
     visits, n = list[int](), 0
     for end in (end for swath in tour.swaths for end in (swath.begin, swath.end)):
-        n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < END_TOLERANCE))
+        n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < tolerance))
         visits.append(n)
     track = prediction.track
     plan = np.column_stack([move(track.points[:, :2]), track.points[:, 2]])
@@ -59,9 +60,6 @@ def _path(track: Track, begin: float, end: float) -> Any:
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
     return shapely.simplify(shapely.LineString(places), THINNING_TOLERANCE, preserve_topology=False)
-
-
-STEP, MAX_STEPS = 0.1, 20_000  # [m], along a stray path
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +86,7 @@ class Coverage:
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
     """Return the coverage by a tour; `width` [m] of the sensor, `keep_out` a shapely geometry."""
     can = area.visible(keep_out, width)
-    lines = np.array([[swath.begin, swath.end] for swath in tour.swaths]).reshape(-1, 2, 2)
+    lines = np.array([swath.ends for swath in tour.swaths]).reshape(-1, 2, 2)
     seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
     gaps = can.difference(seen)
     whole = float(can.area)
@@ -97,14 +95,15 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
+    """Return how far a tour leaves an area [m]."""
+
+    def places(stray: Any) -> Any:
+        return shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(0.1, stray.length / 20_000))))
+
     if len(tour.path) < 2:
         return 0.0
     path = shapely.LineString(tour.path)
-    farthest = [float(shape.distance(at)) for at in _places(path.difference(shape))]
+    farthest = [float(shape.distance(place)) for place in places(path.difference(shape))]
     if keep_out is not None:
-        farthest += [float(keep_out.boundary.distance(at)) for at in _places(path.intersection(keep_out))]
+        farthest += [float(keep_out.boundary.distance(place)) for place in places(path.intersection(keep_out))]
     return max(farthest, default=0.0)
-
-
-def _places(stray: Any) -> list[Any]:
-    return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MAX_STEPS)))))

@@ -1,3 +1,5 @@
+"""Find the quickest transits in polygons, over the visibility graph of their corners."""
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,16 +13,10 @@ from ipoa_mission.scenario.survey_area import INSET
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
 from ipoa_mission.survey.times import LegTimes
 
-BEND_S = 1.0  # [s]
-SHARP_ANGLE = np.radians(40.0)
-OUTSIDE_S = 60.0  # for a way outside the area, so that only ways to other parts use it [s]
-
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Polygons to fly in, their part `INSET` from the edge, edges (m, 4), corners (n, 2), and the `arms` (n, 4) to
-    neighbors.
-    """
+    """Polygons to fly in, their part `INSET` from the edge, edges (m, 4), corners (n, 2), and their `arms` (n, 4)."""
 
     shape: Any
     inner: Any
@@ -50,35 +46,36 @@ class FreeSpace:
         """Return which `others` (m, 2) are in straight reach of each place (n, 2), (n, m)."""
         return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
 
-    def ways(self, ends: Points, cost: LegTimes, bend: float) -> Any:
-        return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend)
+    def transits(self, ends: Points, cost: LegTimes) -> Any:
+        bend_m = 1.0 * cost.speed
+        return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend_m)
 
 
-class Ways:
-    """The ways between line ends (2n, 2); `times` (2n, 2n) [s] with corners at both ends."""
+class Transits:
+    """The transits between line ends (2n, 2); `times` (2n, 2n) [s] with corners at both ends."""
 
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
-        self.ends, self._spaces, self._found = ends, (inside, outside), list[Any]()
-        bend = BEND_S * cost.speed
-        self._found.append(inside.ways(ends, cost, bend))
-        self.times = self._found[0][0]
-        partner = np.arange(len(ends)) ^ 1
-        lost = self.times >= NO_WAY
-        lost[np.arange(len(ends)), np.arange(len(ends))] = lost[np.arange(len(ends)), partner] = False
-        self._is_outside = lost
-        if lost.any():
-            self._found.append(outside.ways(ends, cost, bend))
-            self.times = np.where(lost, np.minimum(self._found[1][0] + OUTSIDE_S, NO_WAY), self.times)
+        self.ends, self._spaces = ends, (inside, outside)
+        self._searches = [inside.transits(ends, cost)]
+        self.times = self._searches[0][0]
+        each = np.arange(len(ends))
+        self._is_outside = self.times >= NO_WAY
+        self._is_outside[each, each] = self._is_outside[each, each ^ 1] = False
+        if self._is_outside.any():
+            self._searches.append(outside.transits(ends, cost))
+            outside_s = 60.0  # discourages leaving the area
+            times = np.minimum(self._searches[1][0] + outside_s, NO_WAY)
+            self.times = np.where(self._is_outside, times, self.times)
 
-    def way(self, i: int, j: int) -> Points:
+    def corners(self, i: int, j: int) -> Points:
         """Return the corners (k, 2) from end i to end j, both included."""
         which = int(self._is_outside[i, j])
-        _, last, prev = self._found[which]
-        corners, passed, c = self._spaces[which].corners, [self.ends[j]], int(last[i, j])
-        assert c != NONE, "there is a way, as it was chosen"
-        while c != DIRECT:
-            passed.append(corners[c])
-            c = int(prev[i, c])
+        _, last, previous = self._searches[which]
+        corners, passed, corner = self._spaces[which].corners, [self.ends[j]], int(last[i, j])
+        assert corner != NONE, "the search chose an existing transit"
+        while corner != DIRECT:
+            passed.append(corners[corner])
+            corner = int(previous[i, corner])
         return np.array([self.ends[i], *passed[::-1]])
 
 
@@ -94,5 +91,6 @@ def _bends(ring: Points) -> Points:
     back, on = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
     back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in (back, on))
     turns = np.arctan2(on[:, 0] * back[:, 1] - on[:, 1] * back[:, 0], -(on * back).sum(axis=1))
-    arms = np.where(turns[:, None] > -SHARP_ANGLE, np.column_stack([back, on]), 0.0)
+    sharp_angle = np.radians(40.0)
+    arms = np.where(turns[:, None] > -sharp_angle, np.column_stack([back, on]), 0.0)
     return np.asarray(np.column_stack([corners, arms])[turns < 0.0])

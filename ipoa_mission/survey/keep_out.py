@@ -1,3 +1,5 @@
+"""Compute the plan area that survey lines keep out of."""
+
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -14,11 +16,8 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import union_of
 
-TIGHT_PLACES = 4.0
+TIGHT_PLACES = 4.0  # share the chance of a deviation
 SPARE = 0.05  # [m]
-GROUND_SAMPLES = 7
-CORNER_SEGMENTS = 16
-SIMPLIFICATION, MAX_SIMPLIFICATION = 0.05, 0.25  # [spacing], [m]: growth of outlines
 
 
 def survey_bound(scenario: Scenario) -> DeviationBound:
@@ -34,12 +33,9 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
     air, bound = scenario.airspace, survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
+    max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
     shapes = [
-        _grown(
-            body,
-            distance + bound.level + growth.get(body.name, 0.0),
-            min(SIMPLIFICATION * sight.spacing, MAX_SIMPLIFICATION),
-        )
+        _grown(body, distance + bound.level + growth.get(body.name, 0.0), max_widening)
         for body in flown_round(scenario, sight, growth)
     ]
     if air.bounds.footprint is not None:
@@ -60,16 +56,18 @@ def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -
     ]
 
 
-def _grown(body: Obstacle, by: float, most: float) -> Any:
-    return wider(body.plan.buffer(by / math.cos(math.pi / 4 / CORNER_SEGMENTS), quad_segs=CORNER_SEGMENTS), most)
+def _grown(body: Obstacle, distance: float, max_widening: float) -> Any:
+    segments = 16  # of a quarter circle
+    around = body.plan.buffer(distance / math.cos(math.pi / 4 / segments), quad_segs=segments)
+    return wider(around, max_widening)
 
 
 def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bound: DeviationBound) -> bool:
     (west, south, base), (east, north, top) = body.bounds.tolist()
     reach = max(sight.across, sight.along) / 2 + distance + bound.level
     grid = np.meshgrid(
-        np.linspace(west - reach, east + reach, GROUND_SAMPLES),
-        np.linspace(south - reach, north + reach, GROUND_SAMPLES),
+        np.linspace(west - reach, east + reach, num=7),
+        np.linspace(south - reach, north + reach, num=7),
     )
     heights = ground(np.stack(grid, axis=-1).reshape(-1, 2))
     lowest, highest = float(heights.min()) + sight.least, float(heights.max()) + sight.least + sight.band

@@ -1,4 +1,4 @@
-"""Compute flight heights. The overlap is never less than requested, on slopes too."""
+"""Compute flight heights that keep the requested overlap on slopes too."""
 
 import math
 from itertools import pairwise
@@ -8,10 +8,6 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
-
-STEP = 5.0  # [m]
-GROUND_SAMPLES = 9  # across the path, and along the photo
-TOLERANCE = 0.01  # [m]
 
 
 def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
@@ -34,13 +30,14 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
 
 def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
     """Return shares of a straight leg, and the minimum flight height at each."""
-    ahead = b - a
+    ahead, samples = b - a, 9  # across the path, and along the photo
     length = float(np.linalg.norm(ahead))
     ahead = ahead / max(length, 1e-9)
-    shares = np.linspace(0.0, 1.0, math.ceil(length / min(STEP, max(sight.across / GROUND_SAMPLES, 0.5))) + 1)
+    step = min(5.0, max(sight.across / samples, 0.5))  # [m]
+    shares = np.linspace(0.0, 1.0, math.ceil(length / step) + 1)
     right = np.array([ahead[1], -ahead[0]])
-    sides = np.linspace(-sight.across / 2, sight.across / 2, GROUND_SAMPLES)
-    along = np.linspace(-sight.along / 2, sight.along / 2, 1 if sight.along == 0.0 else GROUND_SAMPLES)
+    sides = np.linspace(-sight.across / 2, sight.across / 2, samples)
+    along = np.linspace(-sight.along / 2, sight.along / 2, 1 if sight.along == 0.0 else samples)
     seen = (sides[:, None, None] * right + along[None, :, None] * ahead).reshape(-1, 2)
     spots = (a + shares[:, None] * (b - a))[:, None, :] + seen
     return shares, ground(spots.reshape(-1, 2)).reshape(len(shares), -1).max(axis=1) + sight.least
@@ -48,7 +45,7 @@ def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector
 
 def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
     """Return the fewest places between which straight flight stays in the band above `lower`."""
-    found: list[tuple[float, float]] = []
+    places, tolerance = list[tuple[float, float]](), 0.01  # [m]
     ahead = [(0, len(shares) - 1, *ends)]
     while ahead:
         first, last, begin, end = ahead.pop()
@@ -56,9 +53,9 @@ def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float
         line = np.interp(shares[part], shares[[first, last]], [begin, end])
         short = np.maximum(lower[part] - line, line - lower[part] - band)
         worst = first + int(np.argmax(short[1:-1])) + 1 if last - first > 1 else first
-        if last - first <= 1 or short[worst - first] <= TOLERANCE:
-            found.append((float(shares[last]), end))
+        if last - first <= 1 or short[worst - first] <= tolerance:
+            places.append((float(shares[last]), end))
             continue
         middle = float(lower[worst]) + band / 2
         ahead += [(worst, last, middle, end), (first, worst, begin, middle)]
-    return found
+    return places

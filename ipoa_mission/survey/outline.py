@@ -14,14 +14,7 @@ MAX_TURN = math.radians(60.0)
 
 
 def wider(shape: Any, most: float) -> Any:
-    """Return polygons around `shape` with fewer corners, wider by at most `most` [m].
-
-    Example:
-        >>> pond = shapely.Point(0.0, 0.0).buffer(10.0)
-        >>> simple = wider(pond, 0.5)
-        >>> len(pond.exterior.coords), len(simple.exterior.coords), simple.covers(pond.buffer(-1e-9))
-        (65, 13, True)
-    """
+    """Return polygons around `shape` with fewer corners, wider by at most `most` [m]."""
     return _redrawn(shape, lambda ring: _pointed(_filled(ring, most), most))
 
 

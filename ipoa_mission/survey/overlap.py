@@ -18,13 +18,6 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 
-SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5
-ITERATIONS = 6
-MAX_SINE = math.sin(math.radians(2.0))  # between parallel lines
-SPACING_TOLERANCE = 0.05  # [m]
-NOISE = 0.002  # of a photo, from rounding to 1e-7 degrees
-MIN_SEPARATION = 0.1  # [spacing]: nearer lines are one line
-
 
 @dataclass(frozen=True)
 class Overlap:
@@ -43,13 +36,14 @@ class Overlaps:
 
     def __str__(self) -> str:
         parts = (("ahead", self.front), ("to the side", self.side))
-        return " and ".join(f"{100 * one.share:.1f} % {way}" for way, one in parts if one is not None)
+        return " and ".join(f"{100 * least.share:.1f} % {direction}" for direction, least in parts if least is not None)
 
     def falls_short(self, front: float, side: float) -> Iterator[str]:
-        for name, one, requested in (("front", self.front, front), ("side", self.side, side)):
-            if one is not None and one.share < requested - NOISE:
-                where = "at east {:.0f}, north {:.0f} m".format(*one.at)
-                yield f"survey.{name}_overlap: {100 * requested:.0f} % requested, but {100 * one.share:.1f} % {where}"
+        rounding = 0.002  # of a photo, by coordinates in 1e-7 degrees
+        for name, least, requested in (("front", self.front, front), ("side", self.side, side)):
+            if least is not None and least.share < requested - rounding:
+                where = "at east {:.0f}, north {:.0f} m".format(*least.at)
+                yield f"survey.{name}_overlap: {100 * requested:.0f} % requested, but {100 * least.share:.1f} % {where}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +73,7 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
             taken, others = _neighbors(line, lines, towards, sight, free)
             if len(taken):
                 sides.append(_least(_shares(taken, others, towards, half, ground), taken))
-    least = [min(found, key=lambda one: one.share, default=None) for found in (fronts, sides)]
-    return Overlaps(*least)
+    return Overlaps(*(min(overlaps, key=lambda each: each.share, default=None) for overlaps in (fronts, sides)))
 
 
 def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
@@ -106,14 +99,13 @@ def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
     for swath in tour.swaths:
         every = sight.triggering(swath.length)[0]
         if every > 0.0 and swath.length > 0.0:
-            for begin, end in pairwise(lifted(np.array([swath.begin, swath.end]), sight, ground)[0]):
+            for begin, end in pairwise(lifted(swath.ends, sight, ground)[0]):
                 yield _line(begin, end, every + 2 * sight.lag)
 
 
 def photo_places(swath: Swath, sight: Sight) -> Points:
     distance, count = sight.triggering(swath.length)
-    ahead = (swath.end - swath.begin) / max(swath.length, 1e-9)
-    return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * ahead)
+    return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * swath.ahead)
 
 
 def _line(begin: Vector, end: Vector, apart: float) -> PhotoLine:
@@ -127,16 +119,17 @@ def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, f
 
     `half`: half of the footprint in that direction, and across, per meter of height.
     """
+    along, across = 41, 5
     aside = np.array([-towards[1], towards[0]])
-    u, v = np.linspace(-1.0, 1.0, SAMPLES_ALONG), np.linspace(-1.0, 1.0, SAMPLES_ACROSS)
+    u, v = np.linspace(-1.0, 1.0, along), np.linspace(-1.0, 1.0, across)
     rays = (u[None, :, None] * half[0] * towards + v[:, None, None] * half[1] * aside).reshape(-1, 2)
     height = taken[:, 2] - ground(taken)
-    for _ in range(ITERATIONS):
+    for _ in range(6):
         seen = taken[:, None, :2] + height.reshape(len(taken), -1, 1) * rays
         height = taken[:, 2:] - ground(seen.reshape(-1, 2)).reshape(len(taken), -1)
     above = others[:, 2:] - (taken[:, 2:] - height)
     there = ((seen - others[:, None, :2]) @ towards) / (half[0] * np.maximum(above, 1e-6))
-    there = np.maximum.accumulate(there.reshape(len(taken), SAMPLES_ACROSS, SAMPLES_ALONG), axis=2)
+    there = np.maximum.accumulate(there.reshape(len(taken), across, along), axis=2)
     begins = np.array([[np.interp(-1.0, row, u) for row in photo] for photo in there])
     begins[there[:, :, -1] < -1.0] = 1.0
     return np.asarray((1.0 - begins).mean(axis=1) / 2)
@@ -149,20 +142,22 @@ def _neighbors(
     ends = np.array([other.ends for other in lines])
     legs = ends[:, 1, :2] - ends[:, 0, :2]
     lengths = np.linalg.norm(legs, axis=1)
-    ahead = line.ahead
-    is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < MAX_SINE * lengths
+    ahead, max_sine = line.ahead, math.sin(math.radians(2.0))
+    is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < max_sine * lengths
     ends, legs, lengths = ends[is_parallel], legs[is_parallel], lengths[is_parallel]
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
     beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths
-    is_neighbor = (beyond <= sight.spacing / 2) & (away > MIN_SEPARATION * sight.spacing) & (away < sight.across)
+    min_separation, tolerance = 0.1 * sight.spacing, 0.05  # [m]; nearer lines are one line
+    is_neighbor = (beyond <= sight.spacing / 2) & (away > min_separation) & (away < sight.across)
     away = np.where(is_neighbor, away, np.inf)
-    one, apart = away.argmin(axis=1), away.min(axis=1)
+    other, apart = away.argmin(axis=1), away.min(axis=1)
     n = np.flatnonzero(np.isfinite(apart))
-    along = np.clip(share[n, one[n], None], 0.0, 1.0)
-    others = ends[one[n], 0] + along * (ends[one[n], 1] - ends[one[n], 0])
-    is_near = apart[n] <= sight.spacing + SPACING_TOLERANCE
+    other = other[n]
+    along = np.clip(share[n, other, None], 0.0, 1.0)
+    others = ends[other, 0] + along * (ends[other, 1] - ends[other, 0])
+    is_near = apart[n] <= sight.spacing + tolerance
     between = shapely.linestrings(np.stack([line.photos[n, :2], others[:, :2]], axis=1))
     is_near[~is_near] = shapely.covers(free, between[~is_near])
     return line.photos[n[is_near]], others[is_near]

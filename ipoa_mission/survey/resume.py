@@ -1,4 +1,4 @@
-"""A flown place: near the line and along it, high enough, lines in order."""
+"""Find the lines that logged paths flew, and the tour of those left."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,35 +11,28 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.ground import Ground
 
-LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # [spacings], [m], [spacings]
-MAX_SLANT = 0.25
-MIN_HEIGHT = 0.9  # of the requested height
 MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 MIN_LENGTH = 0.01  # [m]
 
-WayBetween = Callable[[Points, Points], Points]
-
 
 def left_to_fly(
-    tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, way_between: WayBetween
+    tour: Tour,
+    flown: Sequence[Points],
+    sight: Sight,
+    ground: Ground,
+    transit: Callable[[Points, Points], Points],
 ) -> Tour | None:
-    """Return the lines that are left, with overlap, or None if all are flown.
+    """Return the lines of a tour that paths (n, 3), east, north, up [m], left, with overlap, or None.
 
-    Args:
-        tour: the whole survey.
-        flown: paths with the sensor on except in turns, (n, 3) each, east, north, up [m].
-        sight: width and height of the view.
-        ground: below the lines.
-        way_between: returns the corners of the way between two places (2,).
+    `transit` returns the corners between two places (2,).
     """
-    overlap = max(sight.trigger or 0.0, sight.along / 2, 1.0)
     pieces = list[list[tuple[float, float]]]([] for _ in tour.swaths)
     for path in flown:
         for run in _in_order(tour, path, sight, ground):
             pieces[run.line].append((run.begin, run.end))
-    swaths, ways, before = list[Swath](), list[Points](), -1
+    swaths, transits, before = list[Swath](), list[Points](), -1
     for n, swath in enumerate(tour.swaths):
-        for begin, end in _left(pieces[n], swath.length, sight, overlap):
+        for begin, end in _left(pieces[n], swath.length, sight):
             ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
             piece = Swath(
                 swath.begin + begin * ahead if begin > 0.0 else swath.begin,
@@ -47,10 +40,10 @@ def left_to_fly(
             )
             if swaths:
                 is_next = before == n - 1 and (swaths[-1].end == tour.swaths[before].end).all() and begin == 0.0
-                ways.append(tour.ways[n - 1] if is_next else way_between(swaths[-1].end, piece.begin))
+                transits.append(tour.transits[n - 1] if is_next else transit(swaths[-1].end, piece.begin))
             swaths.append(piece)
             before = n
-    return Tour(tuple(swaths), tuple(ways)) if swaths else None
+    return Tour(tuple(swaths), tuple(transits)) if swaths else None
 
 
 def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
@@ -88,7 +81,7 @@ def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_R
         )
         for run in chain
     ]
-    return [*runs, *(found for pair in pairwise(runs) for found in _passed(tour, path, *pair, turn))]
+    return [*runs, *(short for pair in pairwise(runs) for short in _passed(tour, path, *pair, turn))]
 
 
 def _passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
@@ -109,15 +102,16 @@ def _length(chain: list[_Run]) -> float:
 
 
 def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_Run]:
-    most = min(max(LATERAL_SHARE * sight.spacing, MIN_LATERAL), MAX_LATERAL_SHARE * sight.spacing)
-    is_high = path[:, 2] - ground(path) >= MIN_HEIGHT * sight.least
+    """Yield the pieces of lines that a path (n, 3) flies."""
+    max_lateral, max_slant = min(max(0.1 * sight.spacing, 2.0), 0.4 * sight.spacing), 0.25  # [m], [m/m]
+    is_high = path[:, 2] - ground(path) >= 0.9 * sight.least
     for line, swath in enumerate(tour.swaths):
         ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
         off = path[:, :2] - swath.begin
         along, aside = off @ ahead, off @ np.array([-ahead[1], ahead[0]])
-        is_on = is_high & (np.abs(aside) <= most) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
+        is_on = is_high & (np.abs(aside) <= max_lateral) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
         steps = np.diff(along)
-        is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= MAX_SLANT * steps) & (steps > 0.0)
+        is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= max_slant * steps) & (steps > 0.0)
         edges = np.diff(np.concatenate([[0], is_flown.astype(int), [0]]))
         for first, after in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
             run = _Run(int(first), line, max(float(along[first]), 0.0), min(float(along[after]), swath.length))
@@ -125,13 +119,13 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
                 yield run
 
 
-def _left(flown: list[tuple[float, float]], length: float, sight: Sight, overlap: float) -> list[tuple[float, float]]:
+def _left(flown: list[tuple[float, float]], length: float, sight: Sight) -> list[tuple[float, float]]:
     """Return the unflown pieces [m], each with its overlap."""
     end, reached = min(MAX_REST, sight.spacing / 4), 0.0
     left = list[tuple[float, float]]()
     for low, high in [*sorted(flown), (length, length)]:
         if low - reached > end or not flown:
-            begin, until = max(reached - overlap, 0.0), min(low + overlap, length)
+            begin, until = max(reached - sight.piece_overlap, 0.0), min(low + sight.piece_overlap, length)
             if left and begin <= left[-1][1]:
                 begin, _ = left.pop()
             left.append((begin, until))

@@ -1,3 +1,5 @@
+"""Derive flight height, line spacing and photo interval."""
+
 import math
 from dataclasses import dataclass
 
@@ -10,11 +12,7 @@ from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import BAND, SurveySection
 from ipoa_mission.survey.tour import Tour
 
-FLAT_RANGE = 0.05  # of level ground [m]
-GROUND_SAMPLES = 40
 MIN_TRIGGER = 0.1  # [m]
-MIN_DISTANCE = 0.5  # [m]
-SPACING = ("survey", "line_spacing")
 
 
 @dataclass(frozen=True)
@@ -44,6 +42,11 @@ class Sight:
         return self.least + self.band / 2
 
     @property
+    def piece_overlap(self) -> float:
+        """Return the overlap of pieces of a cut line [m]."""
+        return max(self.trigger or 0.0, self.along / 2, 1.0)
+
+    @property
     def overlaps(self) -> tuple[float, float]:
         """Return the requested overlaps, front and side; 0 without a camera."""
         front = 0.0 if self.trigger is None else 1.0 - self.trigger / self.along
@@ -71,23 +74,22 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
     camera, spacing, trigger = section.taken_by, section.spacing(least), section.trigger(least)
     across, along = (spacing, 0.0) if camera is None else camera.footprint(least)
-    for key, distance in (
-        ("line_spacing" if section.line_spacing else "side_overlap", spacing),
-        ("front_overlap", trigger),
-    ):
-        if distance is not None and distance < MIN_DISTANCE:
+    spacing_key, min_distance = "line_spacing" if section.line_spacing else "side_overlap", 0.5  # [m]
+    for key, distance in ((spacing_key, spacing), ("front_overlap", trigger)):
+        if distance is not None and distance < min_distance:
             raise BadInput(
-                f"expected lines and photos {MIN_DISTANCE:g} m apart or more, not {distance:.2f} m",
+                f"expected lines and photos {min_distance:g} m apart or more, not {distance:.2f} m",
                 code="lines-too-near",
                 place=f"survey.{key}",
                 remedies=() if key == "line_spacing" else (Remedy(("survey", key)),),
             )
     if spacing > across + 1e-9:
+        key_path = ("survey", "line_spacing")
         raise BadInput(
             f"expected at most what a photo shows, {across:.1f} m, not {spacing:g} m",
             code="lines-too-far-apart",
             place="survey.line_spacing",
-            remedies=(Remedy(SPACING, math.floor(across * 10) / 10), Remedy(SPACING)),
+            remedies=(Remedy(key_path, math.floor(across * 10) / 10), Remedy(key_path)),
         )
     vehicle = scenario.vehicle
     lag = vehicle.autopilot.firmware(vehicle.version).photo_looks_s / 2 * vehicle.cruise_speed
@@ -96,6 +98,6 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
 
 def _is_level(area: Area, scenario: Scenario) -> bool:
     west, south, east, north = shapely.bounds(area.shape).tolist()
-    grid = np.meshgrid(np.linspace(west, east, GROUND_SAMPLES), np.linspace(south, north, GROUND_SAMPLES))
+    grid = np.meshgrid(np.linspace(west, east, num=40), np.linspace(south, north, num=40))
     ground = scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))
-    return bool(np.ptp(ground) < FLAT_RANGE)
+    return bool(np.ptp(ground) < 0.05)  # [m]

@@ -1,3 +1,5 @@
+"""Plan a survey, or the rest of one, and write its files."""
+
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -9,15 +11,14 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.centimeters import down
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight import as_text, write_files
-from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, passed_over_as_json, rounded
+from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
-from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.planned_returns import planned_returns
@@ -25,7 +26,8 @@ from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.other_home import nearest_start
-from ipoa_mission.scenario.survey_section import SurveySection, with_survey
+from ipoa_mission.scenario.scenario_file import read_table, scenario_of
+from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, with_survey
 from ipoa_mission.survey.resume import is_along
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
 from ipoa_mission.unread import unread_as_json
@@ -37,7 +39,6 @@ if TYPE_CHECKING:
 
 #: The system id chooses one vehicle of a log.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]
-UNSURE_CODE = "battery-unsure"
 log = logging.getLogger(__name__)
 
 
@@ -99,10 +100,12 @@ class Survey:
         Raises:
             BadInput: the folder cannot be written.
         """
+        from ipoa_mission.survey.survey_report import forecast_as_json
+
         make_folder(folder := Path(folder))
         written, digests = list[Path](), dict[str, str]()
         for name, forecast in zip(self.names, self.flights, strict=True):
-            of_part = {"name": name, "version": version("ipoa-mission"), **_about(forecast)}
+            of_part = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
             files, own = write_files(forecast.mission, folder, name, of_part if name != self.name else self.summary())
             written += files
             digests |= own
@@ -114,6 +117,8 @@ class Survey:
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and watt hours."""
+        from ipoa_mission.survey.survey_report import forecast_as_json, survey_as_json
+
         plan, first = self.plan, self.flights[0]
         firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
@@ -121,7 +126,7 @@ class Survey:
             "version": version("ipoa-mission"),
             "seed": self.seed,
             **({"wind": first.wind.as_json()} if first.wind.strongest > 0 else {}),
-            **(_about(first) if len(self.flights) == 1 else {"firmware": firmware}),
+            **(forecast_as_json(first) if len(self.flights) == 1 else {"firmware": firmware}),
             "survey": survey_as_json(plan, self.names),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(plan.scenario),
@@ -135,7 +140,7 @@ class Survey:
             BadInput: a file cannot be written.
         """
         from ipoa_mission.report.page import PageNotes, report_html
-        from ipoa_mission.survey.survey_panel import survey_html, survey_panel
+        from ipoa_mission.survey.survey_report import survey_html, survey_panel
 
         panel, pages = survey_panel(self.plan, self.names), list[Path]()
         if len(self.flights) > 1:
@@ -149,72 +154,53 @@ class Survey:
         return tuple(pages)
 
 
-def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    seen, sight, flown = plan.coverage, plan.sight, plan.flown
-    return {
-        "lines": len(plan.tour.swaths),
-        "covered_share": rounded(seen.share),
-        "seen_m2": rounded(seen.seen_m2),
-        "outside_m": rounded(seen.outside_m),
-        "as_flown": flown and {"covered_share": rounded(flown.share), "outside_m": rounded(flown.outside_m)},
-        "photos": plan.photos,
-        "line_spacing_m": rounded(sight.spacing),
-        "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
-        "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
-        "overlap": _overlap_as_json(plan),
-        "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
-        "flights": [
-            {
-                "file": f"{name}.plan",
-                "start": _start_as_json(plan, flight),
-                "lines": len(flight.tour.swaths),
-                "photos": sight.photos_of(flight.tour),
-                "time_s": rounded(flight.forecast.estimate.total_s),
-                "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
-                "clearance": clearance_as_json(flight.forecast.promise),
-                **({"findings": findings_as_json(flight.findings)} if flight.findings else {}),
-            }
-            for name, flight in zip(names, plan.flights, strict=True)
-        ],
-    }
+def describe(survey: Survey) -> list[str]:
+    plan, first, seen, sight = survey.plan, survey.flights[0], survey.plan.coverage, survey.plan.sight
+    firmware = first.mission.autopilot.checked_for(first.mission.firmware_version)
+    heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
+    photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
+    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
+    lines = [
+        f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
+        f"for {firmware}{photos}",
+        f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}",
+    ]
+    if flown := plan.flown:
+        share = f"{down(100 * flown.share):.2f} %"
+        lines.append(f"as flown, with corners cut and passed: {share}, {flown.outside_m:.1f} m outside")
+    if str(plan.overlaps or ""):
+        lines.append(f"photos overlap by {plan.overlaps} at least")
+    flights = f"{len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}"
+    lines.append(f"estimated {survey.total_s:.1f} s in {flights}")
+    wind = [f"wind {first.wind}"] if first.wind.strongest > 0 else []
+    return [*lines, *wind, *survey.warnings, *(f"note: {remark}" for remark in survey.notes)]
 
 
-def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
-    (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
-    return {
-        "east": rounded(east),
-        "north": rounded(north),
-        "latitude_deg": home.latitude_deg,
-        "longitude_deg": home.longitude_deg,
-    }
+def flight_table(survey: Survey) -> tuple[list[str], list[tuple[str, ...]]]:
+    plan, rows = survey.plan, list[tuple[str, ...]]()
+    columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
+    for name, flight in zip(survey.names, plan.flights, strict=True):
+        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        rows.append(
+            (
+                f"{name}.plan",
+                str(len(flight.tour.swaths)),
+                str(plan.sight.photos_of(flight.tour)),
+                str(len(flight.forecast.mission.items)),
+                f"{flight.forecast.estimate.total_s:.1f}",
+                "" if energy is None else f"{energy.energy_wh:.1f}",
+                "" if kept is None else f"{down(kept.kept):.2f} to {kept.to}",
+            )
+        )
+    if plan.section.starts is not None:
+        columns.append("from")
+        rows = [(*row, begin_in_words(plan, flight)) for row, flight in zip(rows, plan.flights, strict=True)]
+    return columns, rows
 
 
-def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
-    if (found := plan.overlaps) is None:
-        return None
-    asked = plan.sight.overlaps
-    return {
-        way: None
-        if least is None
-        else {"least": rounded(least.share), "asked": rounded(asked[n]), "at": [rounded(x) for x in least.at]}
-        for n, (way, least) in enumerate((("front", found.front), ("side", found.side)))
-    }
-
-
-def _about(forecast: Forecast) -> dict[str, Any]:
-    mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
-    return {
-        "firmware": mission.autopilot.facts(mission.firmware_version),
-        "clearance": clearance_as_json(forecast.promise),
-        "items": len(mission.items),
-        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
-        "estimate": {
-            "total_s": rounded(forecast.estimate.total_s),
-            "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
-        },
-        "energy_wh": None if energy is None else rounded(energy.energy_wh),
-        **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
-    }
+def begin_in_words(plan: SurveyPlan, flight: SurveyFlight) -> str:
+    return "east {:.0f}, north {:.0f} m".format(*plan.begin_of(flight))
 
 
 def plan_survey(
@@ -265,51 +251,58 @@ def plan_survey(
     expect_plannable(scenario)
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
-        if flown:
-            whole = plan
-            logs = [_flown_log(log) for log in flown]
-            paths = {name: [*_paths(log, scenario)] for name, log in logs}
-            plan = rest_of(whole, [path for log in paths.values() for path in log], seed)
-            plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
+        plan, before = _rest(plan, scenario, flown, seed) if flown else (plan, [])
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    before = () if not flown else (_flown_words(whole, plan, [*paths]), *_elsewhere(whole, paths), *_of_logs(logs))
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
-def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
+def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
+    """Return the plan of what logs left, and remarks. Raises BadInput if nothing was flown."""
     from ipoa_mission.logs.flight_log import read_flights  # imports all of the link
 
-    log, system = given if isinstance(given, tuple) else (given, None)
-    return str(log), read_flights(log, system)
-
-
-def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
-    yield from (f"{name}: {remark}" for name, log in logs for remark in log.remarks)
+    pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
+    logs = [(str(name), read_flights(name, system)) for name, system in pairs]
+    paths = {name: [*_paths(log, scenario)] for name, log in logs}
+    rest = rest_of(whole, [path for log in paths.values() for path in log], seed)
+    rest = replace(rest, scenario=rest.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
+    length, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
+    stray = "no flight in it follows the lines of this survey"
+    if left >= length:
+        raise BadInput(stray, place=", ".join(paths))
+    source, ground = "the log" if len(paths) == 1 else "the logs", whole.scenario.airspace.ground
+    remarks = [f"by {source}, {length - left:.0f} m of {length:.0f} m of lines were flown before"]
+    for name, flights in paths.items():
+        if not any(is_along(whole.tour, path, whole.sight, ground) for path in flights):
+            remarks.append(f"{name}: {stray}")
+    return rest, remarks + [f"{name}: {remark}" for name, log in logs for remark in log.remarks]
 
 
 def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
     """Yield paths (n, 3) in mission mode, heights above home."""
     for flight in log.flights:
-        places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
-        if places:
-            latitude, longitude, height = np.array(places).T
-            home = nearest_start(scenario, Geodetic(*places[0][:2])).frame.home
+        positions = [(each.latitude_deg, each.longitude_deg, each.height) for each in flight.flown_in_mission()]
+        if positions:
+            latitude, longitude, height = np.array(positions).T
+            home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home
             yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
-def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> str:
-    """Raise BadInput if nothing was flown."""
-    every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
-    if left >= every:
-        raise BadInput("no flight in it follows the lines of this survey", place=", ".join(logs))
-    source = "the log" if len(logs) == 1 else "the logs"
-    return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
+def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any], home: Mapping[str, float]) -> Scenario:
+    """Return the scenario in a file, else at `home`, with the survey of a map's `area` in place of its goal.
 
-
-def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator[str]:
-    for log, flown in paths.items():
-        if not any(is_along(whole.tour, path, whole.sight, whole.scenario.airspace.ground) for path in flown):
-            yield f"{log}: no flight in it follows the lines of this survey"
+    `keys` are those of [survey]. Raises BadInput.
+    """
+    table = {"name": area.stem.removesuffix(".osm"), "home": home} if file is None else read_table(file)
+    own = table.pop("survey", {})
+    section = (dict(own) if isinstance(own, dict) else {}) | dict(keys)
+    if section.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
+        section["height_above_ground"] = USUAL_HEIGHT
+    if section.keys().isdisjoint({"line_spacing", "camera"}):
+        section["line_spacing"] = USUAL_SPACING
+    section = {key: value for key, value in section.items() if key not in ("polygon", "line")}
+    section["area"] = str(area if file is None or file.parent == Path() else area.absolute())
+    rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
+    return scenario_of(rest | {"survey": section}, file or Path("--survey"))
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
@@ -353,9 +346,10 @@ def _hints(flight: SurveyFlight) -> Iterator[str]:
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
     """Suggest one more flight if one may land on its reserve."""
-    unsure = any(finding.code == UNSURE_CODE for flight in plan.flights for finding in flight.findings)
-    offer = unsure and plan.section.starts is None
-    return () if not offer else (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
+    unsure = any(finding.code == "battery-unsure" for flight in plan.flights for finding in flight.findings)
+    if not unsure or plan.section.starts is not None:
+        return ()
+    return (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
 
 
 def _repairs(flight: SurveyFlight) -> Iterator[str]:
@@ -374,8 +368,8 @@ def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     yield from _messages_of_flights(plan, _repairs)
-    starts, used = () if plan.section.starts is None else plan.section.starts, {one.start for one in plan.flights}
-    for n in range(len(starts)):
+    used = {flight.start for flight in plan.flights}
+    for n in range(len(plan.section.starts or ())):
         if n not in used:
             yield f"survey.starts[{n}]: no flight begins there: the other start places are nearer, or quicker"
     yield from plan.scenario.remarks

@@ -1,18 +1,22 @@
+"""Lay parallel lines, and close the gaps between by detours."""
+
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, polyline_length
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.free import FreeSpace, Transits
+from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.world.polygon import union_of
 
-MIN_PIECE = 0.25  # of the spacing; detours see shorter pieces
 ARC = 8  # segments of a quarter circle
-COUNT_TOLERANCE = 1e-6  # [spacings]
-SEAM_WIDTH = 1e-4  # [m]
-POSITIONS = 5  # tried for an extra line
+MAX_UNSEEN = 7e-4  # of the area
+MIN_SHARE_SEEN = 0.1  # of a gap, by a detour
 
 
 @dataclass(frozen=True)
@@ -34,11 +38,11 @@ class LineAxes:
         return np.asarray(places[:, :1] * self.along + places[:, 1:] * self.across)
 
 
-def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
-    """Return positions across, evenly; `shift` from -1 to 1 moves them by this share of the slack."""
+def line_positions(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
+    """Return the lines' positions across, evenly; `shift` from -1 to 1 moves them by this share of the slack."""
     across = shapely.get_coordinates(area) @ grid.across
     low, high = float(across.min()), float(across.max())
-    count = max(math.ceil((high - low) / spacing - COUNT_TOLERANCE), 1)
+    count = max(math.ceil((high - low) / spacing - 1e-6), 1)
     if shift == 0.0:
         return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
     middle = (low + high) / 2 + shift * (count * spacing - (high - low)) / 2
@@ -59,7 +63,8 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
 
 def seen_from(lines: Any, width: float) -> Any:
     """Return the area seen from lines (n, 2, 2), without seams."""
-    return union_along(shapely.linestrings(lines), width / 2 + SEAM_WIDTH, ARC)
+    seam_width = 1e-4  # [m]
+    return union_along(shapely.linestrings(lines), width / 2 + seam_width, ARC)
 
 
 def union_along(drawn: Any, away: float, arc: int) -> Any:
@@ -67,8 +72,8 @@ def union_along(drawn: Any, away: float, arc: int) -> Any:
     return union_of(shapely.buffer(drawn, away, quad_segs=arc))
 
 
-def parts_of(gaps: Any) -> list[Any]:
-    return [part for part in shapely.get_parts(gaps) if part.geom_type == "Polygon" and part.area > 0.0]
+def polygons_of(shape: Any) -> list[Any]:
+    return [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon" and part.area > 0.0]
 
 
 def line_over(gap: Any, inner: Any, width: float) -> Points | None:
@@ -84,7 +89,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
     best, most = None, 0
-    for height in np.linspace(low, high, POSITIONS):
+    for height in np.linspace(low, high, num=5):
         whole = shapely.LineString(grid.back(np.array([[west, height], [east, height]])))
         for part in shapely.get_parts(shapely.intersection(whole, inner)):
             if part.geom_type != "LineString" or part.length <= 0.0:
@@ -98,3 +103,208 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
                 ends = np.clip([min(first, last), max(first, last)], *ends)
                 best, most = grid.back(np.column_stack([ends, [height, height]])), count
     return best
+
+
+@dataclass(frozen=True, eq=False)
+class Detour:
+    """A detour from a leg by the places `via` (k, 2), with `goal` (m, 2), to the leg's end.
+
+    Leg -1 is before the path, the last one after it.
+    """
+
+    leg: int
+    via: Points
+    goal: Points
+    seconds: float
+
+
+@dataclass
+class SensedPath:
+    """Places (n, 2), and whether the sensor is on after each."""
+
+    places: list[Points]
+    is_on: list[bool] = field(default_factory=list)
+
+    def legs(self, on: bool) -> Points:
+        chosen = [n for n, each in enumerate(self.is_on) if each is on]
+        return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
+
+    def insert(self, detour: Detour) -> Points:
+        """Insert a detour; return its places (k, 2) with both ends on the path."""
+        n, via = detour.leg, list(detour.via)
+        begin, end = self.places[max(n, 0) : n + 1], self.places[n + 1 : n + 2]
+        self.places[n + 1 : n + 1] = via
+        self.is_on[max(n, 0) : n + 1] = [True] * (len(begin) + len(via) + len(end) - 1)
+        return np.array([*begin, *via, *end])
+
+
+@dataclass(frozen=True, eq=False)
+class GapCloser:
+    area: Any
+    width: float
+    space: FreeSpace
+    cost: LegTimes
+
+    def _gaps(self, route: SensedPath) -> Any:
+        """Return the gaps; large ones switch the sensor on along ways that see them."""
+        gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        too_much = gaps.area - MAX_UNSEEN * self.area.area
+        off = [n for n, on in enumerate(route.is_on) if not on]
+        if too_much <= 0.0 or not off:
+            return gaps
+        around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
+        shapely.prepare(gaps)
+        touched = np.flatnonzero(shapely.intersects(gaps, around))
+        seen = shapely.area(shapely.intersection(around[touched], gaps))
+        order = np.argsort(-seen, kind="stable")
+        min_seen = 1e-3 * self.width**2  # [m^2]
+        needed = (np.cumsum(seen[order]) - seen[order] < too_much) & (seen[order] > min_seen)
+        chosen = touched[order[needed]]
+        for n in chosen:
+            route.is_on[off[n]] = True
+        return gaps.difference(union_of(around[chosen])) if len(chosen) else gaps
+
+    def close(self, route: SensedPath, once: bool) -> tuple[list[Points], float]:
+        """Insert detours into `route` past its largest gaps.
+
+        With `once`, one detour round a hole sees all gaps along its edge. Return the lines (k, 2) and places (1, 2) of
+        detours, and the unseen share beyond the limit.
+        """
+        hopeless, goals, left = list[Any](), list[Points](), self._gaps(route)
+        max_passes = 8
+        for n in range(max_passes + 1):
+            gaps = self._joined_by_hole(polygons_of(left)) if once else polygons_of(left)
+            gaps.sort(key=lambda gap: gap.area)
+            lost = np.array([any(gap.equals(other) for other in hopeless) for gap in gaps], bool)
+            areas = np.array([gap.area for gap in gaps])
+            may_stay = max(MAX_UNSEEN * self.area.area - float(areas[lost].sum()), MAX_UNSEEN / 10 * self.area.area)
+            too_much = np.cumsum(np.where(lost, 0.0, areas)) > may_stay
+            tried = [gaps[k] for k in np.flatnonzero(too_much & ~lost)[::-1]]
+            if not tried or n == max_passes:
+                break
+            seen = list[Any]()
+            for gap in tried:
+                if (detour := self._detour(route, gap)) is None:
+                    hopeless.append(gap)
+                else:
+                    goals.append(detour.goal)
+                    seen.append(shapely.LineString(route.insert(detour)).buffer(self.width / 2, quad_segs=ARC))
+            left = left.difference(union_of(seen))
+        return goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
+
+    def _joined_by_hole(self, gaps: list[Any]) -> list[Any]:
+        rings = [ring for part in shapely.get_parts(self.space.inner) for ring in part.interiors]
+        if not rings or not gaps:
+            return gaps
+        gap, ring = shapely.STRtree(rings).query_nearest(gaps, max_distance=self.width / 2, all_matches=False)
+        others = np.setdiff1d(np.arange(len(gaps)), gap)
+        return [union_of([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [gaps[n] for n in others]
+
+    def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
+        around = self._viewpoints(gap)
+        lines = [] if around is not None else self._lines(gap)
+        if around is None and not lines:
+            around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
+            if gap.difference(around.buffer(self.width / 2)).area > (1 - MIN_SHARE_SEEN) * gap.area:
+                return None
+        legs = self._near_legs(route, shapely.get_coordinates(gap.centroid)[0])
+        straight = self._quickest(route, legs, around, lines, round_corners=False)
+        return straight or self._quickest(route, legs, around, lines, round_corners=True)
+
+    def _quickest(
+        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], round_corners: bool
+    ) -> Detour | None:
+        best, least = None, np.inf
+        for n in legs:
+            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
+            now = self.cost.seconds(np.array([*before, *after]))
+            for goal in self._goals(around, lines, before[-1:], after[:1]):
+                if self._at_least(before, goal, after) - now >= least:
+                    continue
+                via = self._round_corners(before[-1:], goal, after[:1]) if round_corners else goal
+                if via is None:
+                    continue
+                straight = np.array([*before[-1:], *via, *after[:1]])
+                if not round_corners and not self.space.sees(straight[:-1], straight[1:]).diagonal().all():
+                    continue
+                seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
+                if seconds < least:
+                    best, least = Detour(n, via, goal, seconds), seconds
+        return best
+
+    def _at_least(self, before: list[Vector], via: Points, after: list[Vector]) -> float:
+        """Return a lower bound [s]."""
+        legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
+        return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
+
+    def _round_corners(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
+        stops = [*before, via[0], via[-1], *after]
+        transits = Transits(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
+        last = len(before) + 1
+        pairs = [(0, 2)] * bool(before), [(2 * last, 2 * last + 2)] * bool(after)
+        if any(transits.times[pair] >= NO_WAY for pair in (*pairs[0], *pairs[1])):
+            return None
+        way_in, way_out = ([transits.corners(*pair)[1:-1] for pair in each] for each in pairs)
+        return np.concatenate([*way_in, via, *way_out])
+
+    def _viewpoints(self, gap: Any) -> Any | None:
+        hull = shapely.get_coordinates(shapely.convex_hull(gap))[:-1]
+        if len(hull) > 1 and np.ptp(hull, axis=0).max() > self.width:
+            return None
+        radius = 0.999 * self.width / 2  # discs are polygons
+        discs = shapely.buffer(shapely.points(hull), radius, quad_segs=ARC)
+        around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
+        return None if around.is_empty else around
+
+    def _near_legs(self, route: SensedPath, center: Vector) -> list[int]:
+        """Return the legs near a place; -1 and the last index: before and after the path."""
+        places = np.array(route.places)
+        from_, to = places[:-1], places[1:]
+        leg = to - from_
+        share = np.clip(
+            np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
+        )
+        away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
+        away[np.array(route.is_on, bool)] = np.inf  # lines stay straight
+        max_legs = 6
+        order = np.argsort(away, kind="stable")[:max_legs]
+        return [*(int(n) for n in order if np.isfinite(away[n])), -1, len(places) - 1]
+
+    def _lines(self, gap: Any) -> list[Points]:
+        """Return the line (k, 2) that sees most of a gap, and the edge of a hole if it takes most of that."""
+        places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap.boundary, self.width / 8)))
+        rings = shapely.get_rings(shapely.get_parts(self.space.inner))
+        ring = rings[int(shapely.distance(rings, gap).argmin())]
+        at = np.sort(shapely.line_locate_point(ring, places))
+        widest = int(np.diff(at, append=at[0] + ring.length).argmax())
+        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])
+        spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
+        edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
+        edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]
+        is_most_of_ring = polyline_length(edge) > 0.6 * ring.length
+        if is_most_of_ring and ring.distance(gap) < self.width / 2:
+            return [edge, shapely.get_coordinates(ring)]
+        line = line_over(gap, self.space.inner, self.width)
+        lines = [each for each in (line, edge) if each is not None and len(each) > 1]
+        left = [gap.difference(shapely.LineString(each).buffer(self.width / 2, quad_segs=ARC)).area for each in lines]
+        quick = [n for n, area in enumerate(left) if area <= min(left) + MIN_SHARE_SEEN * gap.area]
+        return [lines[quick[0]]] if quick and left[quick[0]] < (1 - MIN_SHARE_SEEN) * gap.area else []
+
+    def _goals(
+        self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]
+    ) -> list[Points]:
+        """Return the places (k, 2) that see a gap."""
+        ends = np.array([*before, *after])
+        if lines:
+            begun = [_begun_near(line, ends) for line in lines]
+            return [each for line in begun for each in (line, line[::-1])]
+        leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
+        return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
+
+
+def _begun_near(line: Points, places: Points) -> Points:
+    """Return a line (n, 2); a closed one begins nearest to `places`."""
+    if (line[0] != line[-1]).any():
+        return line
+    away = np.linalg.norm(line[:-1, None] - places, axis=2).sum(axis=1)
+    return np.roll(line[:-1], -int(away.argmin()), axis=0)[[*range(len(line) - 1), 0]]

@@ -1,8 +1,8 @@
-import logging
+"""Plan a survey's flights so that all keep their clearance."""
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import shapely
 
@@ -21,22 +21,18 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, parts_of, returning
+from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, returning, split_into_flights
 from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
 from ipoa_mission.survey.keep_out import flown_round, keep_out
-from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
-from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_task import SurveyTask, expect_high_enough, expect_survey
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.world.obstacles import Obstacle
 
-log = logging.getLogger(__name__)
-
 ROUNDS = 8  # with more clearance, at each speed
-MIN_SLACK = 0.25  # less gets more clearance, too [m]
 SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
-GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # of the missing clearance; [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,17 +46,13 @@ class SurveyFlight:
 
 
 @dataclass(frozen=True, eq=False)
-class SurveyPlan:
+class SurveyPlan(SurveyTask):
     """A checked survey.
 
     `scenario` has the flown cruise speed, possibly lower than the file's. `growth` [m]: added clearance by obstacle
     name. `is_rest`: `coverage` is that of all lines.
     """
 
-    scenario: Scenario
-    area: Area
-    sight: Sight
-    keep_out: Any | None
     tour: Tour
     coverage: Coverage
     flights: tuple[SurveyFlight, ...]
@@ -88,19 +80,8 @@ class SurveyPlan:
         flights = (expected_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
         return as_flown(flights, self.area.shape, visible, self.sight.across)
 
-    @property
-    def section(self) -> SurveySection:
-        section = self.scenario.survey
-        assert section is not None
-        return section
-
     def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
         return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
-
-    @property
-    def free(self) -> Any:
-        """Return the part that may be flown over (shapely)."""
-        return self.area.without(self.keep_out)
 
 
 class _TooNear(Exception):
@@ -130,9 +111,9 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
     expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
-        outside = keep_out(scenario, sight, growth)
-        make = FlightMaker(scenario, sight, growth, seed)
-        tour, parts = parts_of(laid_tours(make, section, area, outside), make, section)
+        task = SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, growth))
+        make = FlightMaker(task, growth, seed)
+        tour, parts = split_into_flights(laid_tours(task), make)
         forecasts = [make(part) for part in parts]
         near, wanted = _too_near(forecasts), dict[str, float]()
         if not near:
@@ -142,13 +123,14 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
                 raise _TooNear(kept, promise)
             bodies = flown_round(scenario, sight, growth)
             missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, bodies)
-            for name, by in missing.items():
-                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * GROWTH_FACTOR + GROWTH_MARGIN)
+            for name, by in missing.items():  # [m]
+                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
         growth |= wanted
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
-    seen = coverage(area, tour, sight.spacing, outside)
-    return SurveyPlan(scenario, area, sight, outside, tour, seen, _checked(parts, forecasts), growth)
+    seen = coverage(area, tour, sight.spacing, task.keep_out)
+    flights = _checked(parts, forecasts)
+    return SurveyPlan(scenario, section, area, sight, task.keep_out, tour, seen, flights, growth)
 
 
 def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
@@ -162,22 +144,22 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
 
 def _missing(kept: Kept, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
-    flight, lost = promise.flight, kept.nominal - kept.kept
-    way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
-    slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
-    missing = {body.name: MIN_SLACK - float(each) for body, each in zip(bodies, slack, strict=True) if each < MIN_SLACK}
+    flight, lost, min_slack = promise.flight, kept.nominal - kept.kept, 0.25  # [m]
+    path = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
+    slack = shapely.distance(path, [body.plan for body in bodies]) - lost - kept.required
+    missing = {body.name: min_slack - float(each) for body, each in zip(bodies, slack, strict=True) if each < min_slack}
     return missing | {kept.to: -kept.slack}
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
     """Return the plan of what paths (n, 3) left, east, north, up [m]. Raises as `plan_flights`."""
-    scenario, sight, section = plan.scenario, plan.sight, plan.section
-    way = way_over(plan.area, scenario, section, sight, plan.keep_out)
-    tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
+    scenario = plan.scenario
+    tour = left_to_fly(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
     if tour is None:
         raise BadInput("no line is left to fly", code="nothing-left", place="survey")
-    make = FlightMaker(scenario, sight, plan.growth, seed)
-    tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
+    section = plan.section.model_copy(update={"flights": None})
+    make = FlightMaker(SurveyTask(scenario, section, plan.area, plan.sight, plan.keep_out), plan.growth, seed)
+    tour, parts = split_into_flights([tour], make)
     forecasts = [make(part) for part in parts]
     near = _too_near(forecasts)
     if near:

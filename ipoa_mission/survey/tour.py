@@ -3,7 +3,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, polyline_length
+from ipoa_mission.geometry import Points, Vector, polyline_length
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,42 +14,47 @@ class Swath:
     end: Points
 
     @property
+    def ends(self) -> Points:
+        return np.array([self.begin, self.end])
+
+    @property
     def length(self) -> float:
         return float(np.linalg.norm(self.end - self.begin))
+
+    @property
+    def ahead(self) -> Vector:
+        return np.asarray((self.end - self.begin) / max(self.length, 1e-9))
+
+    def at(self, distance: float) -> Points:
+        return np.asarray(self.begin + distance * self.ahead)
 
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """Lines in flight order; `ways[n]` (k, 2), k >= 2, leads from line n to the next.
-
-    Example:
-        >>> there, back = Swath(np.array([0.0, 0.0]), np.array([9.0, 0.0])), Swath(np.array([9.0, 2.0]), np.zeros(2))
-        >>> tour = Tour((there, back), (np.array([[9.0, 0.0], [9.0, 2.0]]),))
-        >>> len(tour.path), round(tour.length, 2)
-        (4, 20.22)
-    """
+    """Lines in flight order; `transits[n]` (k, 2), k >= 2, leads from line n to the next."""
 
     swaths: tuple[Swath, ...]
-    ways: tuple[Points, ...]
+    transits: tuple[Points, ...]
 
     @property
     def path(self) -> Points:
         """Return all corners (n, 2), without repeats."""
         if not self.swaths:
             return np.empty((0, 2))
-        pieces = [np.array([self.swaths[0].begin, self.swaths[0].end])]
-        for way, swath in zip(self.ways, self.swaths[1:], strict=True):
-            pieces += [way, np.array([swath.begin, swath.end])]
-        whole = np.concatenate(pieces)
-        return np.asarray(whole[np.concatenate([[True], (np.diff(whole, axis=0) != 0.0).any(axis=1)])])
+        pieces = [self.swaths[0].ends]
+        for transit, swath in zip(self.transits, self.swaths[1:], strict=True):
+            pieces += [transit, swath.ends]
+        return without_repeats(np.concatenate(pieces))
 
     @property
     def length(self) -> float:
         return polyline_length(self.path)
 
+    def part(self, first: int, last: int) -> "Tour":
+        return Tour(self.swaths[first:last], self.transits[first : last - 1])
+
     def moved(self, move: Callable[[Points], Points]) -> "Tour":
-        ends = [move(np.array([swath.begin, swath.end])) for swath in self.swaths]
-        return Tour(tuple(Swath(*pair) for pair in ends), tuple(move(way) for way in self.ways))
+        return Tour(tuple(Swath(*move(s.ends)) for s in self.swaths), tuple(map(move, self.transits)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,3 +63,7 @@ class Sortie:
 
     tour: Tour
     start: int | None = None
+
+
+def without_repeats(path: Points) -> Points:
+    return np.asarray(path[np.concatenate([[True], (np.diff(path, axis=0) != 0.0).any(axis=1)])])

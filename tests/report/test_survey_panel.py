@@ -7,7 +7,7 @@ import shapely
 
 from ipoa_mission import plan_survey
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.survey_panel import survey_panel
+from ipoa_mission.survey.survey_report import survey_panel
 
 HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}
 FIELD = [[[20.0, 10.0], [120.0, 10.0], [120.0, 90.0], [20.0, 90.0]], [[60, 40], [80, 40], [80, 60], [60, 60]]]

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey._kernels import path_seconds
 from ipoa_mission.survey._order import search_order
-from ipoa_mission.survey.free import FreeSpace, Ways
+from ipoa_mission.survey.free import FreeSpace, Transits
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.world.frame import Geodetic
 
@@ -68,13 +68,13 @@ def test_ways_lead_round_holes_and_are_as_short_as_a_grid_finds_them() -> None:
     cost = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), registered()[0]), 5.0)
     space = FreeSpace.of(shape)
     places = np.array([[5.0, 5.0], [35.0, 5.0], [40.0, 90.0], [90.0, 10.0], [95.0, 90.0], [65.0, 40.0]])
-    ways = Ways(np.repeat(places, 2, axis=0), space, space, cost)
+    ways = Transits(np.repeat(places, 2, axis=0), space, space, cost)
     shortest = on_a_grid(shape, places)
     for i in range(len(places)):
         for j in range(len(places)):
             if i == j:
                 continue
-            way = ways.way(2 * i, 2 * j)
+            way = ways.corners(2 * i, 2 * j)
             assert shape.covers(shapely.LineString(way))
             length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
             assert 0.97 * shortest[i, j] <= length <= shortest[i, j] + 0.5

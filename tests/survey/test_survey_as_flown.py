@@ -8,8 +8,9 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points
 from ipoa_mission.survey.flown_coverage import as_flown, expected_lines
-from ipoa_mission.survey.survey_flight import plan_survey, survey_as_json
+from ipoa_mission.survey.survey_flight import plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
+from ipoa_mission.survey.survey_report import survey_as_json
 from tests.survey.test_survey_flights import LINES, TOWER, scenario
 
 FIELD = shapely.box(0.0, 0.0, 100.0, 20.0)

@@ -25,9 +25,9 @@ from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
-from ipoa_mission.survey.survey_flight import Survey, plan_survey, survey_as_json
+from ipoa_mission.survey.survey_flight import Survey, plan_survey
+from ipoa_mission.survey.survey_report import survey_as_json
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.survey.tour_split import part_of
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -205,7 +205,7 @@ def test_a_battery_too_small_for_all_makes_several_flights_that_come_home_with_t
         assert len(read_mission(tmp_path / f"{name}.plan").items) == len(forecast.mission.items)
     tour = survey.plan.tour
     first = len(survey.plan.flights[0].tour.swaths)
-    assert [s.begin.tolist() for s in part_of(tour, 0, first).swaths] == [
+    assert [s.begin.tolist() for s in tour.part(0, first).swaths] == [
         s.begin.tolist() for s in survey.plan.flights[0].tour.swaths
     ]
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
+from ipoa_mission.survey.tour_split import fewest_parts, parts_of_equal_length
 
 
 def tour_of(lengths: list[float]) -> Tour:
@@ -25,7 +25,7 @@ def way(tour: Tour) -> float:
 def every_split(tour: Tour, count: int) -> list[tuple[Tour, ...]]:
     n = len(tour.swaths)
     borders = [(0, *inner, n) for inner in combinations(range(1, n), count - 1)]
-    return [tuple(part_of(tour, a, b) for a, b in pairwise(border)) for border in borders]
+    return [tuple(tour.part(a, b) for a, b in pairwise(border)) for border in borders]
 
 
 LENGTHS = st.lists(st.floats(20.0, 200.0), min_size=1, max_size=8)
@@ -38,7 +38,7 @@ def test_no_other_cut_between_lines_makes_fewer_flights(lengths: list[float], mo
     def fits(part: Tour) -> bool:
         return way(part) <= most
 
-    if not all(fits(part_of(tour, n, n + 1)) for n in range(len(lengths))):
+    if not all(fits(tour.part(n, n + 1)) for n in range(len(lengths))):
         return
     parts = fewest_parts(tour, fits, 5.0)
     assert isinstance(parts, tuple)

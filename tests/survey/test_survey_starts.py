@@ -20,13 +20,12 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start
-from ipoa_mission.survey.flight_maker import _sets
-from ipoa_mission.survey.starting import RouteCost, nearest_areas, quickest_parts
+from ipoa_mission.survey.flight_maker import _sets_of_starts
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
-from ipoa_mission.survey.tour_split import part_of
+from ipoa_mission.survey.tour_split import RouteCost, StartSites, nearest_areas, quickest_parts
 from ipoa_mission.world.frame import Geodetic, apart
 from tests.refused import refuses
 from tests.survey.test_survey_flights import AIRFRAME, HOME, TOWER, scenario
@@ -111,9 +110,9 @@ def test_no_cut_and_no_choice_of_start_places_takes_less_time(
     tour, starts = tour_of(lengths), np.array(places)
     tried = fake(limit, starts)
     count = len(tour.swaths)
-    if not all(any(tried(Sortie(part_of(tour, n, n + 1), s)).fits for s in range(len(starts))) for n in range(count)):
+    if not all(any(tried(Sortie(tour.part(n, n + 1), s)).fits for s in range(len(starts))) for n in range(count)):
         return
-    found = quickest_parts(tour, starts, CLOCK, tried, 5.0)
+    found = quickest_parts(tour, StartSites(starts, CLOCK, tried, 5.0))
     assert isinstance(found, tuple)
     parts, seconds = found
     assert all(tried(part).fits for part in parts)
@@ -126,7 +125,7 @@ def best_of_all(tour: Tour, places: int, tried: Any) -> float:
     count, best = len(tour.swaths), math.inf
     trials = {
         (a, b): min(
-            (t.seconds for s in range(places) if (t := tried(Sortie(part_of(tour, a, b), s))).fits), default=math.inf
+            (t.seconds for s in range(places) if (t := tried(Sortie(tour.part(a, b), s))).fits), default=math.inf
         )
         for a, b in combinations(range(count + 1), 2)
     }
@@ -138,12 +137,12 @@ def best_of_all(tour: Tour, places: int, tried: Any) -> float:
 
 def test_a_line_that_is_too_long_for_all_is_cut() -> None:
     tour, starts = tour_of([900.0, 900.0]), np.array([[0.0, 0.0], [1000.0, 0.0]])
-    found = quickest_parts(tour, starts, CLOCK, fake(190.0, starts), 8.0)
+    found = quickest_parts(tour, StartSites(starts, CLOCK, fake(190.0, starts), 8.0))
     assert isinstance(found, tuple)
     assert {part.start for part in found[0]} == {0, 1}
     assert sum(s.length for part in found[0] for s in part.tour.swaths) == pytest.approx(1800.0 + 8.0 * 2)
     far = np.array([[0.0, 900.0]])
-    assert quickest_parts(tour, far, CLOCK, fake(190.0, far), 8.0) is tour.swaths[0]
+    assert quickest_parts(tour, StartSites(far, CLOCK, fake(190.0, far), 8.0)) is tour.swaths[0]
 
 
 def test_what_is_nearest_to_each_start_place_is_all_of_the_area() -> None:
@@ -219,8 +218,8 @@ def test_what_is_left_of_it_is_flown_from_its_places_too(from_both_ends: Survey)
 
 
 def test_of_many_start_places_not_every_set_is_looked_at() -> None:
-    assert [len([*_sets(count)]) for count in (1, 2, 3, 4, 9, 10, 50)] == [1, 3, 7, 9, 19, 1, 1]
-    assert all((*range(count),) in _sets(count) for count in (1, 3, 4, 10))
+    assert [len([*_sets_of_starts(count)]) for count in (1, 2, 3, 4, 9, 10, 50)] == [1, 3, 7, 9, 19, 1, 1]
+    assert all((*range(count),) in _sets_of_starts(count) for count in (1, 3, 4, 10))
 
 
 def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_told() -> None:

@@ -1,6 +1,8 @@
+"""Lay a survey's lines, also unchecked for interactive editing."""
+
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -15,24 +17,50 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.scenario.survey_section import SurveySection
-from ipoa_mission.survey.cover import quickest_tour, way_between
+from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
-MAX_LINES = 3000  # memory for the ways between all of them
-MAX_HOURS = 100  # of flight: planning takes 1 to 2 GB
-
 
 @dataclass(frozen=True, eq=False)
-class SurveySketch:
-    """Unchecked lines; `seconds` without take-off and landing."""
+class SurveyTask:
+    """An area to see, and the geometry to keep out of (shapely)."""
 
+    scenario: Scenario
+    section: SurveySection
     area: Area
     sight: Sight
     keep_out: Any | None
+
+    @property
+    def free(self) -> Any:
+        return self.area.without(self.keep_out)
+
+    @cached_property
+    def times(self) -> LegTimes:
+        vehicle = self.scenario.vehicle
+        empty = Mission(
+            self.scenario.frame.home,
+            (),
+            vehicle.autopilot,
+            parameters=vehicle.autopilot_parameters(),
+            vehicle=vehicle.learned,
+            firmware_version=vehicle.version,
+        )
+        return LegTimes.of(empty, vehicle.cruise_speed, self.sight.middle, self.scenario.wind.air())
+
+    @cached_property
+    def cover(self) -> CoverProblem:
+        return CoverProblem.of(self.area, self.sight.spacing, self.times, self.keep_out, self.section.turns_outside)
+
+
+@dataclass(frozen=True, eq=False)
+class SurveySketch(SurveyTask):
+    """Unchecked lines; `seconds` without take-off and landing."""
+
     tour: Tour
     coverage: Coverage
     seconds: float
@@ -43,11 +71,12 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
     section, area = expect_survey(scenario)
     sight = sight_of(section, area, scenario)
     expect_high_enough(sight, scenario)
-    outside = keep_out(scenario, sight, {})
+    task = SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, {}))
     with threadpool_limits(1, "blas"):
-        tour = lay_lines(scenario, section, area, sight, outside)
-        seconds = leg_times(scenario, sight).seconds(tour.path)
-    return SurveySketch(area, sight, outside, tour, coverage(area, tour, sight.spacing, outside), seconds)
+        tour = lay_lines(task)
+        seconds = task.times.seconds(tour.path)
+    seen = coverage(area, tour, sight.spacing, task.keep_out)
+    return SurveySketch(scenario, section, area, sight, task.keep_out, tour, seen, seconds)
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
@@ -70,61 +99,40 @@ def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
         )
 
 
-def lay_lines(
-    scenario: Scenario,
-    section: SurveySection,
-    area: Area,
-    sight: Sight,
-    outside: Any | None,
-    at: Vector | None = None,
-) -> Tour:
-    """Return the quickest lines over what obstacles leave. Raises BadInput, NoPath.
-
-    They begin and end near `at` (2,), else near home; with start places anywhere.
-    """
-    free = area.without(outside)
-    if free.is_empty:
+def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
+    """Return the quickest tour, from a `start` place (2,) if given. Raises BadInput, NoPath."""
+    scenario, section, sight = task.scenario, task.section, task.sight
+    if task.free.is_empty:
         words = f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground"
         hint = "fly higher (survey.height_above_ground), or with a smaller safety_distance"
         raise NoPath(words, hint=hint, code="area-covered", place="survey")
-    _expect_lines(area, sight.spacing)
-    _expect_hours(float(free.area), sight.spacing, scenario.vehicle.cruise_speed)
-    begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
-    end = np.array(section.exit or scenario.goal_point[:2]) if at is None else at
-    cost = leg_times(scenario, sight)
-    is_anywhere = section.starts is not None and at is None
+    _expect_manageable(task)
+    begin = np.array(section.entry or scenario.start_point[:2]) if start is None else start
+    end = np.array(section.exit or scenario.goal_point[:2]) if start is None else start
     middles = section.middles(scenario.frame)
     if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
-        inside = where_allowed(area, outside)
-        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside, cost.past_corners)
-        if along is not None:
-            return along
-    return quickest_tour(
-        area,
-        sight.spacing,
-        cost=cost,
-        keep_out=outside,
-        direction=section.direction_deg,
-        turns_outside=section.turns_outside,
-        begin=None if is_anywhere else begin,
-        end=None if is_anywhere else end,
-    )
+        corridor = _corridor_tour(task, middles[0], section.width, begin)
+        if corridor is not None:
+            return corridor
+    if section.starts is not None and start is None:
+        return quickest_tour(task.cover, section.direction_deg)
+    return quickest_tour(task.cover, section.direction_deg, begin, end)
 
 
-def _expect_lines(area: Area, spacing: float) -> None:
-    (west, south, east, north) = area.shape.bounds
-    least = area.shape.area / spacing / math.hypot(east - west, north - south)
-    if least > MAX_LINES:
-        words = f"expected at most {MAX_LINES} lines, not {least:.0f} or more, {spacing:g} m apart"
+def _expect_manageable(task: SurveyTask) -> None:
+    """Refuse what takes too much memory: 100 h take 1 to 2 GB."""
+    spacing, speed, shape = task.sight.spacing, task.scenario.vehicle.cruise_speed, task.area.shape
+    max_lines, max_hours = 3000, 100
+    (west, south, east, north) = shape.bounds
+    lines = shape.area / spacing / math.hypot(east - west, north - south)
+    if lines > max_lines:
+        words = f"expected at most {max_lines} lines, not {lines:.0f} or more, {spacing:g} m apart"
         hint = "set lines farther apart (survey.line_spacing, or a greater height), or split the survey"
         raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
-
-
-def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
-    length = seen_m2 / spacing
-    if (hours := length / speed / 3600.0) > MAX_HOURS:
+    length = float(task.free.area) / spacing
+    if (hours := length / speed / 3600.0) > max_hours:
         raise BadInput(
-            f"expected at most {MAX_HOURS} h of flight, not {hours:.0f} h or more: "
+            f"expected at most {max_hours} h of flight, not {hours:.0f} h or more: "
             f"{length / 1000.0:.0f} km of lines at {speed:g} m/s",
             hint="split the survey, or set lines farther apart (survey.line_spacing, or a greater height)",
             code="survey-too-long",
@@ -132,46 +140,16 @@ def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
         )
 
 
-def way_over(
-    area: Area, scenario: Scenario, section: SurveySection, sight: Sight, outside: Any | None
-) -> Callable[[Vector, Vector], Points]:
-    """Return a function that gives the corners (k, 2) between two places (2,)."""
-    return way_between(
-        area,
-        sight.spacing,
-        cost=leg_times(scenario, sight),
-        keep_out=outside,
-        turns_outside=section.turns_outside,
-    )
+def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector) -> Tour | None:
+    """Return lines along a corridor, from its end nearer to `begin` (2,); they end earlier by the overshoot.
 
-
-def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
-    vehicle = scenario.vehicle
-    given = Mission(
-        scenario.frame.home,
-        (),
-        vehicle.autopilot,
-        parameters=vehicle.autopilot_parameters(),
-        vehicle=vehicle.learned,
-        firmware_version=vehicle.version,
-    )
-    return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
-
-
-MAX_TRIM = 1 / 8
-INSIDE = 1e-6  # [m]
-
-
-def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
-    """Return lines at most `spacing` apart [m], from the corridor's end nearer to `begin` (2,).
-
-    Lines end earlier by the overshoot `past` corners [m]. Return None if a line bends back on itself or leaves
-    `inside`.
+    Return None if a line bends back on itself or leaves the free area.
     """
+    spacing, inside = task.sight.spacing, task.free.buffer(1e-6)  # [m]
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]
-    middle = _trimmed(middle, min(past, MAX_TRIM * spacing))
+    middle = _trimmed(middle, min(task.times.past_corners, 1 / 8 * spacing))
     lines = list[Points]()
     for n in range(count):
         line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
@@ -180,7 +158,7 @@ def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, i
             return None
         lines.append(corners if n % 2 == 0 else corners[::-1])
     swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
-    return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
+    return Tour(swaths, tuple(np.array([before.end, after.begin]) for before, after in pairwise(swaths)))
 
 
 def _trimmed(middle: Points, by: float) -> Points:
@@ -190,7 +168,3 @@ def _trimmed(middle: Points, by: float) -> Points:
         return middle
     ends = middle[[0, -1]] + by / lengths * legs
     return np.concatenate([ends[:1], middle[1:-1], ends[1:]])
-
-
-def where_allowed(area: Area, keep_out: Any | None) -> Any:
-    return area.without(keep_out).buffer(INSIDE)

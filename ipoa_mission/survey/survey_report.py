@@ -1,3 +1,5 @@
+"""Report a survey as JSON and as a web page."""
+
 from collections.abc import Sequence
 from html import escape
 from typing import Any
@@ -6,15 +8,82 @@ from urllib.parse import quote
 import shapely
 
 from ipoa_mission.centimeters import down
+from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, rounded
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
+from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
-MARGIN = 0.03  # of the map
-HUES = (210, 35, 285, 150, 325, 75)  # far apart and far from the red of gaps [deg]
-HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
+
+def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
+    seen, sight, flown = plan.coverage, plan.sight, plan.flown
+    return {
+        "lines": len(plan.tour.swaths),
+        "covered_share": rounded(seen.share),
+        "seen_m2": rounded(seen.seen_m2),
+        "outside_m": rounded(seen.outside_m),
+        "as_flown": flown and {"covered_share": rounded(flown.share), "outside_m": rounded(flown.outside_m)},
+        "photos": plan.photos,
+        "line_spacing_m": rounded(sight.spacing),
+        "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
+        "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
+        "overlap": _overlap_as_json(plan),
+        "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
+        "flights": [
+            {
+                "file": f"{name}.plan",
+                "start": _start_as_json(plan, flight),
+                "lines": len(flight.tour.swaths),
+                "photos": sight.photos_of(flight.tour),
+                "time_s": rounded(flight.forecast.estimate.total_s),
+                "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
+                "clearance": clearance_as_json(flight.forecast.promise),
+                **({"findings": findings_as_json(flight.findings)} if flight.findings else {}),
+            }
+            for name, flight in zip(names, plan.flights, strict=True)
+        ],
+    }
+
+
+def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
+    (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
+    return {
+        "east": rounded(east),
+        "north": rounded(north),
+        "latitude_deg": home.latitude_deg,
+        "longitude_deg": home.longitude_deg,
+    }
+
+
+def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
+    if plan.overlaps is None:
+        return None
+    least = {"front": plan.overlaps.front, "side": plan.overlaps.side}
+    return {
+        direction: overlap
+        and {"least": rounded(overlap.share), "asked": rounded(asked), "at": [rounded(x) for x in overlap.at]}
+        for (direction, overlap), asked in zip(least.items(), plan.sight.overlaps, strict=True)
+    }
+
+
+def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
+    mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
+    return {
+        "firmware": mission.autopilot.facts(mission.firmware_version),
+        "clearance": clearance_as_json(forecast.promise),
+        "items": len(mission.items),
+        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
+        "estimate": {
+            "total_s": rounded(forecast.estimate.total_s),
+            "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
+        },
+        "energy_wh": None if energy is None else rounded(energy.energy_wh),
+        **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
+    }
 
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
@@ -31,7 +100,7 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
 
 def _map(plan: SurveyPlan) -> str:
     west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
-    margin = MARGIN * (east - west)
+    margin = 0.03 * (east - west)
     west, south, width, height = west - margin, south - margin, east - west + 2 * margin, north - south + 2 * margin
     frame = shapely.box(west, south, west + width, south + height)
     outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
@@ -47,11 +116,11 @@ def _map(plan: SurveyPlan) -> str:
         lines = "".join(
             f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ((s.begin, s.end) for s in flight.tour.swaths)
         )
-        ways = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in way) for way in flight.tour.ways)
+        transits = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in path) for path in flight.tour.transits)
         color = f"stroke:{_hue(n)};fill:none"
         layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
         dashes = f"stroke-dasharray:{3 * stroke:.1f}"
-        layers.append(f'<path d="{ways}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
+        layers.append(f'<path d="{transits}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
     layers.append(f'<path d="{_rings(plan.coverage.gaps)}" style="fill:var(--bad)"/>')
     return (
         f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="what is seen, north up" '
@@ -61,7 +130,8 @@ def _map(plan: SurveyPlan) -> str:
 
 
 def _hue(flight: int) -> str:
-    return f"hsl({HUES[flight % len(HUES)]} 65% {48 if flight // len(HUES) % 2 == 0 else 30}%)"
+    hues = (210, 35, 285, 150, 325, 75)  # far apart and far from the red of gaps [deg]
+    return f"hsl({hues[flight % len(hues)]} 65% {48 if flight // len(hues) % 2 == 0 else 30}%)"
 
 
 def _rings(shape: Any) -> str:
@@ -73,14 +143,14 @@ def _rings(shape: Any) -> str:
 
 
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
-    head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
+    columns = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
+    head = "".join(f'<th scope="col">{name}</th>' for name in columns)
     rows = ""
     for n, (name, flight) in enumerate(zip(names, plan.flights, strict=True)):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
-        photos = plan.sight.photos_of(flight.tour)
         cells = (
             str(len(flight.tour.swaths)),
-            str(photos),
+            str(plan.sight.photos_of(flight.tour)),
             seconds(flight.forecast.estimate.total_s),
             "" if energy is None else number(energy.energy_wh, 1),
             "" if kept is None else f"{meters(kept.kept)} to {escape(kept.to)}",
