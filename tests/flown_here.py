@@ -1,7 +1,7 @@
 """Fly recorded missions on the built-in autopilot."""
 
-from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
+from ipoa_mission.simulator.situation import Conditions
 from tests.recorded_flights import Recorded
 
 

@@ -1,3 +1,5 @@
+"""Links that lose, duplicate, delay and reorder frames."""
+
 import heapq
 import math
 import random
@@ -49,13 +51,13 @@ class Faults:
 class BadPipe:
     """One direction; the same seed gives the same faults."""
 
-    MOST_HELD = 100_000
+    MAX_QUEUED = 100_000
 
     def __init__(self, faults: Faults, seed: int) -> None:
         self._faults = faults
         self._random = random.Random(seed)
-        self._held: list[tuple[float, int, bytes]] = []
-        self._count = 0
+        self._queue: list[tuple[float, int, bytes]] = []
+        self._pushed = 0
 
     def push(self, data: bytes, now: float) -> None:
         faults, chance = self._faults, self._random.random
@@ -63,16 +65,16 @@ class BadPipe:
         for _ in range(copies):
             lost = chance() < faults.loss
             late = chance() * faults.reorder_s if chance() < faults.reorder else 0.0
-            if not lost and len(self._held) < self.MOST_HELD:
-                self._count += 1
-                heapq.heappush(self._held, (now + faults.delay_s + late, self._count, data))
+            if not lost and len(self._queue) < self.MAX_QUEUED:
+                self._pushed += 1
+                heapq.heappush(self._queue, (now + faults.delay_s + late, self._pushed, data))
 
     def pop(self, now: float) -> list[bytes]:
-        through = []
-        while self._held and self._held[0][0] <= now:
-            through.append(heapq.heappop(self._held)[2])
-        return through
+        arrived = []
+        while self._queue and self._queue[0][0] <= now:
+            arrived.append(heapq.heappop(self._queue)[2])
+        return arrived
 
     @property
     def deadline(self) -> float:
-        return self._held[0][0] if self._held else math.inf
+        return self._queue[0][0] if self._queue else math.inf

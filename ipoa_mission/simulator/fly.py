@@ -15,9 +15,9 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.mock_server import PERFECT
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.wind import CALM, Wind
 

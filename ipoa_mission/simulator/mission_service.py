@@ -28,17 +28,50 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import home_item
+from ipoa_mission.mission.stored_mission import as_stored, home_item
 from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
-from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
 
-INT_FRAMES = {int(plain): int(whole) for whole, plain in PLAIN_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
-MOST_READERS = 16
+MAX_READERS = 16
 #: Orders in `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
 ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
+
+
+class Store:
+    """`truncating`: drop the old items at a transfer's start; a failed one leaves a mixture."""
+
+    def __init__(self, profile: MockProfile, truncating: bool) -> None:
+        self._profile, self._truncating = profile, truncating
+        self._incoming: list[Item] = []
+        self.items: tuple[Item, ...] = ()
+
+    def begin(self, count: int) -> None:
+        self._incoming = []
+        if self._truncating:
+            self.items = self.items[:count]
+
+    def keep(self, seq: int, item: Item) -> None:
+        (kept,) = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        if self._truncating:
+            self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
+        else:
+            self._incoming.append(kept)
+
+    @property
+    def staged(self) -> tuple[Item, ...]:
+        """Return the list after a complete transfer."""
+        return self.items if self._truncating else tuple(self._incoming)
+
+    def commit(self) -> None:
+        if not self._truncating:
+            self.items = tuple(self._incoming)
+        self._incoming = []
+
+    def clear(self) -> None:
+        self.items = ()
+        self._incoming = []
 
 
 @dataclass
@@ -55,18 +88,15 @@ class MissionService:
 
     def __init__(
         self,
-        mock_profile: MockProfile,
+        profile: MockProfile,
         home: Callable[[], Geodetic],
         say: Callable[[Message, Target], None],
         changed: Callable[[int], None],
         nak_at: int | None = None,
     ) -> None:
         self.booted = False
-        self.stores = {
-            kind: Store(mock_profile.autopilot, mock_profile.firmware.version, kind in mock_profile.truncating)
-            for kind in KINDS
-        }
-        self._habits = mock_profile
+        self.stores = {kind: Store(profile, kind in profile.truncating) for kind in KINDS}
+        self._profile = profile
         self._home = home
         self._say = say
         self._changed = changed
@@ -74,7 +104,7 @@ class MissionService:
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
-        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # by kind
+        self._list_ids: dict[int, tuple[tuple[Item, ...], int]] = {}  # by kind
 
     def receive(self, message: Message, client: Target, now: float) -> bool:
         """Return whether a message belongs to the mission protocol."""
@@ -85,8 +115,8 @@ class MissionService:
                 self._take(message, client, now)
             case RequestList(kind):
                 self._list(kind, client, now)
-            case Request(seq, kind):
-                self._read(seq, kind, message, client, now)
+            case Request():
+                self._read(message, client, now)
             case Ack():
                 self._acknowledge(message, client)
             case ClearAll(kind):
@@ -99,7 +129,7 @@ class MissionService:
 
     def tick(self, now: float) -> None:
         for incoming in [*self._incoming.values()]:
-            self._drive(incoming, now, lambda one: one.exchange.tick(now))
+            self._drive(incoming, lambda exchange: exchange.tick(now))
         for reader, exchange in [*self._readers.items()]:
             try:
                 exchange.tick(now)
@@ -110,34 +140,31 @@ class MissionService:
 
     @property
     def deadline(self) -> float:
-        if not self._incoming and not self._readers:
-            return math.inf
-        uploads = [one.exchange.deadline for one in self._incoming.values()]
+        uploads = [incoming.exchange.deadline for incoming in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 
     def is_under_way(self, client: Target) -> bool:
-        return any(one.client == client for one in self._incoming.values()) or any(
-            reader == client for reader, _ in self._readers
-        )
+        clients = [incoming.client for incoming in self._incoming.values()]
+        return client in clients or any(reader == client for reader, _ in self._readers)
 
     def listed(self, kind: int) -> tuple[Item, ...]:
         items = self.stores[MissionType(kind)].items
-        if kind == MissionType.MISSION and self._habits.autopilot.counts_home and items:
+        if kind == MissionType.MISSION and self._profile.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
         """Return False if an item is refused."""
         kind = MissionType.MISSION
-        results = [judge(self._habits.autopilot, self._habits.firmware, item, kind, len(items)) for item in items]
-        if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
+        if not self.booted or self._slot(kind) in self._incoming or len(items) > self._profile.limits[kind]:
             return False
-        if any(result != Result.ACCEPTED for result in results):
+        if any(self._judge(item, kind, len(items)) != Result.ACCEPTED for item in items):
             return False
-        self.stores[kind].begin(len(items))
+        store = self.stores[kind]
+        store.begin(len(items))
         for seq, item in enumerate(items):
-            self.stores[kind].keep(seq, item)
-        self.stores[kind].commit()
+            store.keep(seq, item)
+        store.commit()
         self._changed(kind)
         return True
 
@@ -150,16 +177,16 @@ class MissionService:
             return
         busy = self._incoming.get(self._slot(kind))
         if busy:
-            answer = self._habits.count_from_stranger
+            answer = self._profile.count_from_stranger
             if busy.client == client:
-                answer = Answer.OBEY if busy.received == 0 and busy.kind == kind else self._habits.count_again
+                answer = Answer.OBEY if busy.received == 0 and busy.kind == kind else self._profile.count_again
             if answer is not Answer.OBEY:
-                self._reply(answer, kind, client, "mission transfer busy")
+                self._reply(answer, kind, client)
                 return
-        elif not self._habits.separate_lists and self._readers:
+        elif not self._profile.separate_lists and self._readers:
             self._say(Ack(Result.ERROR, kind), client)
             return
-        limit = self._habits.limits[kind]
+        limit = self._profile.limits[kind]
         if count > limit:
             self._say(Ack(Result.NO_SPACE, kind), client)
             self._say(Text(WARNING, f"Only {limit} items are supported"), client)
@@ -174,7 +201,7 @@ class MissionService:
         self._open(kind, client, 0, count, now)
 
     def _begin_partial(self, first: int, last: int, kind: int, client: Target, now: float) -> None:
-        if not self._habits.partial_lists or kind not in KINDS:
+        if not self._profile.partial_lists or kind not in KINDS:
             return
         if self._slot(kind) in self._incoming:
             self._say(Ack(Result.DENIED, kind), client)
@@ -184,53 +211,45 @@ class MissionService:
         else:
             self._open(kind, client, first, last + 1, now)
 
-    def _open(self, kind: int, client: Target, first: int, count: int, now: float) -> None:
-        dialogue = fetch(
-            count, kind, self._taker(kind, count), self._habits.protocol_profile, ItemsRead(kind, count, at=first)
-        )
-        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, self._habits.patience))
-        self._incoming[self._slot(kind)] = incoming
-        self._flush(incoming)
-
-    def _taker(self, kind: int, count: int) -> Callable[[int, ItemAt], int]:
-        firmware = self._habits.firmware
-
+    def _open(self, kind: int, client: Target, first: int, end: int, now: float) -> None:
         def take(seq: int, heard: ItemAt) -> int:
-            result = (
-                Result.ERROR
-                if seq == self._nak_at
-                else judge(self._habits.autopilot, firmware, heard.item, kind, count)
-            )
+            result = Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, end)
             if result == Result.ACCEPTED:
                 self.stores[MissionType(kind)].keep(seq, heard.item)
                 self._incoming[self._slot(kind)].received += 1
             return result
 
-        return take
+        dialogue = fetch(end, kind, take, self._profile.protocol_profile, ItemsRead(kind, end, at=first))
+        incoming = Incoming(client, kind, end, 0, Exchange(dialogue, now, self._profile.patience))
+        self._incoming[self._slot(kind)] = incoming
+        self._flush(incoming)
+
+    def _judge(self, item: Item, kind: int, count: int) -> Result:
+        return judge(self._profile.autopilot, self._profile.firmware, item, kind, count)
 
     def _take(self, message: ItemAt, client: Target, now: float) -> None:
-        if message.current in ORDERS and self._habits.takes_orders_as_items:
+        if message.current in ORDERS and self._profile.takes_orders_as_items:
             self._say(Ack(ORDERS[message.current], message.kind), client)
             return
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming is None or incoming.client != client:
-            if self._habits.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
+            if self._profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
                 self._say(Ack(Result.ACCEPTED, message.kind), client)
             else:
-                self._reply(self._habits.stray_item, message.kind, client)
+                self._reply(self._profile.stray_item, message.kind, client)
         elif incoming.kind != message.kind:
-            self._reply(self._habits.wrong_list, message.kind, client)
+            self._reply(self._profile.wrong_list, message.kind, client)
         else:
-            self._drive(incoming, now, lambda one: one.exchange.receive(message, now))
+            self._drive(incoming, lambda exchange: exchange.receive(message, now))
 
-    def _drive(self, incoming: Incoming, now: float, step: Callable[[Incoming], None]) -> None:
+    def _drive(self, incoming: Incoming, step: Callable[[Exchange[int]], None]) -> None:
         try:
-            step(incoming)
+            step(incoming.exchange)
         except (NoAnswer, MissionRefused):
             self._drop(incoming)
-            if self._habits.timeout_result is not None:
-                self._say(Ack(self._habits.timeout_result, incoming.kind), incoming.client)
-            self._say(Text(WARNING, self._habits.timeout_text), incoming.client)
+            if self._profile.timeout_result is not None:
+                self._say(Ack(self._profile.timeout_result, incoming.kind), incoming.client)
+            self._say(Text(WARNING, self._profile.timeout_text), incoming.client)
             return
         self._flush(incoming)
         if incoming.exchange.finished:
@@ -238,26 +257,22 @@ class MissionService:
             self._conclude(incoming, incoming.exchange.result)
 
     def _conclude(self, incoming: Incoming, result: int) -> None:
-        store = self.stores[MissionType(incoming.kind)]
-        if result == Result.ACCEPTED and incoming.kind == MissionType.FENCE and not self._is_fence(store):
-            result = Result.ERROR
-        if result == Result.ACCEPTED:
-            store.commit()
-            self._last_done = (incoming.client, incoming.kind, incoming.count - 1)
-        number = self.list_id(incoming.kind) if result == Result.ACCEPTED else 0
-        self._say(Ack(result, incoming.kind, number), incoming.client)
-        if result == Result.ACCEPTED:
-            if words := self._habits.stored_text.get(incoming.kind):
-                self._say(Text(INFO, words), EVERYONE)
-            self._changed(incoming.kind)
-
-    @staticmethod
-    def _is_fence(store: Store) -> bool:
-        try:
-            fence_from_wire(store.staged)
-        except MissionError:
-            return False
-        return True
+        client, kind = incoming.client, incoming.kind
+        store = self.stores[MissionType(kind)]
+        if result == Result.ACCEPTED and kind == MissionType.FENCE:
+            try:
+                fence_from_wire(store.staged)
+            except MissionError:
+                result = Result.ERROR
+        if result != Result.ACCEPTED:
+            self._say(Ack(result, kind), client)
+            return
+        store.commit()
+        self._last_done = (client, kind, incoming.count - 1)
+        self._say(Ack(result, kind, self.list_id(kind)), client)
+        if text := self._profile.stored_text.get(kind):
+            self._say(Text(INFO, text), EVERYONE)
+        self._changed(kind)
 
     def _drop(self, incoming: Incoming) -> None:
         if self._incoming.get(self._slot(incoming.kind)) is incoming:
@@ -271,59 +286,57 @@ class MissionService:
         if kind not in KINDS:
             self._say(Ack(Result.UNSUPPORTED, kind), client)
         elif self._slot(kind) in self._incoming:
-            self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
-        elif self._habits.reads_item_by_item:
+            self._reply(self._profile.read_during_upload, kind, client)
+        elif self._profile.reads_item_by_item:
             self._say(Count(len(self.listed(kind)), kind), client)
         else:
-            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._habits.patience)
+            exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._profile.patience)
             self._readers.pop((client, kind), None)
             self._readers[client, kind] = exchange
-            while len(self._readers) > MOST_READERS:
+            while len(self._readers) > MAX_READERS:
                 del self._readers[next(iter(self._readers))]
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
         """Apply the flags and frames that this firmware reports."""
         items = self.listed(kind)
-        if kind not in self._habits.flags_kept:
+        if kind not in self._profile.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)
-        if self._habits.int_frames:
-            items = tuple(replace(item, frame=INT_FRAMES.get(item.frame, item.frame)) for item in items)
+        if self._profile.int_frames:
+            int_frames = {plain: int_frame for int_frame, plain in PLAIN_FRAME.items()}
+            items = tuple(replace(item, frame=int_frames.get(item.frame, item.frame)) for item in items)
         return items
 
     def list_id(self, kind: int) -> int:
         items = self.stores[MissionType(kind)].items
-        if not items or not self._habits.reports_list_id:
+        if not items or not self._profile.reports_list_id:
             return 0
-        if self._named.get(kind, ((), 0))[0] is not items:
-            self._named[kind] = items, zlib.crc32(repr(items).encode())
-        return self._named[kind][1]
+        if self._list_ids.get(kind, ((), 0))[0] is not items:
+            self._list_ids[kind] = items, zlib.crc32(repr(items).encode())
+        return self._list_ids[kind][1]
 
-    def _read(self, seq: int, kind: int, message: Request, client: Target, now: float) -> None:
+    def _read(self, message: Request, client: Target, now: float) -> None:
+        seq, kind = message.seq, message.kind
         if kind not in KINDS:
             return
         if self._slot(kind) in self._incoming:
-            self._reply(self._habits.read_during_upload, kind, client, "mission transfer busy")
+            self._reply(self._profile.read_during_upload, kind, client)
         elif reader := self._readers.get((client, kind)):
             reader.receive(message, now)
             self._flush_reader((client, kind), reader)
-        elif self._habits.reads_item_by_item:
-            self._read_one(seq, kind, message.legacy, client)
-
-    def _read_one(self, seq: int, kind: int, legacy: bool, client: Target) -> None:
-        """Send an item as it is now, even if the list has changed."""
-        items = self._read_back(kind)
-        if seq < len(items):
-            self._say(ItemAt(seq, items[seq], kind), client)
-            return
-        if not legacy:
-            self._say(Count(len(items), kind), client)
-        self._say(Ack(Result.INVALID_SEQUENCE, kind), client)
+        elif self._profile.reads_item_by_item:
+            items = self._read_back(kind)  # as they are now, even if the list has changed
+            if seq < len(items):
+                self._say(ItemAt(seq, items[seq], kind), client)
+                return
+            if not message.legacy:
+                self._say(Count(len(items), kind), client)
+            self._say(Ack(Result.INVALID_SEQUENCE, kind), client)
 
     def _acknowledge(self, message: Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming and incoming.client == client and message.result == Result.OPERATION_CANCELLED:
-            if self._habits.obeys_cancel:
+            if self._profile.obeys_cancel:
                 self._drop(incoming)
             return
         self._readers.pop((client, message.kind), None)
@@ -335,29 +348,29 @@ class MissionService:
             self._readers.pop(reader, None)
 
     def _clear(self, kind: int, client: Target) -> None:
-        kinds = KINDS if kind == MissionType.ALL else tuple(one for one in KINDS if one == kind)
-        if kind not in KINDS and not self._habits.clears_all:
+        kinds = KINDS if kind == MissionType.ALL else tuple(known for known in KINDS if known == kind)
+        if kind not in KINDS and not self._profile.clears_all:
             self._say(Ack(Result.UNSUPPORTED, kind), client)
             return
-        busy = {self._slot(one) for one in kinds} & set(self._incoming)
-        if busy and self._habits.clear_during_upload is not Answer.OBEY:
-            self._reply(self._habits.clear_during_upload, kind, client, "mission transfer busy")
+        busy = {self._slot(each) for each in kinds} & set(self._incoming)
+        if busy and self._profile.clear_during_upload is not Answer.OBEY:
+            self._reply(self._profile.clear_during_upload, kind, client)
             return
         for slot in busy:
             del self._incoming[slot]
-        for one in kinds:
-            self.stores[one].clear()
-            self._changed(one)
+        for each in kinds:
+            self.stores[each].clear()
+            self._changed(each)
         self._say(Ack(Result.ACCEPTED, kind), client)
 
     def _slot(self, kind: int) -> int:
         """Return the key of transfers that exclude each other."""
-        return kind if self._habits.separate_lists else 0
+        return kind if self._profile.separate_lists else 0
 
-    def _reply(self, answer: Answer, kind: int, client: Target, words: str = "") -> None:
+    def _reply(self, answer: Answer, kind: int, client: Target) -> None:
         match answer:
             case Answer.TEXT:
-                self._say(Text(WARNING, words), client)
+                self._say(Text(WARNING, "mission transfer busy"), client)
             case Answer.DENIED:
                 self._say(Ack(Result.DENIED, kind), client)
             case Answer.ERROR:

@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.simulator.simulated_flight import FlightMode
+from ipoa_mission.simulator.situation import FlightMode
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
 CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768

@@ -3,6 +3,7 @@
 import logging
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.channel import Channel, Peer, open_channel
@@ -12,13 +13,20 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 
 PERFECT = Faults()
-LONGEST_WAIT_S = 0.1
-GREATEST_LAG_S = 1.0  # of the autopilot's clock
-MOST_FRAMES_HZ = 2000.0  # to a peer: more overrun a ground station's socket
-MOST_AT_ONCE = 100  # frames; Linux keeps 277 small ones in an unread socket
-REPORTED_LAG_S = 10.0
 log = logging.getLogger(__name__)
-MOST_PIPES = 32
+
+
+@dataclass(frozen=True)
+class ServerLimits:
+    wait_s: float = 0.1
+    clock_lag_s: float = 1.0
+    reported_lag_s: float = 10.0
+    frames_hz: float = 2000.0  # to a peer: more overrun a ground station's socket
+    frames_at_once: int = 100  # Linux keeps 277 small ones in an unread socket
+    pipes: int = 32
+
+
+LIMITS = ServerLimits()
 
 
 def serve(
@@ -70,12 +78,13 @@ class Server:
     def step(self) -> None:
         hurry = self._hurry
         due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
-        rested = self._real_s + (self._unread - MOST_AT_ONCE) / MOST_FRAMES_HZ if self._is_ahead else math.inf
-        wake = min(due, rested, *self._pipes_wake(), self._channel.now() + LONGEST_WAIT_S)
+        rested_s = (self._unread - LIMITS.frames_at_once) / LIMITS.frames_hz if self._is_ahead else math.inf
+        pipes = [pipe.deadline for pipe in (*self._inward.values(), *self._outward.values())]
+        wake = min(due, self._real_s + rested_s, *pipes, self._channel.now() + LIMITS.wait_s)
         for data, peer in self._channel.receive(wake):
             self._pipe(self._inward, peer, 1).push(data, self._channel.now())
         now = self._channel.now()
-        self._go_on(now, hurry)
+        self._advance_clock(now, hurry)
         for peer, pipe in self._inward.items():
             for data in pipe.pop(now):
                 self._station.receive(data, peer, self._virtual_s)
@@ -97,27 +106,24 @@ class Server:
 
     @property
     def _is_ahead(self) -> bool:
-        return self._unread > MOST_AT_ONCE
+        return self._unread > LIMITS.frames_at_once
 
-    def _go_on(self, now: float, hurry: float) -> None:
+    def _advance_clock(self, now: float, hurry: float) -> None:
         """Advance the clock; let it lag on a slow machine."""
         passed_s = now - self._real_s
         self._real_s = now
-        self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)
+        self._unread = max(self._unread - passed_s * LIMITS.frames_hz, 0.0)
         self._virtual_s += passed_s * hurry
-        late_s = self._virtual_s - self._station.deadline - GREATEST_LAG_S
+        late_s = self._virtual_s - self._station.deadline - LIMITS.clock_lag_s
         if late_s > 0:
             self._virtual_s -= late_s
-            if self._lost_s <= REPORTED_LAG_S < self._lost_s + late_s:
+            if self._lost_s <= LIMITS.reported_lag_s < self._lost_s + late_s:
                 log.warning("the machine is too slow for speed %g: the clock is slowed", self._speedup)
             self._lost_s += late_s
 
-    def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, way: int) -> BadPipe:
+    def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, direction: int) -> BadPipe:
         if peer not in pipes:
-            while len(pipes) >= MOST_PIPES:
+            while len(pipes) >= LIMITS.pipes:
                 del pipes[next(iter(pipes))]
-            pipes[peer] = BadPipe(self._faults, self._seed * 1000 + way * 100 + len(pipes))
+            pipes[peer] = BadPipe(self._faults, self._seed * 1000 + direction * 100 + len(pipes))
         return pipes[peer]
-
-    def _pipes_wake(self) -> list[float]:
-        return [pipe.deadline for pipe in (*self._inward.values(), *self._outward.values())] or [math.inf]

@@ -16,11 +16,17 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.conditions import USUAL, Conditions, SimulatedVehicle
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, ItemDone, MissionState, Situation
+from ipoa_mission.simulator.situation import (
+    STANDARD_CONDITIONS,
+    STEP_S,
+    Conditions,
+    FlightMode,
+    ItemDone,
+    MissionState,
+    SimulatedVehicle,
+    Situation,
+)
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-
-__all__ = ["FlightMode", "ItemDone", "MissionState", "SimulatedFlight"]
 
 
 class Pilot(Protocol):
@@ -56,24 +62,27 @@ class SimulatedFlight:
         autopilot: Autopilot,
         home: Geodetic,
         parameters: Parameters,
-        conditions: Conditions = USUAL,
+        conditions: Conditions = STANDARD_CONDITIONS,
         seed: int = 0,
     ) -> None:
-        """`parameters` are read again at each arming, `seed` is of the sensors' errors."""
+        """`parameters` are read again at each arming; `seed`: of sensor errors."""
         self.autopilot = autopilot
         self.home = home
         self.frame = LocalFrame(home)
-        self._given = parameters
+        self._parameters = parameters
         self._body = SimulatedVehicle(conditions)
-        self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
+        self._now = Situation(self._program(()))
         self._chance = random.Random(seed)
-        self._shown: tuple[object, Geodetic] = None, home
-        self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
+        self._last_position: tuple[object, Geodetic] = None, home
+        self._pilot = self._new_pilot()
+
+    def _new_pilot(self) -> Pilot:
+        return self.autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
     @property
     def parameters(self) -> Parameters:
         """ArduCopter's by their names before 4.7."""
-        return self.autopilot.complete(self._given, self._body.conditions.version)
+        return self.autopilot.complete(self._parameters, self._body.conditions.version)
 
     @property
     def time_s(self) -> float:
@@ -117,10 +126,13 @@ class SimulatedFlight:
     def position(self) -> Geodetic:
         """The altitude AMSL ignores the Earth's curvature, as autopilots do."""
         place = self._body.place
-        if place != self._shown[0]:  # several streams show one place
+        if place != self._last_position[0]:  # several streams show one place
             there = self.frame.geodetic(np.array([*place[:2], 0.0]))
-            self._shown = place, Geodetic(there.latitude_deg, there.longitude_deg, self.home.altitude + place[2])
-        return self._shown[1]
+            self._last_position = (
+                place,
+                Geodetic(there.latitude_deg, there.longitude_deg, self.home.altitude + place[2]),
+            )
+        return self._last_position[1]
 
     @property
     def yaw(self) -> float:
@@ -171,7 +183,7 @@ class SimulatedFlight:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
         self._now.reached.clear()
-        self._pilot = self.autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
+        self._pilot = self._new_pilot()
         self._pilot.enter()
 
     def disarm(self) -> None:
@@ -186,12 +198,12 @@ class SimulatedFlight:
             now.current = 0
             now.program.jumped.clear()
         now.mission = MissionState.ACTIVE
-        self._enter(FlightMode.MISSION)
+        self.enter(FlightMode.MISSION)
 
     def hold(self) -> None:
         if self._now.mission is MissionState.ACTIVE:
             self._now.mission = MissionState.PAUSED
-        self._enter(FlightMode.HOLD)
+        self.enter(FlightMode.HOLD)
 
     def set_current(self, index: int) -> None:
         """Raise ValueError if there is none."""
@@ -212,7 +224,6 @@ class SimulatedFlight:
             self._now.mission = MissionState.NOT_STARTED
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and hold."""
         self._now.mode = FlightMode.HOLD
         self._pilot.climb(height)
 
@@ -221,18 +232,11 @@ class SimulatedFlight:
         return self._pilot.rising
 
     def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
-        """Fly there and hold; NaN: the present target, height or default speed."""
         self._now.mode = FlightMode.HOLD
         east = north = math.nan
         if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
             east, north, _ = map(float, self.frame.local(Geodetic(latitude_deg, longitude_deg, self.home.altitude)))
         self._pilot.go_to(east, north, altitude - self.home.altitude, speed)
-
-    def return_home(self) -> None:
-        self._enter(FlightMode.RETURN)
-
-    def land(self) -> None:
-        self._enter(FlightMode.LAND)
 
     def advance(self, to_s: float) -> None:
         now = self._now
@@ -240,6 +244,6 @@ class SimulatedFlight:
             self._pilot.step()
             now.time_s += STEP_S
 
-    def _enter(self, mode: FlightMode) -> None:
+    def enter(self, mode: FlightMode) -> None:
         self._now.mode = mode
         self._pilot.enter()

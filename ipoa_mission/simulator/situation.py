@@ -1,17 +1,56 @@
+"""Conditions and state of a simulated flight."""
+
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
+from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME
+from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Place, Program
 from ipoa_mission.mission.items import Item
+from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.ground import LEVEL, Ground
 
 STEP_S = 0.02  # [s]
-#: All others are done at once.
-NAVIGATED = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
-VTOL = frozenset({Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND})
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """Ground is the height above home [m].
+
+    `vehicle`: properties learned from logs. `version`: None: the newest measured.
+    """
+
+    wind: Wind = CALM
+    ground: Ground = LEVEL
+    vehicle: LearnedVehicle | None = None
+    version: Version | None = None
+
+
+STANDARD_CONDITIONS = Conditions()
+
+
+class SimulatedVehicle:
+    """Position [m] and velocity [m/s]: east, north, up; lean: level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
+
+    def __init__(self, conditions: Conditions = STANDARD_CONDITIONS) -> None:
+        self.conditions = conditions
+        self.x = self.y = self.z = 0.0
+        self.vx = self.vy = self.vz = 0.0
+        self.lean_x = self.lean_y = 0.0
+        self.yaw = 0.0
+        self.on_ground = True
+
+    @property
+    def place(self) -> Place:
+        return self.x, self.y, self.z
+
+    @property
+    def motion(self) -> Place:
+        return self.vx, self.vy, self.vz
 
 
 class MissionState(IntEnum):
@@ -66,7 +105,9 @@ class Situation:
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
         """Do the items after `behind` up to the next flown one, and return that; None at the end."""
         at: int | None = behind
-        moved = NAVIGATED | (VTOL if self.program.autopilot.guidance.flies_vtol_items else frozenset())
+        moved = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
+        if self.program.autopilot.guidance.flies_vtol_items:
+            moved |= {Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND}
         for _ in range(MAX_ACTIONS):
             if at is None:
                 break

@@ -1,6 +1,9 @@
+"""Rates and messages of the telemetry streams."""
+
 import math
 from collections.abc import Callable, Mapping, Set
 from dataclasses import astuple
+from enum import IntFlag
 
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
@@ -18,15 +21,25 @@ from ipoa_mission.link.telemetry import (
     SystemStatus,
     SystemTime,
 )
+from ipoa_mission.link.vehicle_state import PREARM_CHECK
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0
 MOST_LISTENERS = 16
 
-GYRO, ACCEL, MAG, PRESSURE, GPS = 1, 2, 4, 8, 32
-GEOFENCE, AHRS, BATTERY, PREARM = 0x100000, 0x200000, 0x2000000, 0x10000000
-SENSORS = GYRO | ACCEL | MAG | PRESSURE | GPS | GEOFENCE | AHRS | BATTERY
+
+class Sensor(IntFlag):
+    """MAV_SYS_STATUS_SENSOR."""
+
+    GYRO = 1
+    ACCEL = 2
+    MAG = 4
+    PRESSURE = 8
+    GPS = 32
+    GEOFENCE = 0x100000
+    AHRS = 0x200000
+    BATTERY = 0x2000000
 
 
 class Schedule:
@@ -57,7 +70,7 @@ class Schedule:
             wishes.pop(name, None)
         else:
             wishes[name] = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
-        self._settle(name, now)
+        self._apply(name, now)
         return True
 
     def set_rate(self, names: Set[str], rate_hz: int, now: float, listener: Target) -> None:
@@ -66,11 +79,11 @@ class Schedule:
         interval_ms = 0 if rate_hz == 0 else 1000 // rate_hz
         for name in names:
             self._wishes[listener][name] = math.inf if interval_ms == 0 else max(interval_ms / 1e3, FASTEST_S)
-            self._settle(name, now)
+            self._apply(name, now)
 
-    def _settle(self, name: str, now: float) -> None:
+    def _apply(self, name: str, now: float) -> None:
         before = self._intervals.get(name, math.inf)
-        self._intervals[name] = min(self._interval(name, one) for one in self._wishes)
+        self._intervals[name] = min(self._interval(name, listener) for listener in self._wishes)
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
 
@@ -93,8 +106,7 @@ class Schedule:
         return min(self._due.values())
 
     def _interval(self, name: str, listener: Target) -> float:
-        usual = self._usual.get(name, math.inf)
-        return self._wishes.get(listener, {}).get(name, usual)
+        return self._wishes.get(listener, {}).get(name, self._usual.get(name, math.inf))
 
 
 def position(flight: SimulatedFlight, now: float) -> Position:
@@ -143,8 +155,9 @@ FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
 
 def status(is_ready: bool, reports_prearm: bool) -> SystemStatus:
     """A passed pre-arm check is healthy, on PX4 without being present."""
-    bits = SENSORS | (PREARM if reports_prearm else 0)
-    return SystemStatus(bits, bits, SENSORS | (PREARM if is_ready else 0))
+    sensors = sum(Sensor)
+    bits = sensors | (PREARM_CHECK if reports_prearm else 0)
+    return SystemStatus(bits, bits, sensors | (PREARM_CHECK if is_ready else 0))
 
 
 #: As a stream or on request.

@@ -32,10 +32,9 @@ from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import Pilots
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
 from tests.refused import refuses

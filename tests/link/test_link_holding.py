@@ -232,7 +232,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
         receive(message, client, now)
         if isinstance(message, CommandLong) and message.command == 400 and message.params[0] == 1.0:
             replaced_by(vehicle, OTHERS["shorter"](MISSION))
-            mock._say(Current(0, 2, 3), Target(0, 0))
+            mock.vehicle.send(Current(0, 2, 3), Target(0, 0))
 
     mock.receive = arming  # type: ignore[method-assign,assignment]
     with refuses("replaced-since", "", "2 items", "3"):

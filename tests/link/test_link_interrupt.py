@@ -113,7 +113,7 @@ def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_i
 def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None:
     line, mock, _ = aboard(PX4)
     vehicle = meet(line)
-    listed = mock._listed
+    listed = mock.vehicle.load_list
 
     def store_and_press(kind: int) -> None:
         listed(kind)

@@ -7,7 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.codec import Codec, frames
+from ipoa_mission.link.codec import Codec, Target, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import wait
 from ipoa_mission.link.discovery import scan
@@ -43,9 +43,12 @@ class Disguised(Mock):
         super().__init__(family, HOME)
         self.told = firmware, mav_type
 
-    def _heartbeat(self) -> Heartbeat:
+    def outgoing(self) -> list[tuple[Message, Target]]:
         firmware, mav_type = self.told
-        return replace(super()._heartbeat(), autopilot=firmware, type=mav_type)
+        return [
+            (replace(message, autopilot=firmware, type=mav_type) if isinstance(message, Heartbeat) else message, to)
+            for message, to in super().outgoing()
+        ]
 
 
 class Overheard(Loopback):

@@ -113,7 +113,7 @@ def test_a_vehicle_without_the_file_is_served_the_ordinary_way() -> None:
 def test_a_vehicle_that_does_not_answer_about_files_is_served_the_ordinary_way(mute: str) -> None:
     vehicle, mock = aboard(Faults())
     if mute == "capabilities":
-        mock.request_message = lambda number: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
+        mock._commander._find_message = lambda name: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
     else:
         original = mock.receive
         mock.receive = lambda message, *rest: (  # type: ignore[method-assign]

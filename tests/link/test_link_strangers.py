@@ -108,10 +108,10 @@ def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: p
     assert line.contested(1)
     assert is_exact(net, "one")
     assert held(net, "other") == 0
-    before = net.ends["other"].autopilot.mode
+    before = net.ends["other"].autopilot.vehicle.mode
     vehicle.prepare()
-    assert net.ends["one"].autopilot.mode == PX4.modes.arming
-    assert net.ends["other"].autopilot.mode == before
+    assert net.ends["one"].autopilot.vehicle.mode == PX4.modes.arming
+    assert net.ends["other"].autopilot.vehicle.mode == before
     assert [record.message for record in caplog.records] == [
         "another vehicle with system id 1 is on the link; it is not listened to"
     ]

@@ -9,7 +9,7 @@ from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.mock_server import MOST_AT_ONCE, MOST_FRAMES_HZ, Server
+from ipoa_mission.simulator.mock_server import LIMITS, Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 
@@ -123,4 +123,6 @@ def test_no_more_is_said_than_a_busy_station_reads() -> None:
     begun, told = channel.now(), channel.sent
     run(server, channel, begun + 3.0)
     at_once = 12  # its streams, when all are due
-    assert 0.8 * 3.0 * MOST_FRAMES_HZ < channel.sent - told <= 3.0 * MOST_FRAMES_HZ + MOST_AT_ONCE + at_once
+    assert (
+        0.8 * 3.0 * LIMITS.frames_hz < channel.sent - told <= 3.0 * LIMITS.frames_hz + LIMITS.frames_at_once + at_once
+    )

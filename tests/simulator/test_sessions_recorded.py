@@ -40,7 +40,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
-from ipoa_mission.simulator.conditions import Conditions
+from ipoa_mission.simulator.situation import Conditions
 from tests.held import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
@@ -194,20 +194,20 @@ def answers(name: str) -> list[tuple[float, Message]]:
     def live(until: float) -> None:
         while mock.deadline < until:
             mock.tick(mock.deadline)
-            told.extend((mock._now, message) for message, _ in mock.outgoing())
+            told.extend((mock.vehicle.now, message) for message, _ in mock.outgoing())
 
     session = list(clock(recorded))
     if not name.startswith("fly"):  # the mission of the flight before lies there
         for when, one in clock(said(f"upload-{autopilot}")):
             live(when)
-            mock.receive(one.message, Target(STATION, 190), max(when, mock._now))
-        live(mock._now + 3.0)
+            mock.receive(one.message, Target(STATION, 190), max(when, mock.vehicle.now))
+        live(mock.vehicle.now + 3.0)
         told.clear()
-        session = [(mock._now + SPEEDUP * one.at, one) for _, one in session]
+        session = [(mock.vehicle.now + SPEEDUP * one.at, one) for _, one in session]
     for when, one in session:
         live(when)
-        mock.receive(one.message, Target(STATION, 190), max(when, mock._now))
-    live(mock._now + (60.0 if name.startswith("fly") else 2.0))
+        mock.receive(one.message, Target(STATION, 190), max(when, mock.vehicle.now))
+    live(mock.vehicle.now + (60.0 if name.startswith("fly") else 2.0))
     return told
 
 

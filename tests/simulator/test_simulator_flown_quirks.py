@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.simulator.simulated_flight import FlightMode
+from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown

@@ -125,23 +125,23 @@ def climbed(height: float = 15.0) -> Flown:
     """A PX4 that has taken off as QGroundControl does: the order first, arming then."""
     flown = Flown(PX4, [])
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + height) == OK
-    assert (flown.mock.mode, flown.mock.flight.armed) == (TAKEOFF, False)
+    assert (flown.mock.vehicle.mode, flown.mock.flight.armed) == (TAKEOFF, False)
     assert flown.command(Command.COMPONENT_ARM_DISARM, 1.0) == OK
     flown.fly(3.0)
-    assert flown.mock.mode == TAKEOFF
+    assert flown.mock.vehicle.mode == TAKEOFF
     flown.fly(15.0)
     return flown
 
 
 def test_px4_takes_off_by_command_and_holds_up_there() -> None:
     flown = climbed()
-    assert flown.mock.mode == HOLD
+    assert flown.mock.vehicle.mode == HOLD
     flown.fly(5.0)
     assert flown.mock.flight.local == pytest.approx([0.0, 0.0, 15.0], abs=1.5)
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 25.0) == OK
-    assert flown.mock.mode == TAKEOFF  # in the air it climbs on
+    assert flown.mock.vehicle.mode == TAKEOFF  # in the air it climbs on
     flown.fly(12.0)
-    assert (flown.mock.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(25.0, abs=1.5))
+    assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(25.0, abs=1.5))
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 5.0) == OK
     said = flown.fly(5.0)
     assert flown.mock.flight.local[2] == pytest.approx(25.0, abs=1.5), "it does not go down"
@@ -154,7 +154,7 @@ def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
     said = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
     assert any(isinstance(one, Text) and one.text == "Using default takeoff altitude: 2.5 m\t" for one in said)
     flown.fly(10.0)
-    assert (flown.mock.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(2.5, abs=1.2))
+    assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(2.5, abs=1.2))
 
 
 def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
@@ -196,7 +196,7 @@ def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, 
     flown.fly(3.0)
     assert flown.mock.flight.landed
     if autopilot is PX4:
-        assert flown.mock.mode == (HOLD if result == OK else TAKEOFF)
+        assert flown.mock.vehicle.mode == (HOLD if result == OK else TAKEOFF)
 
 
 def test_px4_without_a_mission_any_more_refuses_its_mode_after_it_has_said_yes() -> None:
@@ -204,11 +204,11 @@ def test_px4_without_a_mission_any_more_refuses_its_mode_after_it_has_said_yes()
     flown = climbed()
     flown.upload([waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])
     assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 4.0) == OK
-    assert flown.mock.mode == MISSION
+    assert flown.mock.vehicle.mode == MISSION
     flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 3.0)
     flown.hear(ClearAll())
     said = flown.hear(CommandLong(VehicleCommand.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
     results = [one.result for one in said if isinstance(one, CommandAck)]
     assert results == [OK, CommandResult.TEMPORARILY_REJECTED]
     assert any(isinstance(one, Text) and "Switching to Mission is currently not available" in one.text for one in said)
-    assert flown.mock.mode == HOLD
+    assert flown.mock.vehicle.mode == HOLD

@@ -12,7 +12,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.conditions import Conditions
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.link_pair import CLIENT

@@ -9,8 +9,8 @@ from ipoa_mission.cli.mocking import mock_setup
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.built_in_autopilot import ParameterServer
-from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.world.frame import Geodetic
 

@@ -8,9 +8,8 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
-from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
+from ipoa_mission.simulator.situation import FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT

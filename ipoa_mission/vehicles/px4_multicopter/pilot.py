@@ -7,9 +7,8 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.simulated_flight import Pilots
-from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
+from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
