@@ -1,1 +1,5 @@
-"""Mission files, and missions as wire items."""
+"""Missions in memory, in files and on the wire.
+
+Read `items.py` first: it defines `Mission` and `Item`. `mission_io` reads and writes files: `plan_file` of
+QGroundControl, `waypoints_file`, `parameter_file`. `stored_mission` and `fence_items` convert to and from the wire.
+"""

@@ -1,3 +1,5 @@
+"""Read the NAME.json that the planner writes next to a mission."""
+
 import json
 import math
 from hashlib import sha256
@@ -8,7 +10,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 
 LANDING_GROUND_KEY = "landing_ground_m"
-LARGEST_SIZE = 10_000_000  # [bytes]
 
 
 def digest(text: str) -> str:
@@ -35,16 +36,16 @@ def mission_record(path: Path, text: str) -> MissionRecord:
         record = _read(about)
         if not record or _digests(record).get(path.name) != digest(text):
             continue
-        height, flights, whole = record.get(LANDING_GROUND_KEY), record.get("flights"), record.get("estimate")
-        parts = [one for one in flights if isinstance(one, dict)] if isinstance(flights, list) else []
-        times = [one.get("time_s") for one in parts if one.get("file") == path.with_suffix(".plan").name]
-        times += [whole.get("total_s")] if isinstance(whole, dict) and not parts else []
+        height, flights, estimate = record.get(LANDING_GROUND_KEY), record.get("flights"), record.get("estimate")
+        parts = [part for part in flights if isinstance(part, dict)] if isinstance(flights, list) else []
+        times = [part.get("time_s") for part in parts if part.get("file") == path.with_suffix(".plan").name]
+        times += [estimate.get("total_s")] if isinstance(estimate, dict) and not parts else []
         time_s = next(map(_finite, times), None)
         planned = None if time_s is None else (about.name, time_s)
         firmware = record.get("firmware")
         autopilot = firmware.get("autopilot") if isinstance(firmware, dict) else None
-        named = autopilot if isinstance(autopilot, str) else None
-        return MissionRecord(_finite(height) if about == own else None, planned, named)
+        autopilot = autopilot if isinstance(autopilot, str) else None
+        return MissionRecord(_finite(height) if about == own else None, planned, autopilot)
     return MissionRecord()
 
 
@@ -54,7 +55,7 @@ def _finite(value: object) -> float | None:
 
 def _read(about: Path) -> dict[str, object]:
     try:
-        record = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < LARGEST_SIZE else {}
+        record = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < 10_000_000 else {}
     except (BadInput, OSError, ValueError, RecursionError):
         return {}
     return record if isinstance(record, dict) else {}

@@ -1,10 +1,18 @@
-from collections.abc import Callable, Sequence
+"""Edit a mission's items, and keep all else in its file."""
+
+import json
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from difflib import SequenceMatcher
+from pathlib import Path
+from typing import Any, TypeAlias
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.complex_items import entries
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.mission_io import mission_text, parse_mission
 
 
 def with_item(mission: Mission, seq: int, item: Item) -> Mission:
@@ -17,9 +25,9 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
     if not 1 <= seq <= len(mission.items) + 1:
         words = f"expected a number from 1 to {len(mission.items) + 1}"
         raise BadInput(words, code="no-such-item", place=f"item {seq}")
-    if (of := _complex_at(mission, seq)) is not None and of.start < seq:
-        raise _one_of(seq, of)
-    items = [_jumping(one, lambda target: target + (target >= seq)) for one in mission.items]
+    if (part := _complex_at(mission, seq)) is not None and part.start < seq:
+        raise _inside(seq, part)
+    items = [_move_jump(each, lambda target: target + (target >= seq)) for each in mission.items]
     scanned = tuple((first + (first >= seq - 1), height) for first, height in mission.scanned)
     return replace(mission, items=(*items[: seq - 1], item, *items[seq - 1 :]), scanned=scanned)
 
@@ -36,49 +44,108 @@ def without_item(mission: Mission, seq: int) -> Mission:
                 hint=f"change item {number} first",
                 place=f"item {seq}",
             )
-    items = [_jumping(one, lambda target: target - (target > seq)) for one in mission.items]
+    items = [_move_jump(each, lambda target: target - (target > seq)) for each in mission.items]
     scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)
     return replace(mission, items=(*items[: seq - 1], *items[seq:]), scanned=scanned)
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:
-    of = _complex_at(mission, seq)
-    if of is None:
+    """Make plain items of the survey or scan that holds an item."""
+    part = _complex_at(mission, seq)
+    if part is None:
         return mission
-    here = repr(mission.items[of.start - 1 : of.stop - 1])  # repr: NaN equals NaN
-    return replace(mission, complex_items=tuple(one for one in mission.complex_items if repr(one.items) != here))
+    here = repr(mission.items[part.start - 1 : part.stop - 1])  # repr: NaN equals NaN
+    return replace(mission, complex_items=tuple(each for each in mission.complex_items if repr(each.items) != here))
 
 
 def complex_at(mission: Mission) -> tuple[range | None, ...]:
     """Return the item numbers of each item's survey or scan."""
-    found: list[range | None] = []
+    numbers: list[range | None] = []
     for entry in entries(mission.items, mission.complex_items):
-        numbers = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)
-        found += [numbers] * entry.count
-    return tuple(found)
+        part = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)
+        numbers += [part] * entry.count
+    return tuple(numbers)
 
 
 def _complex_at(mission: Mission, seq: int) -> range | None:
-    found: Sequence[range | None] = complex_at(mission)
-    return found[seq - 1] if 1 <= seq <= len(found) else None
+    return complex_at(mission)[seq - 1] if 1 <= seq <= len(mission.items) else None
 
 
 def _expect_alone(mission: Mission, seq: int) -> None:
     if not 1 <= seq <= len(mission.items):
         raise BadInput(f"expected a number from 1 to {len(mission.items)}", code="no-such-item", place=f"item {seq}")
-    if (of := _complex_at(mission, seq)) is not None:
-        raise _one_of(seq, of)
+    if (part := _complex_at(mission, seq)) is not None:
+        raise _inside(seq, part)
 
 
-def _one_of(seq: int, of: range) -> BadInput:
+def _inside(seq: int, part: range) -> BadInput:
+    words = "expected an item outside QGroundControl's surveys and scans"
     return BadInput(
-        f"expected an item outside QGroundControl's surveys and scans, not item {seq} of {of.start} to {of.stop - 1}",
+        f"{words}, not item {seq} of {part.start} to {part.stop - 1}",
         hint="make plain items of the survey or scan first",
         code="complex-item",
     )
 
 
-def _jumping(item: Item, moved: Callable[[int], int]) -> Item:
+def _move_jump(item: Item, new_target: Callable[[int], int]) -> Item:
     if item.command != Command.DO_JUMP or not float(item.params[0]).is_integer():
         return item
-    return replace(item, params=(float(moved(int(item.params[0]))), *item.params[1:]))
+    return replace(item, params=(float(new_target(int(item.params[0]))), *item.params[1:]))
+
+
+Table: TypeAlias = dict[str, Any]
+
+
+def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
+    if file.still_holds(mission) and mission.complex_items == file.mission.complex_items:
+        return file.source
+    new = mission_text(mission, file.suffix)
+    if file.suffix == ".plan":
+        kept = _merged(json.loads(file.source), json.loads(mission_text(file.mission, ".plan")), json.loads(new))
+        text = json.dumps(kept, indent=4, sort_keys=True) + "\n"
+    else:
+        first, rest = new.split("\n", 1)
+        comments = [line for line in file.source.splitlines() if line.lstrip().startswith("#")]
+        text = "\n".join([first, *comments, rest])
+    if not parse_mission(path, text, mission.autopilot).still_holds(
+        parse_mission(path, new, mission.autopilot).mission
+    ):
+        words = "expected a change that keeps the rest of the file, not this one"
+        raise BadInput(words, hint="save it as another file", code="complex-item", place=path.name)
+    return text
+
+
+def _merged(source: Table, old: Table, new: Table) -> Table:
+    """Return `new` with differences of `source` from `old`, our text of the unchanged mission."""
+    merged: Table = dict(new)
+    for key, value in source.items():
+        if key == "items" and isinstance(value, list) and key in old and key in new:
+            merged[key] = list(_merged_items(value, old[key], new[key]))
+        elif (key not in old and key not in new) or (key in new and old.get(key) == new[key]):
+            merged[key] = value
+        elif isinstance(value, dict) and isinstance(old.get(key), dict) and isinstance(new.get(key), dict):
+            merged[key] = _merged(value, old[key], new[key])
+    return merged
+
+
+def _merged_items(source: list[Table], old: list[Table], new: list[Table]) -> Iterator[Table]:
+    if len(source) != len(old):
+        yield from new
+        return
+    same = SequenceMatcher(None, list(map(_comparable, old)), list(map(_comparable, new)), autojunk=False)
+    for kind, first, last, begin, end in same.get_opcodes():
+        paired = kind == "equal" or (kind == "replace" and last - first == end - begin)
+        for n, item in enumerate(new[begin:end]):
+            was, before = (source[first + n], old[first + n]) if paired else ({}, {})
+            if kind == "equal" and item.get("type") == "SimpleItem" and item["command"] != Command.DO_JUMP:
+                yield {**was, **({"doJumpId": item["doJumpId"]} if "doJumpId" in was else {})}
+            elif paired and item.get("type") == was.get("type") == "SimpleItem" and "coordinate" not in was:
+                changed = {"doJumpId", "AMSLAltAboveTerrain", "Altitude", "AltitudeMode"}
+                changed |= {"params"} if item["command"] == Command.DO_JUMP else set()
+                yield _merged(was, before, item) | {key: item[key] for key in item if key in changed}
+            else:
+                yield item
+
+
+def _comparable(item: Table) -> str:
+    return json.dumps({key: value for key, value in item.items() if key != "doJumpId"}, sort_keys=True)

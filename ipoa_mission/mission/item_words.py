@@ -4,7 +4,6 @@ from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.mission.items import Item
 
 HOLDS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME, Command.NAV_DELAY})
-PLAIN = HOLDS | {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED}
 
 
 def hold_of(item: Item) -> float | None:
@@ -16,23 +15,24 @@ def details_of(item: Item) -> str:
     first, second = item.params[:2]
     match item.command:
         case Command.DO_JUMP | Command.DO_JUMP_TAG:
-            to = "tag" if item.command == Command.DO_JUMP_TAG else "item"
-            return f"to {to} {first:g}, " + ("without end" if second == -1 else f"{second:g} times")
+            target = "tag" if item.command == Command.DO_JUMP_TAG else "item"
+            return f"to {target} {first:g}, " + ("without end" if second == -1 else f"{second:g} times")
         case Command.JUMP_TAG:
             return f"tag {first:g}"
         case Command.NAV_DELAY if item.clock:
             return f"until {item.clock}"
         case Command.NAV_LOITER_TURNS:
-            asked = ", counterclockwise" if item.params[2] < 0 else ""
-            return f"{first:g} turn{'' if first == 1 else 's'}, radius {abs(item.params[2]):g} m{asked}"
+            direction = ", counterclockwise" if item.params[2] < 0 else ""
+            return f"{first:g} turn{'' if first == 1 else 's'}, radius {abs(item.params[2]):g} m{direction}"
         case Command.NAV_ARC_WAYPOINT:
             return f"{first:g} degrees"
         case Command.NAV_WAYPOINT if second > 0:
             return f"within {second:g} m"
-        case plain if plain in PLAIN:
+        case Command.NAV_TAKEOFF | Command.NAV_LAND | Command.NAV_RETURN_TO_LAUNCH | Command.DO_CHANGE_SPEED:
             return ""
-    given = (f"param{n} {value:g}" for n, value in enumerate(item.params, 1) if value and math.isfinite(value))
-    return ", ".join(given)
+        case command if command in HOLDS:
+            return ""
+    return ", ".join(f"param{n} {value:g}" for n, value in enumerate(item.params, 1) if value and math.isfinite(value))
 
 
 def item_words(item: Item) -> str:

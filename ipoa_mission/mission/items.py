@@ -46,20 +46,18 @@ class Item:
     @property
     def has_position(self) -> bool:
         """Return whether the vehicle flies to its latitude and longitude."""
-        return (
-            self.command in FLOWN_TO
-            and self.frame != Frame.MISSION
-            and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
-        )
+        return self._is_flown_to and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
+
+    @property
+    def _is_flown_to(self) -> bool:
+        return self.command in FLOWN_TO and self.frame != Frame.MISSION
 
     def is_here(self, autopilot: Autopilot) -> bool:
-        is_flown_to = self.command in FLOWN_TO and self.frame != Frame.MISSION
-        no_place = (self.latitude_deg, self.longitude_deg) == (0.0, 0.0)
-        return autopilot.guidance.zero_is_here and is_flown_to and no_place
+        return autopilot.guidance.zero_is_here and self._is_flown_to and not self.has_position
 
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
-        is_flown_to = self.command in FLOWN_TO - TAKEOFF_AND_LAND and self.frame != Frame.MISSION
-        return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
+        has_height = self._is_flown_to and self.command not in TAKEOFF_AND_LAND
+        return autopilot.guidance.zero_is_here and has_height and self.altitude == 0.0
 
     @property
     def clock(self) -> str:
@@ -182,9 +180,7 @@ class Mission:
     @property
     def other_vehicle(self) -> str | None:
         """Return "a plane" or the like; None for a multicopter."""
-        if self.vehicle_type in MULTICOPTERS:
-            return None
-        return with_article(class_name(self.vehicle_type))
+        return None if self.vehicle_type in MULTICOPTERS else with_article(class_name(self.vehicle_type))
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
         """Return the mission with these parameters, which override its own.
@@ -193,19 +189,14 @@ class Mission:
             BadInput: one of them belongs to the other firmware.
         """
         expect_own(parameters, self.autopilot)
-        return (
-            replace(self, parameters=self.autopilot.parameter_table.overridden(self.parameters, parameters))
-            if parameters
-            else self
-        )
+        return self._overridden(self.parameters, parameters) if parameters else self
 
     def assuming(self, parameters: Parameters) -> "Mission":
         """Return the mission with these parameters where it has none."""
-        return (
-            replace(self, parameters=self.autopilot.parameter_table.overridden(parameters, self.parameters))
-            if parameters
-            else self
-        )
+        return self._overridden(parameters, self.parameters) if parameters else self
+
+    def _overridden(self, parameters: Parameters, by: Parameters) -> "Mission":
+        return replace(self, parameters=self.autopilot.parameter_table.overridden(parameters, by))
 
     def altitude_above_home(self, item: Item) -> float:
         """Return an item's altitude over home [m]; NaN over terrain."""
@@ -219,9 +210,9 @@ class Mission:
 
 
 def _above_home(command: Command, place: Geodetic, height: float, *params: float) -> Item:
-    first, second, third, fourth = params
+    p1, p2, p3, p4 = params
     where = place.latitude_deg, place.longitude_deg, height
-    return Item(command, Frame.GLOBAL_RELATIVE_ALT, (first, second, third, fourth), *where)
+    return Item(command, Frame.GLOBAL_RELATIVE_ALT, (p1, p2, p3, p4), *where)
 
 
 def takeoff(place: Geodetic, height: float) -> Item:

@@ -8,14 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-
 from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.geometry import Points
-
-LONGEST_LENGTH = 100_000.0  # [m]
 
 
 @dataclass(frozen=True)
@@ -35,7 +30,7 @@ class Node:
         return f"{self.file}: {self.place}" if self.place else self.file
 
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
-        return BadInput(f"expected {expected}, not {_said(self.value)}", hint, place=self.where)
+        return BadInput(f"expected {expected}, not {_describe(self.value)}", hint, place=self.where)
 
     def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
         self.findings.append(Finding("file", severity, None, f"{self.place}: {message}" if self.place else message))
@@ -75,8 +70,8 @@ class Node:
 
     def length(self) -> float:
         length = self.number("meters")
-        if abs(length) > LONGEST_LENGTH:
-            raise self.wrong(f"meters, {LONGEST_LENGTH:.0f} at most")
+        if abs(length) > 100_000.0:
+            raise self.wrong("meters, 100000 at most")
         return length
 
     def degrees(self, limit: int = 180) -> float:
@@ -85,16 +80,6 @@ class Node:
         if abs(degrees) > limit:
             raise self.wrong(expected)
         return degrees
-
-    def corners(self, least: int) -> Points:
-        """Return latitude and longitude of places near each other, (n, 2)."""
-        places = [each.array(2, "numbers (latitude, longitude)") for each in self.array()]
-        corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
-        if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
-            raise self.wrong(f"{least} corners or more, as latitude and longitude in degrees")
-        if np.ptp(corners, axis=0).max() > 1.0:
-            raise self.wrong("corners within a degree of each other")
-        return corners
 
     def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
         value = self.number(expected)
@@ -115,8 +100,8 @@ class Node:
 
 def parse_document(path: Path, text: str) -> Node:
     try:
-        constant = partial(_no_constant, path, text)
-        return Node(str(path), "", json.loads(text, parse_constant=constant, object_pairs_hook=partial(_once, path)))
+        constant, pairs = partial(_reject_constant, path, text), partial(_unique, path)
+        return Node(str(path), "", json.loads(text, parse_constant=constant, object_pairs_hook=pairs))
     except json.JSONDecodeError as error:
         place = f"{path}: line {error.lineno}, column {error.colno}"
         raise WrongFormat(f"expected JSON: {error.msg}", hint=why_no_json(text, error.pos), place=place) from error
@@ -126,23 +111,23 @@ def parse_document(path: Path, text: str) -> Node:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
 
 
-def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
+def _unique(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    values = dict(pairs)
+    if len(values) < len(pairs):
         keys = [key for key, _ in pairs]
-        twice = next(key for key in keys if keys.count(key) > 1)
-        raise WrongFormat(f'expected each key of an object once, not "{twice}" twice', place=path)
-    return found
+        duplicate = next(key for key in keys if keys.count(key) > 1)
+        raise WrongFormat(f'expected each key of an object once, not "{duplicate}" twice', place=path)
+    return values
 
 
-def _no_constant(path: Path, text: str, name: str) -> NoReturn:
+def _reject_constant(path: Path, text: str, name: str) -> NoReturn:
     match = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
     line = text.count("\n", 0, match.end()) + 1 if match else 1
     words = f"expected JSON, which has no {name}"
     raise WrongFormat(words, hint='write null for "not a number"', place=f"{path}: line {line}")
 
 
-def _said(value: Any) -> str:
+def _describe(value: Any) -> str:
     match value:
         case dict():
             return "an object"

@@ -1,3 +1,5 @@
+"""Height of the ground at the landing place."""
+
 import math
 from dataclasses import replace
 
@@ -8,17 +10,14 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground, HighPlace
 
-SAME_PLACE = 0.1  # [m]
-
 
 def landing_height(mission: Mission) -> float | None:
     """Above home [m], if known."""
     known = mission.landing_ground
-    place = None if known is None else landing_place(mission)
-    if known is None or place is None:
+    if known is None or (place := landing_place(mission)) is None:
         return None
-    away = math.dist(place, _local(mission, known.latitude_deg, known.longitude_deg))
-    return known.altitude if away <= SAME_PLACE else None
+    away_m = math.dist(place, _local(mission, known.latitude_deg, known.longitude_deg))
+    return known.altitude if away_m <= 0.1 else None
 
 
 def landing_ground_entry(mission: Mission) -> dict[str, float]:

@@ -26,6 +26,5 @@ class MissionFile:
 
     def still_holds(self, mission: Mission) -> bool:
         """Compare all but the parameters."""
-        return repr(replace(mission, parameters={})) == repr(
-            replace(self.mission, parameters={})
-        )  # repr: NaN equals NaN
+        ours, other = (replace(each, parameters={}) for each in (self.mission, mission))
+        return repr(ours) == repr(other)  # repr: NaN equals NaN

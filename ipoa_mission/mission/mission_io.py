@@ -78,19 +78,19 @@ def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
     parameters_file = parameter_path(path)
-    of_vehicle = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
-    parameters = of_vehicle.parameters
-    theirs = firmware_of(parameters)
+    listed = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
+    parameters = listed.parameters
+    firmware = firmware_of(parameters)
     record = mission_record(path, text)
-    file = _parsed(path, text, autopilot, theirs or _named(record.autopilot) or otherwise)
-    if theirs not in (None, autopilot) and autopilot is not None:
-        foreign = f"{parameters_file}: expected parameters of {autopilot}, not of {theirs}: they are ignored"
-        warned = Finding(
-            "file-parameters", Severity.WARNING, None, foreign, f"give those of {autopilot} by --param-file"
-        )
-        file, parameters = replace(file, findings=(*file.findings, warned)), {}
-    odd = (Finding("file-parameters", Severity.WARNING, None, thing.words) for thing in of_vehicle.unread)
-    file = replace(file, findings=(*file.findings, *odd))
+    recorded = next((autopilot for autopilot in registered() if autopilot.name == record.autopilot), None)
+    file = _parsed(path, text, autopilot, firmware or recorded or otherwise)
+    findings = [Finding("file-parameters", Severity.WARNING, None, unread.words) for unread in listed.unread]
+    if firmware not in (None, autopilot) and autopilot is not None:
+        words = f"{parameters_file}: expected parameters of {autopilot}, not of {firmware}: they are ignored"
+        hint = f"give those of {autopilot} by --param-file"
+        findings.insert(0, Finding("file-parameters", Severity.WARNING, None, words, hint))
+        parameters = {}
+    file = replace(file, findings=(*file.findings, *findings))
     mission = file.mission
     if record.landing_height is not None and landing_height(mission) is None:
         mission = landing_on(mission, record.landing_height)
@@ -105,10 +105,6 @@ def read_by_items(path: Path, file: MissionFile) -> MissionFile:
     if file.taken_for is None or (taker := only_taker(file.mission.items)) is None:
         return file
     return replace(parse_mission(path, file.source, taker[0]), taken_for=taker[1])
-
-
-def _named(name: str | None) -> Autopilot | None:
-    return next((one for one in registered() if one.name == name), None)
 
 
 def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot | None) -> MissionFile:
@@ -159,14 +155,14 @@ def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = 
 
 def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
     """Return the one autopilot that takes all items, and why."""
-    against = {one: next(_unlike(items, one), None) for one in registered()}
-    takers = [one for one, why in against.items() if why is None]
+    reasons = {autopilot: next(_reasons_against(items, autopilot), None) for autopilot in registered()}
+    takers = [autopilot for autopilot, reason in reasons.items() if reason is None]
     if len(takers) != 1:
         return None
-    return takers[0], next(why for why in against.values() if why is not None)
+    return takers[0], next(reason for reason in reasons.values() if reason is not None)
 
 
-def _unlike(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
+def _reasons_against(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
     own = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
         at, placed = f"item {seq} ({command_name(item.command)})", item.command in own.placed

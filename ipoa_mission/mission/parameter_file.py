@@ -16,17 +16,11 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
-COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # of MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
-AUTOPILOT = "1"  # MAV_COMP_ID_AUTOPILOT1
-WHOLE, FLOATS = range(1, 9), (9, 10)  # MAV_PARAM_TYPE
 UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
-COMPLETE_LIST_SIZE = 100  # unknown parameters of a vehicle's complete list
-SEPARATOR = re.compile(r"[,\s]+")
 
-
-_Owner: TypeAlias = tuple[str, str]
+_Owner: TypeAlias = tuple[str, str]  # vehicle, component
 
 
 @dataclass(frozen=True)
@@ -48,7 +42,8 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
     text = read_text(Path(path))
     rows = list(_rows(text, path))
     owners = [row.owner for row in rows]
-    owner = next((one for one in owners if one is not None and one[1] == AUTOPILOT), owners[0] if owners else None)
+    autopilots = (owner for owner in owners if owner is not None and owner[1] == "1")  # MAV_COMP_ID_AUTOPILOT1
+    owner = next(autopilots, owners[0] if owners else None)
     parameters = {name: row.value for name, row in _taken(rows, owner).items()}
     return ParameterFile(parameters, gathered(_unread(Path(path).name, text, rows, owner)))
 
@@ -70,7 +65,9 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
         f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.parameter_table.types.get(name, REAL32)}"
         for name, value in mission.parameters.items()
     )
-    return {target: "\n".join([FIRST_LINE.format(path.stem), COLUMNS, *lines]) + "\n"}
+    return {
+        target: "\n".join([FIRST_LINE.format(path.stem), "# Vehicle-Id Component-Id Name Value Type", *lines]) + "\n"
+    }
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
@@ -97,12 +94,12 @@ def _rows(text: str, path: str | Path) -> Iterator[_Row]:
 
 def _row(text: str, line: int, place: str) -> _Row:
     owner, whole = None, False
-    match SEPARATOR.split(text):
+    match re.split(r"[,\s]+", text):
         case [name, value]:
             pass
         case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
-            owner, whole = (vehicle, component), int(kind) in WHOLE
-            if int(kind) not in (*WHOLE, *FLOATS):
+            owner, whole = (vehicle, component), int(kind) not in (9, 10)  # MAV_PARAM_TYPE: floats
+            if not 1 <= int(kind) <= 10:
                 raise BadInput(f"expected a MAV_PARAM_TYPE from 1 to 10, not {kind}", place=f"{place}: {name}")
         case _:
             words = f"expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}"
@@ -123,17 +120,17 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
     taken = _taken(rows, owner)
     for row in rows:
         if row.owner not in (owner, None):
-            of = "vehicle {}, component {}".format(*row.owner or ())
-            yield Unread(file, "parameters of another vehicle or component", f"line {row.line}: {of}", row.name)
+            source = "vehicle {}, component {}".format(*row.owner or ())
+            yield Unread(file, "parameters of another vehicle or component", f"line {row.line}: {source}", row.name)
         elif row.value != taken[row.name].value:
             words = "values of parameters that a later line overrides"
             yield Unread(file, words, f"line {row.line}: {row.name}", f"{row.value:g}")
     for autopilot in registered():
-        yield from _of_book(file, taken, autopilot)
+        yield from _doubtful(file, taken, autopilot)
     known = known_names()
     others = [row for name, row in taken.items() if name not in known]
     flies = firmware_of(taken)
-    if len(others) < COMPLETE_LIST_SIZE:
+    if len(others) < 100:  # more: a vehicle's complete list
         yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in others)
     elif flies is not None:
         there = flies.parameter_table.by_old_names(dict.fromkeys(taken, 0.0))
@@ -148,23 +145,23 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
         yield Unread(file, "the rest, if any: the last line has no line end", f"line {rows[-1].line}", rows[-1].name)
 
 
-def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
+def _doubtful(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
     table = autopilot.parameter_table
     for name, (old, unit) in table.renamed.items():
         newer, older = taken.get(name), taken.get(old)
         if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
             yield Unread(file, f"old name next to {name}", f"line {older.line}: {old}", f"{older.value:g}")
-        usual = abs(table.moving.get(old, 0.0))
+        default = abs(table.moving.get(old, 0.0))
         for row, factor in ((newer, unit), (older, 1.0)):
-            times = abs(row.value) * factor / usual if row and usual and unit != 1.0 else 0.0
-            if row and times and not 1 / UNUSUAL_RATIO < times < UNUSUAL_RATIO:
-                what = f"the unit of {row.name}, taken as documented: {times:.3g} times the default"
-                yield Unread(file, what, f"line {row.line}", f"{row.value:g}")
-    speeds = (table.meanings.get(what, "") for what in ("cruise speed", "climb speed", "descent speed"))
-    for one in filter(None, map(taken.get, speeds)):
-        if table.units.get(one.name, 1.0) == 1.0 and one.value > table.fastest:
-            what = f"the unit of {one.name}, taken as m/s: beyond {table.fastest:g} m/s"
-            yield Unread(file, what, f"line {one.line}", f"{one.value:g}")
+            ratio = abs(row.value) * factor / default if row and default and unit != 1.0 else 0.0
+            if row and ratio and not 1 / UNUSUAL_RATIO < ratio < UNUSUAL_RATIO:
+                words = f"the unit of {row.name}, taken as documented: {ratio:.3g} times the default"
+                yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
+    speeds = (table.meanings.get(meaning, "") for meaning in ("cruise speed", "climb speed", "descent speed"))
+    for row in filter(None, map(taken.get, speeds)):
+        if table.units.get(row.name, 1.0) == 1.0 and row.value > table.fastest:
+            words = f"the unit of {row.name}, taken as m/s: beyond {table.fastest:g} m/s"
+            yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
 
 
 def _number(value: float) -> str:

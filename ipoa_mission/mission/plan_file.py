@@ -1,10 +1,11 @@
-"""The text satisfies QGroundControl's loader and MAVSDK's import (docs/file-formats.md)."""
+"""`.plan` files of QGroundControl, MAVSDK and this package (docs/file-formats.md)."""
 
 import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +14,31 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Fram
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
+from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.stored_mission import settle_frames
-from ipoa_mission.mission.structure_scan import lay_out
 from ipoa_mission.world.frame import Geodetic
 
-MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
-ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
-LANDING_GROUND = "landingGround"
-CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` is flown
-FRAME_OF_MODE = {mode: frame for frame, mode in ALTITUDE_MODE.items()} | {CALCULATED_ABOVE_TERRAIN: Frame.GLOBAL}
+
+class AltitudeMode(IntEnum):
+    """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
+
+    MIXED = 0
+    RELATIVE = 1
+    AMSL = 2
+    CALCULATED = 3
+    TERRAIN = 4
+
+
+ALTITUDE_MODES = {
+    Frame.GLOBAL_RELATIVE_ALT: AltitudeMode.RELATIVE,
+    Frame.GLOBAL: AltitudeMode.AMSL,
+    Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
+}
 
 
 def plan_text(mission: Mission) -> str:
@@ -49,8 +60,9 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
     vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
     autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
-    home, listed = _home(mission["plannedHomePosition"]), _entries(mission["items"])
-    ground = plan.get(LANDING_GROUND)
+    home = _home(mission["plannedHomePosition"])
+    listed = [entry for child in mission["items"].array() for entry in _listed(child)]
+    ground = plan.get("landingGround")
     items = settle_frames(_items(listed), autopilot)
     read = Mission(
         home=home,
@@ -75,10 +87,10 @@ def _plan(mission: Mission) -> dict[str, Any]:
     items = settle_frames(mission.items, mission.autopilot)
     for number, item in enumerate(items, start=1):
         _check(number, item, len(items))
-    modes = Counter(ALTITUDE_MODE[Frame(item.frame)] for item in items if _has_altitude(item))
+    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if _has_altitude(item))
     header: dict[str, Any] = {
         "firmwareType": mission.autopilot.mav_autopilot,
-        "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
+        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
         "items": [*_written(items, mission)],
         "plannedHomePosition": _place(mission.home, "home"),
         "vehicleType": mission.vehicle_type,
@@ -89,7 +101,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
     circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
     polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
     return {
-        **({LANDING_GROUND: ground} if (ground := landing_ground_entry(mission)) else {}),
+        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",
@@ -103,7 +115,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 
 def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
-    own = [replace(one, items=settle_frames(one.items, mission.autopilot)) for one in mission.complex_items]
+    own = [replace(part, items=settle_frames(part.items, mission.autopilot)) for part in mission.complex_items]
     for entry in entries(items, own):
         part = items[entry.first : entry.first + entry.count]
         simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
@@ -134,12 +146,12 @@ def _simple_item(number: int, item: Item) -> dict[str, Any]:
     return written | {
         "AMSLAltAboveTerrain": None,
         "Altitude": _tidy(item.altitude),
-        "AltitudeMode": ALTITUDE_MODE[Frame(item.frame)],
+        "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
     }
 
 
 def _has_altitude(item: Item) -> bool:
-    return item.frame in set(ALTITUDE_MODE)
+    return item.frame in ALTITUDE_MODES
 
 
 def _circle(part: FenceCircle) -> dict[str, Any]:
@@ -152,10 +164,10 @@ def _polygon(part: FencePolygon) -> dict[str, Any]:
     return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
 
 
-def _place(place: Geodetic, what: str) -> list[float | int | None]:
+def _place(place: Geodetic, name: str) -> list[float | int | None]:
     numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
     if not all(map(math.isfinite, numbers)):
-        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=what)
+        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
     return [_tidy(number) for number in numbers]
 
 
@@ -171,10 +183,10 @@ def _tidy(value: float) -> float | int | None:
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
     if not isinstance(node.value, bool):
-        of_firmware = [one for one in registered() if one.mav_autopilot == node.value]
-        for autopilot in sorted(of_firmware, key=lambda one: mav_type not in one.mav_types):
+        of_firmware = [each for each in registered() if each.mav_autopilot == node.value]
+        for autopilot in sorted(of_firmware, key=lambda each: mav_type not in each.mav_types):
             return autopilot
-    numbers = sorted({(one.mav_autopilot, one.firmware_name) for one in registered()})
+    numbers = sorted({(each.mav_autopilot, each.firmware_name) for each in registered()})
     known = " or ".join(f"{number} ({name})" for number, name in numbers)
     raise node.wrong(known, hint="name the plan's autopilot")
 
@@ -198,10 +210,6 @@ class ListedItem:
     part_of: Node | None = None
 
 
-def _entries(node: Node) -> list[ListedItem]:
-    return [entry for child in node.array() for entry in _listed(child)]
-
-
 def _items(listed: list[ListedItem]) -> list[Item]:
     numbers: dict[int, list[int]] = {}
     for number, entry in enumerate(listed, start=1):
@@ -222,10 +230,10 @@ def _with_jump(entry: ListedItem, numbers: Mapping[int, list[int]]) -> Item:
     if entry.item.command != Command.DO_JUMP:
         return entry.item
     target = entry.node["params"].array()[0]
-    found = numbers.get(target.whole("the doJumpId of an item"), [])
-    if len(found) != 1:
-        raise target.wrong("the doJumpId of an item outside surveys" if not found else "the doJumpId of one item alone")
-    return replace(entry.item, params=(float(found[0]), *entry.item.params[1:]))
+    targets = numbers.get(target.whole("the doJumpId of an item"), [])
+    if len(targets) != 1:
+        raise target.wrong(f"the doJumpId of {'one item alone' if targets else 'an item outside surveys'}")
+    return replace(entry.item, params=(float(targets[0]), *entry.item.params[1:]))
 
 
 def _listed(node: Node) -> list[ListedItem]:
@@ -233,18 +241,14 @@ def _listed(node: Node) -> list[ListedItem]:
         case "SimpleItem":
             return [read_item(node)]
         case "ComplexItem":
-            return [replace(entry, part_of=node) for entry in _complex(node)]
+            pass
         case _:
             raise node["type"].wrong('"SimpleItem" or "ComplexItem"')
-
-
-def _complex(node: Node) -> list[ListedItem]:
-    transects = node.get("TransectStyleComplexItem")
-    items = (transects or node).get("Items")
-    if items is not None:
-        return [replace(read_item(child), jump_id=None) for child in items.array()]  # no jump may lead into it
+    items = (node.get("TransectStyleComplexItem") or node).get("Items")
+    if items is not None:  # no jump may lead into it
+        return [replace(read_item(child), jump_id=None, part_of=node) for child in items.array()]
     (first, *others), height = lay_out(node)
-    return [ListedItem(first, node, None, height), *(ListedItem(item, node, None) for item in others)]
+    return [ListedItem(first, node, None, height, node), *(ListedItem(item, node, None, 0.0, node) for item in others)]
 
 
 def read_item(node: Node) -> ListedItem:
@@ -253,8 +257,9 @@ def read_item(node: Node) -> ListedItem:
     nodes = _seven(node)
     p1, p2, p3, p4, *place = (child.number_or_nan() for child in nodes)
     if frame != Frame.MISSION:
+        may_be_here = command in (Command.NAV_TAKEOFF, Command.NAV_LAND) or command not in FLOWN_TO
         for child in nodes[4:6]:
-            if not (child.value is None and (command in MAY_BE_HERE or command not in FLOWN_TO)):
+            if not (child.value is None and may_be_here):
                 child.degrees()
     _check_altitude(node, frame, place[2])
     latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
@@ -277,19 +282,17 @@ def _seven(node: Node) -> list[Node]:
     return [*first, *coordinate.array(3, "numbers (latitude, longitude, altitude)")]
 
 
-#: (0, 0) means the vehicle's position.
-MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
-
-
 def _check_altitude(node: Node, frame: int, param7: float) -> None:
     """QGroundControl flies `AltitudeMode` and `Altitude`."""
     mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
     if mode is not None and mode.value is not None and frame != Frame.MISSION:
-        of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))
+        frame_of: dict[int, Frame] = {mode: frame for frame, mode in ALTITUDE_MODES.items()}
+        frame_of[AltitudeMode.CALCULATED] = Frame.GLOBAL
+        of_mode = frame_of.get(mode.whole("a number from 0 to 5", 0, 5))
         if of_mode is not None and PLAIN_FRAME.get(frame, frame) != of_mode:
             means = f"QGroundControl flies in frame {of_mode:d}, other software in the item's frame {frame}"
             mode.note(means, Severity.ERROR)
-        if mode.value == CALCULATED_ABOVE_TERRAIN:
+        if mode.value == AltitudeMode.CALCULATED:
             altitude = node.get("AMSLAltAboveTerrain")
             if altitude is None or altitude.value is None:
                 words = "QGroundControl flies above its own terrain, other software at params[6] AMSL"

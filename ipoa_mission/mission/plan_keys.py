@@ -1,3 +1,5 @@
+"""Report unread and missing keys of a `.plan`."""
+
 import json
 import re
 from collections.abc import Iterator
@@ -6,10 +8,9 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.json_node import Node
 from ipoa_mission.unread import Unread, gathered
 
-FENCE, RALLY = "geoFence", "rallyPoints"
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {
-    "": {"fileType", "version", "groundStation", "mission", FENCE, RALLY, "landingGround", "UUID"},
+    "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
     "landingGround": {"aboveHome", "latitude", "longitude"},
     "mission": {
         *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
@@ -19,23 +20,21 @@ KEYS = {
         *("type", "command", "frame", "params", "coordinate", "autoContinue", "doJumpId", "MISSION_ITEM_ID"),
         *("Altitude", "AltitudeMode", "AMSLAltAboveTerrain"),
     },
-    FENCE: {"version", "polygons", "circles", "breachReturn"},
-    f"{FENCE}.polygons[]": {"polygon", "inclusion", "version"},
-    f"{FENCE}.circles[]": {"circle", "inclusion", "version"},
-    f"{FENCE}.circles[].circle": {"center", "radius"},
-    RALLY: {"version", "points"},
+    "geoFence": {"version", "polygons", "circles", "breachReturn"},
+    "geoFence.polygons[]": {"polygon", "inclusion", "version"},
+    "geoFence.circles[]": {"circle", "inclusion", "version"},
+    "geoFence.circles[].circle": {"center", "radius"},
+    "rallyPoints": {"version", "points"},
 }
 #: QGroundControl always writes these; the assumption without.
 EXPECTED = {
-    FENCE: "taken as a mission without a fence",
-    f"{FENCE}.polygons": "taken as a fence without polygons",
-    f"{FENCE}.circles": "taken as a fence without circles",
-    RALLY: "taken as a mission without rally points",
-    f"{RALLY}.points": "taken as a mission without rally points",
+    "geoFence": "taken as a mission without a fence",
+    "geoFence.polygons": "taken as a fence without polygons",
+    "geoFence.circles": "taken as a fence without circles",
+    "rallyPoints": "taken as a mission without rally points",
+    "rallyPoints.points": "taken as a mission without rally points",
     "mission.vehicleType": "taken as a multicopter",
 }
-LIMITS = re.compile("fence|rally|zone|polygon|circle|clusion", re.IGNORECASE)
-REMEDY = "spell it as QGroundControl does, or ignore this code where it limits no flight"
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
@@ -72,8 +71,11 @@ def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
             if key in known:
                 yield from _unread(node[key], missing)
             elif value not in (None, "", [], {}):
-                limits = (
-                    kind.startswith((FENCE, RALLY)) or LIMITS.search(key) or (not kind and missing & {FENCE, RALLY})
+                may_limit = (
+                    kind.startswith(("geoFence", "rallyPoints"))
+                    or re.search("fence|rally|zone|polygon|circle|clusion", key, re.IGNORECASE)
+                    or (not kind and missing & {"geoFence", "rallyPoints"})
                 )
-                what, place = f'key "{key}"', node.place or "the file"
-                yield Unread(node.file, what, place, json.dumps(value), may_limit=bool(limits), remedy=REMEDY)
+                remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
+                name, place = f'key "{key}"', node.place or "the file"
+                yield Unread(node.file, name, place, json.dumps(value), may_limit=bool(may_limit), remedy=remedy)

@@ -17,15 +17,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic
 
-#: ArduPilot truncates altitudes to the centimeter in single precision.
-ALTITUDE_SLACK = 0.0101  # [m]
-YAW_SLACK = 1e-3  # [deg], through radians in single precision
-
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
     """PX4 requires frame 2 without a position. NaN becomes 0 where ArduPilot refuses NaN."""
     own = mission.autopilot.firmware(mission.firmware_version)
-    items = tuple(_spoken(item, own) for item in mission.items)
+    items = tuple(_sent(item, own) for item in mission.items)
     return (home_item(mission.home), *items) if own.home_is_item_0 else items
 
 
@@ -43,7 +39,7 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     if home is None:
         words = f"{own.name} sent no home with its mission, and none is known"
         raise MissionError(words, hint="wait until the vehicle has a position fix", code="home-missing", place="home")
-    return Mission(home, tuple(_heard(item, own) for item in items), autopilot)
+    return Mission(home, tuple(_received(item, own) for item in items), autopilot)
 
 
 def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
@@ -83,19 +79,19 @@ def compare(
     Without a `version` an item agrees if any version stores it so. ArduPilot's home is not compared.
     """
     versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
-    newest, *older = (autopilot.firmware(one) for one in versions)
+    newest, *older = map(autopilot.firmware, versions)
     if len(sent) != len(got):
         return Difference(None, "number of items", str(len(sent)), str(len(got)))
-    for seq, (one, other) in enumerate(zip(sent, got, strict=True)):
-        if seq == 0 and newest.home_is_item_0 and _is_home(one) and one.command == other.command:
+    for seq, (item, stored) in enumerate(zip(sent, got, strict=True)):
+        if seq == 0 and newest.home_is_item_0 and _is_home(item) and item.command == stored.command:
             continue
-        difference = _first_difference(one, other, newest)
-        if difference and all(_first_difference(one, other, own) for own in older):
+        difference = _first_difference(item, stored, newest)
+        if difference and all(_first_difference(item, stored, firmware) for firmware in older):
             return Difference(seq, *difference)
     return None
 
 
-def _spoken(item: Item, firmware: Firmware) -> Item:
+def _sent(item: Item, firmware: Firmware) -> Item:
     if item.command == Command.DO_JUMP and not firmware.home_is_item_0:
         item = replace(item, params=(item.params[0] - 1.0, *item.params[1:]))
     if item.command not in firmware.placed and item.command in firmware.plain:
@@ -107,7 +103,7 @@ def _spoken(item: Item, firmware: Firmware) -> Item:
     return replace(item, params=(params[0], params[1], params[2], params[3]))
 
 
-def _heard(item: Item, firmware: Firmware) -> Item:
+def _received(item: Item, firmware: Firmware) -> Item:
     if item.command == Command.DO_JUMP and not firmware.home_is_item_0:
         item = replace(item, params=(item.params[0] + 1.0, *item.params[1:]))
     return replace(item, frame=_plain_frame(item, firmware))
@@ -202,7 +198,7 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
         return "command", command_name(sent.command), command_name(got.command)
     if plain_frame(got.frame) not in (stored.frame, plain_frame(sent.frame)):
         return "frame", str(sent.frame), str(got.frame)
-    letters = firmware.kept(sent.command, sent.frame) or UNKNOWN
+    letters = firmware.kept(sent.command, sent.frame) or "....dd."  # of an unknown command
     for name, letter, was, kept, now in zip(PARAM_NAMES, letters, *map(values_of, (sent, stored, got)), strict=True):
         if not (_agree(letter, kept, now) or _agree(letter, was, now)):
             return name, f"{was:.10g}", f"{now:.10g}"
@@ -212,22 +208,19 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     return None
 
 
-UNKNOWN = "....dd."  # of an unknown command
-
-
 def values_of(item: Item) -> tuple[float, ...]:
     return (*item.params, item.latitude_deg, item.longitude_deg, item.altitude)
 
 
-def _agree(letter: str, one: float, other: float) -> bool:
-    if math.isnan(one) or math.isnan(other):
-        return math.isnan(one) and math.isnan(other)
+def _agree(letter: str, expected: float, actual: float) -> bool:
+    if math.isnan(expected) or math.isnan(actual):
+        return math.isnan(expected) and math.isnan(actual)
     match letter:
         case "d":
-            return _deg_e7(one) == _deg_e7(other)
-        case "c":
-            return abs(one - other) <= ALTITUDE_SLACK
-        case "y":
-            return abs((one - other + 180.0) % 360.0 - 180.0) <= YAW_SLACK
+            return _deg_e7(expected) == _deg_e7(actual)
+        case "c":  # ArduPilot truncates altitudes to the centimeter in single precision
+            return abs(expected - actual) <= 0.0101  # [m]
+        case "y":  # through radians in single precision
+            return abs((expected - actual + 180.0) % 360.0 - 180.0) <= 1e-3  # [deg]
         case _:
-            return _single(one) == _single(other)
+            return _single(expected) == _single(actual)

@@ -21,10 +21,8 @@ from ipoa_mission.mission.parameter_file import NUMBER
 from ipoa_mission.mission.stored_mission import home_item, settle_frames
 from ipoa_mission.world.frame import Geodetic
 
-SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
+FIRST_LINE = "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
-RALLY_LOSS = ": its RTL flies home, by another way, time and energy"
-NO_COMMAND = 0  # home in files of Mission Planner
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
@@ -36,7 +34,7 @@ def waypoints_text(mission: Mission) -> str:
         _check(number, item)
     if not mission.autopilot.firmware().nan_holds:
         items = tuple(map(_without_nan, items))
-    lines = [FIRST_LINE, *(_line(seq, item) for seq, item in enumerate((home_item(mission.home), *items)))]
+    lines = [FIRST_LINE, *map(_line, range(len(items) + 1), (home_item(mission.home), *items))]
     return "\n".join(lines) + "\n"
 
 
@@ -46,11 +44,13 @@ def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
-    parts = (
-        ("the geofence cannot be held by a .waypoints file", mission.fence),
-        (f"the rally points cannot be held by a .waypoints file{RALLY_LOSS}", mission.rally),
-    )
-    return tuple(words for words, what in parts if what)
+    losses = []
+    if mission.fence:
+        losses.append("the geofence cannot be held by a .waypoints file")
+    if mission.rally:
+        words = "the rally points cannot be held by a .waypoints file"
+        losses.append(f"{words}: its RTL flies home, by another way, time and energy")
+    return tuple(losses)
 
 
 def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
@@ -63,7 +63,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
         return _other_list(path, text, [item for _, item in rows], autopilot)
     findings = list(_check_numbers(rows))
     (line, first), *others = rows
-    if first.command not in (Command.NAV_WAYPOINT, NO_COMMAND):
+    if first.command not in (Command.NAV_WAYPOINT, 0):  # 0: in files of Mission Planner
         words = f"expected 16 (item 0 is home), not {first.command}"
         hint = "a file whose first item is a take-off lost its home item: put one before it"
         raise BadInput(words, hint=hint, code="home-missing", place=f"{line.where}: command")
@@ -78,7 +78,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     if first.frame not in (Frame.GLOBAL, Frame.GLOBAL_INT):
         message = f"home: its altitude is taken as AMSL, but its frame is {first.frame}, not 0"
         findings.append(Finding("file-home", Severity.WARNING, 0, message))
-    return MissionFile(Mission(home, items, autopilot), tuple(findings), text, SUFFIX)
+    return MissionFile(Mission(home, items, autopilot), tuple(findings), text, ".waypoints")
 
 
 def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> MissionFile:
@@ -86,13 +86,13 @@ def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) 
     items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
     is_rally = items[0].command == Command.NAV_RALLY_POINT
     home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
-    what = "rally points" if is_rally else "a geofence"
-    finding = Finding("file-other-list", Severity.WARNING, None, f"the file holds {what} and no mission")
+    content = "rally points" if is_rally else "a geofence"
+    finding = Finding("file-other-list", Severity.WARNING, None, f"the file holds {content} and no mission")
     try:
         fence, rally = ((), rally_from_wire(items)) if is_rally else (fence_from_wire(items), ())
     except MissionError as error:
         raise BadInput(error.args[0], error.hint, code=error.code, place=f"{path}: {error.place}") from None
-    return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, SUFFIX)
+    return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, ".waypoints")
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
@@ -176,8 +176,8 @@ class _Line:
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
     first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
-        found = f'"{first[:40]}"' if text.strip() else "an empty file"
-        raise WrongFormat(f'expected "{FIRST_LINE}", not {found}', place=f"{path}: line 1")
+        first_line = f'"{first[:40]}"' if text.strip() else "an empty file"
+        raise WrongFormat(f'expected "{FIRST_LINE}", not {first_line}', place=f"{path}: line 1")
     for number, text_line in enumerate(others, start=2):
         if text_line.strip() and not text_line.lstrip().startswith("#"):
             line = _Line(path, number, text_line.split())

@@ -6,7 +6,7 @@ from ipoa_mission.flight.post_flight import landed_elsewhere
 from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on
-from ipoa_mission.mission.plan_file import LANDING_GROUND, plan_text
+from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
@@ -39,7 +39,7 @@ def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> 
     again = api.read_mission(path)
     assert landing_height(again) == 12.0
     assert plan_text(again) == plan_text(uphill)
-    assert LANDING_GROUND not in json.loads(plan_text(MISSION))
+    assert "landingGround" not in json.loads(plan_text(MISSION))
     (fast,) = api.check_mission(again)  # its NAME.params may have stayed where it was
     assert (fast.code, fast.seq) == ("fast-touchdown", 3)
     assert api.check_mission(again.with_parameters({"LAND_ALT_LOW": 2200.0})) == ()
@@ -52,7 +52,7 @@ def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> 
 def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
     path = tmp_path / "odd.plan"
     told = json.loads(plan_text(landing_on(MISSION, 8.5)))
-    told[LANDING_GROUND]["aboveHome"] = "high"
+    told["landingGround"]["aboveHome"] = "high"
     path.write_text(json.dumps(told), encoding="utf-8")
     with refuses("bad-input", "odd.plan: landingGround.aboveHome"):
         api.read_mission(path)
