@@ -9,8 +9,17 @@ from typing import Annotated, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.optimize.search import Box, Candidates, Costs, Search
-from ipoa_mission.optimize.settings import SHORT_EVALUATIONS, Amount, Between, Count, Fraction
+from ipoa_mission.optimize.search import (
+    SHORT_EVALUATIONS,
+    Amount,
+    Between,
+    Box,
+    Candidates,
+    Costs,
+    Count,
+    Fraction,
+    Search,
+)
 
 
 @dataclass(frozen=True)
@@ -30,7 +39,8 @@ class AdaptivePelican:
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield the first flock, then two batches a generation."""
         first = int(min(self.per_dimension * box.dimension, self.evaluations / self.evaluations_per_member))
-        first = max(first, _LEAST)
+        smallest = 4
+        first = max(first, smallest)
         x = box.sample(first, rng)
         f = yield x
         spent = first
@@ -50,7 +60,7 @@ class AdaptivePelican:
             everyone = np.concatenate([x, displaced])
             r = _other_than(each[:, None], n, rng)
             s = _other_than(np.sort(np.column_stack([each, r])), len(everyone), rng)
-            trial = _halfway_back(x + scale[:, None] * (prey - x + x[r] - everyone[s]), x, box)
+            trial = _repair(x + scale[:, None] * (prey - x + x[r] - everyone[s]), x, box)
             crossed = rng.random((n, d)) < crossing[:, None]
             crossed[each, rng.integers(d, size=n)] = True
             trial = np.where(crossed, trial, x)[: self.evaluations - spent]
@@ -61,7 +71,7 @@ class AdaptivePelican:
             scales.learn(scale[:m], gain)
             crossings.learn(crossing[:m], gain)
             displaced = np.concatenate([displaced, x[:m][gain > 0]])
-            x, f = _settle(x, f, trial, g)
+            x, f = _keep_not_worse(x, f, trial, g)
 
             # Winging
             order = np.argsort(f, kind="stable")
@@ -75,24 +85,21 @@ class AdaptivePelican:
                 scale = np.minimum(scale, 2)
                 blend = rng.standard_normal((m, len(surface))) * np.sqrt(weights)
                 trial = x[:m] + scale[:, None] * (blend @ (surface - weights @ surface))
-                trial = _halfway_back(trial, x[:m], box)
+                trial = _repair(trial, x[:m], box)
                 g = yield trial
                 spent += m
                 gain = _gain(f[:m], g)
                 wings.learn(scale, gain)
                 displaced = np.concatenate([displaced, x[:m][gain > 0]])
-                x, f = _settle(x, f, trial, g)
+                x, f = _keep_not_worse(x, f, trial, g)
 
-            n = round(first + (_LEAST - first) * spent / self.evaluations)
+            n = round(first + (smallest - first) * spent / self.evaluations)
             if n < len(x):
                 best = np.argsort(f, kind="stable")[:n]
                 x, f = x[best], f[best]
             kept = round(self.archive * n)
             if len(displaced) > kept:
                 displaced = displaced[rng.permutation(len(displaced))[:kept]]
-
-
-_LEAST = 4
 
 
 class _Memory:
@@ -134,16 +141,16 @@ def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> ND
     return index
 
 
-def _halfway_back(trial: Candidates, parent: Candidates, box: Box) -> Candidates:
-    """Set coordinates outside halfway back."""
+def _repair(trial: Candidates, parent: Candidates, box: Box) -> Candidates:
+    """Set coordinates outside the box halfway between parent and bound."""
     trial = np.where(trial < box.lower, (parent + box.lower) / 2, trial)
     return np.where(trial > box.upper, (parent + box.upper) / 2, trial)
 
 
-def _settle(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
+def _keep_not_worse(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
     m = len(trial)
-    goes = g <= f[:m]
+    accepted = g <= f[:m]
     x, f = x.copy(), f.copy()
-    x[:m] = np.where(goes[:, None], trial, x[:m])
-    f[:m] = np.where(goes, g, f[:m])
+    x[:m] = np.where(accepted[:, None], trial, x[:m])
+    f[:m] = np.where(accepted, g, f[:m])
     return x, f

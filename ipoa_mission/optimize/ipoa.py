@@ -10,9 +10,19 @@ from typing import Annotated, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.optimize.levy import levy_factor
-from ipoa_mission.optimize.search import Box, Candidates, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction, Members
+from ipoa_mission.optimize.poa import step_to_prey, wing_step
+from ipoa_mission.optimize.search import (
+    SHORT_SETTINGS,
+    Amount,
+    Between,
+    Box,
+    Candidates,
+    Count,
+    Fraction,
+    Members,
+    Search,
+    keep_better,
+)
 
 
 @dataclass(frozen=True)
@@ -88,17 +98,14 @@ class IPOA:
         for t in range(1, self.iterations + 1):
             done = t / self.iterations
             k = int(np.argmin(f)) if self.prey == "best" else int(rng.integers(n))
-            prey, prey_cost = x[k], f[k]
 
             # (23) and (15)
-            intensity = rng.integers(1, 3, (n, 1))
-            towards = (prey_cost < f)[:, None]
-            step = rng.random((n, rands)) * np.where(towards, prey - intensity * x, x - prey)
+            step = step_to_prey(x, f, k, rands, rng)
             trial = box.clip((self._omega(done) * x if self.inertia else x) + step)
             x, f = keep_better(x, f, trial, (yield trial))
 
             # (16) with the Levy flight (27), and (17)
-            step = self.radius * (1 - done) * (2 * rng.random((n, d)) - 1) * x
+            step = wing_step(x, self.radius * (1 - done), rng)
             if not self.levy:
                 trial = box.clip(x + step)
             else:
@@ -148,3 +155,15 @@ def refract(x: Candidates, box: Box, kn: float) -> Candidates:
     """Return the refracted opposites of `x`, eq. (20)."""
     middle = (box.lower + box.upper) / 2
     return middle + middle / kn - x / kn
+
+
+def levy_factor(beta: float, shape: tuple[int, ...], rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return factors s by Mantegna's algorithm, eqs. (25) and (26)."""
+    sigma_u = (
+        math.gamma(1 + beta)
+        * math.sin(math.pi * beta / 2)
+        / (math.gamma((1 + beta) / 2) * beta * 2 ** ((beta - 1) / 2))
+    ) ** (1 / beta)
+    u, v = rng.standard_normal((2, *shape))
+    factor: NDArray[np.float64] = sigma_u * u / np.abs(v) ** (1 / beta)
+    return factor

@@ -5,8 +5,17 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Count, Members
+from ipoa_mission.optimize.search import (
+    SHORT_SETTINGS,
+    Amount,
+    Box,
+    Candidates,
+    Costs,
+    Count,
+    Members,
+    Search,
+    keep_better,
+)
 
 
 @dataclass(frozen=True)
@@ -29,23 +38,20 @@ class POA:
         x = box.sample(n, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
-            trial = box.clip(towards_prey(x, f, width, rng))
+            trial = box.clip(x + step_to_prey(x, f, rng.integers(n), width, rng))
             x, f = keep_better(x, f, trial, (yield trial))  # (15)
-            trial = box.clip(wing(x, self.radius * (1 - t / self.iterations), rng))
+            trial = box.clip(x + wing_step(x, self.radius * (1 - t / self.iterations), rng))
             x, f = keep_better(x, f, trial, (yield trial))  # (17)
 
 
-def towards_prey(x: Candidates, f: Costs, width: int, rng: np.random.Generator) -> Candidates:
-    """Move towards prey, eq. (14)."""
-    n = len(x)
-    k = rng.integers(n)
-    prey, prey_cost = x[k], f[k]
-    intensity = rng.integers(1, 3, (n, 1))
-    cheaper = (prey_cost < f)[:, None]
-    moved: Candidates = x + rng.random((n, width)) * np.where(cheaper, prey - intensity * x, x - prey)
-    return moved
+def step_to_prey(x: Candidates, f: Costs, k: int | np.integer, width: int, rng: np.random.Generator) -> Candidates:
+    """Step towards prey `k`, or away if it is worse, eq. (14)."""
+    intensity = rng.integers(1, 3, (len(x), 1))
+    towards = (f[k] < f)[:, None]
+    step: Candidates = rng.random((len(x), width)) * np.where(towards, x[k] - intensity * x, x - x[k])
+    return step
 
 
-def wing(x: Candidates, radius: float, rng: np.random.Generator) -> Candidates:
+def wing_step(x: Candidates, radius: float, rng: np.random.Generator) -> Candidates:
     """Eq. (16); `radius` is R (1 - t/T)."""
-    return x + radius * (2 * rng.random(x.shape) - 1) * x
+    return radius * (2 * rng.random(x.shape) - 1) * x

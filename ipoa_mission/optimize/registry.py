@@ -11,8 +11,7 @@ from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
-from ipoa_mission.optimize.search import Optimizer
-from ipoa_mission.optimize.settings import check_setting
+from ipoa_mission.optimize.search import Optimizer, check_setting
 
 BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
 
@@ -22,31 +21,31 @@ def optimizer_names() -> list[str]:
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
-    """Raise BadInput if no optimizer has this name, or two, or its registered class cannot be imported."""
+    """Raise BadInput if not exactly one optimizer has this name, or it cannot be imported."""
     same = {entry.value: entry for entry in _registered() if entry.name == name}
     if len(same) + (name in BUILT_IN) > 1:
-        who = [*same, *(["the built-in one"] if name in BUILT_IN else [])]
-        raise BadInput(f"expected one optimizer {name}, not {' and '.join(who)}", place="optimizer.name")
+        sources = [*same, *(["the built-in one"] if name in BUILT_IN else [])]
+        raise BadInput(f"expected one optimizer {name}, not {' and '.join(sources)}", place="optimizer.name")
     if name in BUILT_IN:
         return BUILT_IN[name]
     if not same:
-        names = optimizer_names()
-        words = f"expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}"
+        *others, last = names = optimizer_names()
+        words = f"expected {', '.join(others)} or {last}, not {name!r}{_did_you_mean(name, names)}"
         raise UnknownName(words, place="optimizer.name")
     (registered,) = same.values()
     try:
-        found: Any = registered.load()
+        loaded: Any = registered.load()
     except (ImportError, AttributeError) as error:
         words = f"{name} is registered as {registered.value}, which fails: {error}"
         raise BadInput(words, place="optimizer.name") from error
-    if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
+    if not (isinstance(loaded, type) and hasattr(loaded, "search") and hasattr(loaded, "__dataclass_fields__")):
         words = f"{name} is registered as {registered.value}, not a dataclass with a search method"
         raise BadInput(words, place="optimizer.name")
-    return found
+    return loaded
 
 
 def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
-    """Raise BadInput if the optimizer or setting does not exist, or a value is out of range."""
+    """Raise BadInput if a setting does not exist or is out of range."""
     kind = optimizer_class(name)
     types = get_type_hints(kind, include_extras=True)
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
@@ -60,11 +59,6 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
 @cache
 def _registered() -> tuple[EntryPoint, ...]:
     return tuple(entry_points(group="ipoa_mission.optimizers"))
-
-
-def _one_of(names: list[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} or {last}"
 
 
 def _did_you_mean(word: str, candidates: list[str]) -> str:

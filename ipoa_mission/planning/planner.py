@@ -14,8 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
-from ipoa_mission.optimize.search import Optimizer, minimize
-from ipoa_mission.optimize.settings import SHORT_EVALUATIONS
+from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places

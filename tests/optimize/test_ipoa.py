@@ -4,8 +4,7 @@ import scipy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.optimize.ipoa import IPOA, iterate_chaotic_map, refract
-from ipoa_mission.optimize.levy import levy_factor
+from ipoa_mission.optimize.ipoa import IPOA, iterate_chaotic_map, levy_factor, refract
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Box, Candidates, Costs, minimize

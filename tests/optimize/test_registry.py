@@ -9,8 +9,7 @@ from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
-from ipoa_mission.optimize.search import Box, Search
-from ipoa_mission.optimize.settings import SHORT_EVALUATIONS
+from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Box, Search
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.refused import refuses

@@ -9,8 +9,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction
+from ipoa_mission.optimize.search import SHORT_SETTINGS, Amount, Between, Box, Count, Fraction, Search, keep_better
 
 
 @dataclass(frozen=True)

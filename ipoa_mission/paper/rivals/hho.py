@@ -8,9 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from ipoa_mission.optimize.levy import levy_factor
-from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Count, Members
+from ipoa_mission.optimize.ipoa import levy_factor
+from ipoa_mission.optimize.search import SHORT_SETTINGS, Box, Count, Members, Search, keep_better
 
 
 @dataclass(frozen=True)

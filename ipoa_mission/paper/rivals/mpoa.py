@@ -9,16 +9,13 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from ipoa_mission.optimize.poa import towards_prey, wing
-from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Count, Fraction, Members
+from ipoa_mission.optimize.poa import step_to_prey, wing_step
+from ipoa_mission.optimize.search import SHORT_SETTINGS, Amount, Box, Count, Fraction, Members, Search, keep_better
 from ipoa_mission.paper.rivals.ssa import flee
 
 
 @dataclass(frozen=True)
 class MPOA:
-    """Search by POA with a Cauchy mutation and vigilant members."""
-
     short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
@@ -34,9 +31,9 @@ class MPOA:
         f = yield x
         for t in range(1, self.iterations + 1):
             # (14) to (17)
-            trial = box.clip(towards_prey(x, f, width, rng))
+            trial = box.clip(x + step_to_prey(x, f, rng.integers(n), width, rng))
             x, f = keep_better(x, f, trial, (yield trial))
-            trial = box.clip(wing(x, self.radius * (1 - t / self.iterations), rng))
+            trial = box.clip(x + wing_step(x, self.radius * (1 - t / self.iterations), rng))
             x, f = keep_better(x, f, trial, (yield trial))
 
             # inferred

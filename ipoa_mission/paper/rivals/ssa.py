@@ -10,8 +10,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
-from ipoa_mission.optimize.settings import SHORT_SETTINGS, Count, Fraction, Members
+from ipoa_mission.optimize.search import (
+    SHORT_SETTINGS,
+    Box,
+    Candidates,
+    Costs,
+    Count,
+    Fraction,
+    Members,
+    Search,
+    keep_better,
+)
 
 
 @dataclass(frozen=True)
