@@ -1,3 +1,5 @@
+"""Exact clearances of points and legs to ground, obstacles and bounds."""
+
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -33,7 +35,6 @@ class Clearance:
 
 
 ROUNDING = 1e-6  # [m]
-PARTS = (2, 16)
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
@@ -148,7 +149,7 @@ class Airspace:
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """Return the least height above ground of the legs between `points`; `within`: see `obstacle_clearance`."""
+        """Return the least height above ground of the legs between `points`."""
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
@@ -205,7 +206,7 @@ class Airspace:
         tracks[upright] = shapely.points(starts[upright, :2])
         near = list[tuple[float, int, int]]()  # bound, obstacle, leg
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
-            for parts in PARTS:
+            for parts in (2, 16):  # of each leg
                 away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
                 reach = min(reach, float(away.min()) + ROUNDING)
                 floor = _floor(away, lengths[legs] / parts, self.obstacles[body].convex)

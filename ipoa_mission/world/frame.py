@@ -11,13 +11,12 @@ import numpy as np
 from pyproj import Geod, Transformer
 
 from ipoa_mission.geometry import Points, Vector
-
-RADIUS = 6_371_000.0  # of their Earth [m]
+from ipoa_mission.world.ground import EARTH_RADIUS
 
 
 @dataclass(frozen=True)
 class SphericalPlane:
-    """About a place [deg], or one per point (n,)."""
+    """Azimuthal equidistant about a place [deg], or one per point (n,)."""
 
     latitude_deg: Vector | float
     longitude_deg: Vector | float
@@ -30,13 +29,13 @@ class SphericalPlane:
         north = np.cos(middle) * np.sin(latitude) - np.sin(middle) * np.cos(latitude) * np.cos(turn)
         high = np.sin(middle) * np.sin(latitude) + np.cos(middle) * np.cos(latitude) * np.cos(turn)
         away = np.arctan2(np.hypot(east, north), high)
-        return np.asarray(np.column_stack([east, north]) * (RADIUS / np.sinc(away / np.pi))[:, None])
+        return np.asarray(np.column_stack([east, north]) * (EARTH_RADIUS / np.sinc(away / np.pi))[:, None])
 
     def to_geodetic(self, east: Vector, north: Vector) -> tuple[Vector, Vector]:
         """Return latitude and longitude, each (n,) [deg]."""
         middle = np.radians(self.latitude_deg)
-        away = np.hypot(north, east) / RADIUS
-        share = np.sinc(away / np.pi) / RADIUS  # of sine to distance
+        away = np.hypot(north, east) / EARTH_RADIUS
+        share = np.sinc(away / np.pi) / EARTH_RADIUS  # of sine to distance
         height = np.cos(away) * np.sin(middle) + north * share * np.cos(middle)
         across = np.cos(middle) * np.cos(away) - north * share * np.sin(middle)
         longitude = self.longitude_deg + np.degrees(np.arctan2(east * share, across))
@@ -66,10 +65,9 @@ class Geodetic:
     altitude: float = 0.0
 
 
-def apart(one: Geodetic, other: Geodetic) -> float:
+def apart(a: Geodetic, b: Geodetic) -> float:
     """Return the distance over the ground [m]."""
-    ends = (one.longitude_deg, one.latitude_deg, other.longitude_deg, other.latitude_deg)
-    return float(_ELLIPSOID.inv(*ends)[2])
+    return float(_ELLIPSOID.inv(a.longitude_deg, a.latitude_deg, b.longitude_deg, b.latitude_deg)[2])
 
 
 def swap_hint(home: Geodetic, there: Geodetic, name: str) -> str:
@@ -118,8 +116,8 @@ class LocalFrame:
         if len(x) != 1:
             x, y, z = transform(x, y, z, direction=direction)
             return x, y, z
-        one = transform(float(x[0]), float(y[0]), float(z[0]), direction=direction)
-        x, y, z = np.array(one)[:, None]
+        place = transform(float(x[0]), float(y[0]), float(z[0]), direction=direction)
+        x, y, z = np.array(place)[:, None]
         return x, y, z
 
 

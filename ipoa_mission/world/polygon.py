@@ -12,10 +12,7 @@ from ipoa_mission.geometry import Vector
 
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], not closed
 Plane: TypeAlias = NDArray[np.float64]  # (n, 2) east, north [m]
-MAX_SOLVED_EDGES = 6
 QUARTER_SEGMENTS = 4
-SHORTEST_SPAN = 1e-8  # [m]
-CIRCLE_CORNERS = 32
 
 
 def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
@@ -27,7 +24,8 @@ def rings_of(shape: shapely.Polygon) -> tuple[Ring, tuple[Ring, ...]]:
 
 
 def circle(x: float, y: float, radius: float) -> Plane:
-    turn = np.arange(CIRCLE_CORNERS) * 2 * np.pi / CIRCLE_CORNERS
+    corners = 32
+    turn = np.arange(corners) * 2 * np.pi / corners
     return np.column_stack([x + radius * np.cos(turn), y + radius * np.sin(turn)])
 
 
@@ -121,6 +119,7 @@ class Polygon:
         There two squared distances are equal: to corners, edges, or walls with coefficients `others` (k, 3) of 1, t,
         t^2. Long spans are halved until few edges are near.
         """
+        max_solved_edges, min_span = 6, 1e-8  # [m]
         parameters, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
         length, greatest = float(np.linalg.norm(b - a)), 0.0
         while spans:
@@ -134,10 +133,10 @@ class Polygon:
             if wanted and here > greatest:
                 greatest = here
                 parameters.append(np.array([middle]))
-            if reach < SHORTEST_SPAN or away.min() + reach / 2 < greatest or (not wanted and reach / 2 < away.min()):
+            if reach < min_span or away.min() + reach / 2 < greatest or (not wanted and reach / 2 < away.min()):
                 continue
             near = away <= away.min() + reach
-            if near.sum() <= MAX_SOLVED_EDGES:
+            if near.sum() <= max_solved_edges:
                 parameters.append(_equal(np.vstack([self._squares(a, b, near), others])))
             else:
                 spans += [(low, middle), (middle, high)]
@@ -173,9 +172,6 @@ def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
 
-GRID = 1e-9  # [m or degrees]
-
-
 def union_of(areas: Any) -> Any:
     """Return the union of shapely polygons (n,), or nothing.
 
@@ -190,5 +186,5 @@ def union_of(areas: Any) -> Any:
     areas = np.asarray(areas, dtype=object)
     whole = shapely.union_all(areas)
     shapely.prepare(whole)
-    held = shapely.intersects(whole, shapely.point_on_surface(areas))
-    return whole if (held | shapely.is_empty(areas)).all() else shapely.union_all(areas, grid_size=GRID)
+    covered = shapely.intersects(whole, shapely.point_on_surface(areas)) | shapely.is_empty(areas)
+    return whole if covered.all() else shapely.union_all(areas, grid_size=1e-9)  # [m or degrees]
