@@ -5,17 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.paper import published
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.function_tables import FLOOR, mean_log_error, off_the_print
 from ipoa_mission.paper.map_tables import mean_over_maps
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.paper_maps import MAPS
+from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
 from ipoa_mission.paper.statistics import Samples, against, compare_pairs, count_signs, places, ranking
-
-OURS = BEYOND[0]
 
 
 def table_equal(rows: Sequence[TrialRow]) -> Table:
@@ -76,7 +74,6 @@ def _ablation(
     columns: Mapping[str, Callable[[str], str]],
     note: str,
 ) -> Table:
-    """Make a line for each setting of IPOA: columns, comparison with the default, and means."""
     first = [results(rows, case, "ipoa") for case in cases]
     lines = []
     for label, wanted in ABLATION.items():
@@ -115,14 +112,13 @@ def _rivals(
     last: tuple[str, Callable[[str], str]],
     *notes: str,
 ) -> Table:
-    """`heading`: caption and corner; `last`: label and cells."""
-    names = [*BEYOND, *published.ALGORITHMS]
+    names, ours = [*BEYOND, *ALGORITHMS], BEYOND[0]
     means = np.array([[results(rows, case, name).mean() for name in names] for case in cases])
 
     def of(name: str, case: str) -> NDArray[np.float64]:
         return np.maximum(results(rows, case, name), FLOOR)
 
-    signs = _compare_each(of, OURS, (*BEYOND[1:], "ipoa"), cases)
+    signs = _compare_each(of, ours, (*BEYOND[1:], "ipoa"), cases)
     (caption, corner), (label, words) = heading, last
     return Table(
         caption,
@@ -130,8 +126,8 @@ def _rivals(
         [*_with_places(cases, means), [label, *map(words, names)]],
         [
             *notes,
-            f"Mean rank: {ranking(names, np.maximum(means, FLOOR), OURS)}.",
-            _sentence(OURS, signs, f"{len(cases)}"),
+            f"Mean rank: {ranking(names, np.maximum(means, FLOOR), ours)}.",
+            _sentence(ours, signs, f"{len(cases)}"),
         ],
     )
 
@@ -139,7 +135,6 @@ def _rivals(
 def _compare_each(
     of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Compare as `against`, with Holm's correction over the cases of one rival."""
     return {rival: against(of, ours, [rival], cases)[rival] for rival in rivals}
 
 

@@ -24,11 +24,11 @@ class Problem:
 
     cost: Callable[[Candidates], Costs]
     box: Box
-    measure: Callable[[Optimum], Measures] = lambda _found: {}
+    measure: Callable[[Optimum], Measures] = lambda _optimum: {}
 
 
 def cec2022(function: str, dimension: int) -> Problem:
-    """Return the error of "f1" to "f12": cost minus optimum. Raises BadInput, MissionError."""
+    """Return the error of "f1" to "f12": cost minus optimum."""
     if function not in FUNCTIONS:
         raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
     if dimension not in DIMENSIONS:

@@ -28,7 +28,6 @@ COLORS = {
 
 
 def figure_3() -> str:
-    """Draw the chaotic map, eq. (18)."""
     z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLORS["ipoa"])
@@ -39,7 +38,6 @@ def figure_3() -> str:
 
 
 def figure_5() -> str:
-    """Draw the t distribution at both ends of eq. (29), Cauchy and Gauss."""
     from scipy import stats
 
     x = np.linspace(-5, 5, 501)

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.paper import published
 from ipoa_mission.paper.markdown_table import Table, number, ours_and_print, per_cent
 from ipoa_mission.paper.paper_maps import MAPS, WEIGHTS
+from ipoa_mission.paper.published import ALGORITHMS, PRINTED, Numbers
 from ipoa_mission.paper.rows import TrialRow, results, runs_of
 from ipoa_mission.paper.statistics import against, count_signs, places, ranking
-
-_MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 
 
 def mean_over_maps(
@@ -27,15 +25,15 @@ def mean_over_maps(
 def table_5(rows: Sequence[TrialRow]) -> Table:
     lines = []
     for experiment, weights in WEIGHTS.items():
-        costs = [results(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
+        costs = [results(rows, f"map-8-1/{experiment}", name) for name in ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
-            ours, theirs = [float(of(c)) for c in costs], published.TABLE_5[experiment][metric]
+            ours, theirs = [float(of(c)) for c in costs], PRINTED.table_5[experiment][metric]
             cells = ours_and_print(ours, theirs, (number, number))
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
         "Each cell: ours (place) · printed (place).",
-        ["weights", "", *(name.upper() for name in published.ALGORITHMS)],
+        ["weights", "", *(name.upper() for name in ALGORITHMS)],
         lines,
         [
             "The scales differ: the paper's costs follow from no reading of its eq. (10) and are not reproduced. "
@@ -45,49 +43,48 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_6(rows: Sequence[TrialRow]) -> Table:
-    return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in published.TABLE_6.items()})
+    return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in PRINTED.table_6.items()})
 
 
 def table_7(rows: Sequence[TrialRow]) -> Table:
-    return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in published.TABLE_7.items()})
+    return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in PRINTED.table_7.items()})
 
 
-def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, dict[str, published.Numbers]]]) -> Table:
+def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, dict[str, Numbers]]]) -> Table:
+    measures = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
     lines = []
     for case, printed in maps.values():
-        for measure, label in _MEASURES.items():
-            ours = [float(results(rows, case, name, measure).mean()) for name in published.ALGORITHMS]
+        for measure, label in measures.items():
+            ours = [float(results(rows, case, name, measure).mean()) for name in ALGORITHMS]
             lines.append([case, label, *ours_and_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
-        feasible = [results(rows, case, name, "feasible").mean() for name in published.ALGORITHMS]
+        feasible = [results(rows, case, name, "feasible").mean() for name in ALGORITHMS]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = [case for case, _ in maps.values()]
-    smooth = [results(rows, case, name, "turn_smooth").mean() for case in cases for name in published.ALGORITHMS]
-    length = {name: mean_over_maps(rows, name, "distance", cases=cases) for name in published.ALGORITHMS}
-    printed_length = dict(
-        zip(published.ALGORITHMS, np.mean([p["distance"] for _, p in maps.values()], axis=0), strict=True)
-    )
+    smooth = [results(rows, case, name, "turn_smooth").mean() for case in cases for name in ALGORITHMS]
+    length = {name: mean_over_maps(rows, name, "distance", cases=cases) for name in ALGORITHMS}
+    printed_length = dict(zip(ALGORITHMS, np.mean([p["distance"] for _, p in maps.values()], axis=0), strict=True))
     gains = ", ".join(
         f"{name.upper()} {per_cent(length['ipoa'], length[name])} "
         f"(printed {per_cent(float(printed_length['ipoa']), float(printed_length[name]))})"
-        for name in published.ALGORITHMS[1:]
+        for name in ALGORITHMS[1:]
     )
 
     def lengths(name: str, case: str) -> NDArray[np.float64]:
         return results(rows, case, name, "distance")
 
-    signs = against(lengths, "ipoa", published.ALGORITHMS[1:], cases)
+    signs = against(lengths, "ipoa", ALGORITHMS[1:], cases)
     comparison = "; ".join(f"{rival.upper()} {count_signs(outcomes)}" for rival, outcomes in signs.items())
-    means = np.array([[lengths(name, case).mean() for name in published.ALGORITHMS] for case in cases])
+    means = np.array([[lengths(name, case).mean() for name in ALGORITHMS] for case in cases])
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
         "Each cell: ours (place) · printed, on other maps (place).",
-        ["map", "", *(name.upper() for name in published.ALGORITHMS)],
+        ["map", "", *(name.upper() for name in ALGORITHMS)],
         lines,
         [
             f"Length of IPOA's paths against each: {gains}.",
             f"Shorter / no difference / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
             f"rivals, 0.05): {comparison}.",
-            *([f"Mean rank by length: {ranking(published.ALGORITHMS, means)}."] if len(cases) > 2 else []),
+            *([f"Mean rank by length: {ranking(ALGORITHMS, means)}."] if len(cases) > 2 else []),
             "Distance is the smooth curve's length. Iterations: the first, of a thousand, with the best cost within "
             "1 % of its last. Turn: mean angle between adjacent legs of the control points, which the algorithms "
             f"vary. Over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
@@ -100,7 +97,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
 
 def table_8(rows: Sequence[TrialRow]) -> Table:
     measured = {row.trial.algorithm for row in rows}
-    names = [*published.ALGORITHMS, *sorted(measured.difference(published.ALGORITHMS))]
+    names = [*ALGORITHMS, *sorted(measured.difference(ALGORITHMS))]
     lines = []
     for measure, printed_as, label in (
         ("distance", "distance", "Distance [m]"),
@@ -115,7 +112,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
         place = places([o if np.isfinite(o) else np.inf for o in ours])
         cells = [f"{o:.2f} ({p})" if np.isfinite(o) else "-" for o, p in zip(ours, place, strict=True)]
         if printed_as:
-            theirs = published.TABLE_8[printed_as]
+            theirs = PRINTED.table_8[printed_as]
             for k, (t, q) in enumerate(zip(theirs, places(theirs), strict=True)):
                 cells[k] += f" · {t:g} ({q})"
         lines.append([label, *cells])
@@ -126,7 +123,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
     lines.append(["flown", *(f"{sum(_known(rows, n, 'flyable')):.0f} of {count[n]}" for n in names)])
     return Table(
         f"Table 8. The campus, {runs_of(rows)} runs. Each cell: our mean (place) · printed, on another campus (place).",
-        ["", *(name.upper() if name in published.ALGORITHMS else name for name in names)],
+        ["", *(name.upper() if name in ALGORITHMS else name for name in names)],
         lines,
         [
             "A path that touches a building is not flown; times are means of those flown. Clearance is negative inside "
@@ -145,12 +142,12 @@ def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float
 def table_improvements() -> Table:
     """Compare the improvements claimed in the text with those of its tables."""
     lines = []
-    for where, claims in published.IMPROVEMENTS.items():
+    for where, claims in PRINTED.improvements.items():
         for rival, claimed in claims.items():
-            k = published.ALGORITHMS.index(rival)
+            k = ALGORITHMS.index(rival)
             cells = []
-            for measure, claim in zip(published.IMPROVED[where][0], claimed, strict=True):
-                rows = [table[measure] for table in published.IMPROVED[where]]
+            for measure, claim in zip(PRINTED.improved[where][0], claimed, strict=True):
+                rows = [table[measure] for table in PRINTED.improved[where]]
                 follows = float(np.mean([(row[k] - row[0]) / row[k] for row in rows])) * 100
                 mark = "" if abs(follows - claim) < 0.1 else " **!**"
                 cells.append(f"{measure} {claim:.2f} % · {follows:.2f} %{mark}")

@@ -43,7 +43,6 @@ def number(value: float) -> str:
 def ours_and_print(
     ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]
 ) -> list[str]:
-    """Return cells "ours (place) · printed (place)"."""
     columns = zip(ours, places(ours), printed, places(printed), strict=True)
     return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
 
@@ -56,13 +55,8 @@ def factor(ours: float, theirs: float) -> str:
     return f"×{ours / theirs:.2g}" if theirs else "-"
 
 
-WIDTH = 120  # columns
-_KEPT = ("|", "#", "!")  # not filled: tables, headings, pictures
-_GLUED = "\N{NO-BREAK SPACE}"
-
-
 def filled(text: str) -> str:
-    r"""Fill paragraphs and list items to `WIDTH`.
+    r"""Fill paragraphs and list items to 120 columns.
 
     >>> print(filled("* one\n  and\n* two"), end="")
     * one and
@@ -72,7 +66,7 @@ def filled(text: str) -> str:
 
 
 def _filled(block: str) -> str:
-    if block.startswith(_KEPT):
+    if block.startswith(("|", "#", "!")):  # tables, headings, pictures
         return block
     if block.startswith("* "):
         items = re.split(r"(?m)^\* ", block)[1:]
@@ -82,6 +76,7 @@ def _filled(block: str) -> str:
 
 def _paragraph(words: str, indent: str) -> str:
     # a sign of a list or heading must not begin a line
-    glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", _GLUED, " ".join(words.split(" ")).replace("\n", " "))
-    lines = textwrap.wrap(re.sub(" +", " ", glued), WIDTH - len(indent), break_long_words=False, break_on_hyphens=False)
-    return f"\n{indent}".join(lines).replace(_GLUED, " ")
+    glue = "\N{NO-BREAK SPACE}"
+    glued = re.sub(r" (?=([-+*=#>]|\d+[.)]) )", glue, words.replace("\n", " "))
+    lines = textwrap.wrap(re.sub(" +", " ", glued), 120 - len(indent), break_long_words=False, break_on_hyphens=False)
+    return f"\n{indent}".join(lines).replace(glue, " ")

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.resources import files
 from typing import Any, TypeAlias, TypeVar
 
@@ -14,31 +15,46 @@ ALGORITHMS = ("ipoa", "dbo", "poa", "ssa", "mpoa", "hho")
 
 RIVALS_OF_TABLE_4 = ("dbo", "poa", "ssa", "hho", "mpoa")
 
-_PRINT = tomllib.loads(files("ipoa_mission.paper").joinpath("published.toml").read_text(encoding="utf-8"))
+
+@dataclass(frozen=True)
+class PrintedTables:
+    table_3: dict[str, Rows]  # "best", "mean" and "sd" of the cost
+    table_4: Rows  # p against `RIVALS_OF_TABLE_4`
+    table_5: dict[int, Rows]  # by experiment
+    table_6: dict[int, Rows]  # by map
+    table_7: dict[int, Rows]  # by number of obstacles
+    table_8: Rows
+    improvements: dict[str, Rows]  # on "poa" and "mpoa", by table
+
+    @property
+    def improved(self) -> dict[str, tuple[Rows, ...]]:
+        return {
+            "Table 6": tuple(self.table_6.values()),
+            "Table 7, 6 obstacles": (self.table_7[6],),
+            "Table 7, 10 obstacles": (self.table_7[10],),
+            "Table 8": (self.table_8,),
+        }
 
 
 def _rows(table: dict[str, list[float]]) -> Rows:
     return {name: tuple(numbers) for name, numbers in table.items()}
 
 
-def _tables(name: str, key: Callable[[Any], Key]) -> dict[Key, Rows]:
-    return {key(of): _rows(table) for of, table in _PRINT[name].items()}
+def _read_tables() -> PrintedTables:
+    printed = tomllib.loads(files("ipoa_mission.paper").joinpath("published.toml").read_text(encoding="utf-8"))
+
+    def tables(name: str, key: Callable[[Any], Key]) -> dict[Key, Rows]:
+        return {key(part): _rows(table) for part, table in printed[name].items()}
+
+    return PrintedTables(
+        table_3=tables("table_3", str),
+        table_4=_rows(printed["table_4"]),
+        table_5=tables("table_5", int),
+        table_6=tables("table_6", int),
+        table_7=tables("table_7", int),
+        table_8=_rows(printed["table_8"]),
+        improvements=tables("improvements", str),
+    )
 
 
-#: "best", "mean" and "sd" of the cost; p values against `RIVALS_OF_TABLE_4`
-TABLE_3, TABLE_4 = _tables("table_3", str), _rows(_PRINT["table_4"])
-#: by experiment
-TABLE_5 = _tables("table_5", int)
-#: by map, and by number of obstacles
-TABLE_6, TABLE_7 = _tables("table_6", int), _tables("table_7", int)
-TABLE_8 = _rows(_PRINT["table_8"])
-#: on "poa" and "mpoa", by table
-IMPROVEMENTS = _tables("improvements", str)
-
-#: rows averaged in those claims
-IMPROVED: dict[str, tuple[Rows, ...]] = {
-    "Table 6": tuple(TABLE_6.values()),
-    "Table 7, 6 obstacles": (TABLE_7[6],),
-    "Table 7, 10 obstacles": (TABLE_7[10],),
-    "Table 8": (TABLE_8,),
-}
+PRINTED = _read_tables()

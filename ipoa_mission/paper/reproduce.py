@@ -1,8 +1,10 @@
+"""Measure missing runs, then write tables, figures and their page."""
+
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.resources import files
@@ -11,29 +13,17 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput, MissionError, UnknownName, imported
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
-from ipoa_mission.paper.campus import campus_scenario
 from ipoa_mission.paper.markdown_table import Table, filled
-from ipoa_mission.paper.paper_maps import map_scenario
+from ipoa_mission.paper.paper_maps import campus_scenario, map_scenario
 from ipoa_mission.paper.rows import Rows, TrialRow, runs_of
 from ipoa_mission.paper.runs import measure
-from ipoa_mission.paper.series import (
-    CAMPUS,
-    CEC_ABLATION,
-    CEC_BEYOND,
-    CEC_D10,
-    CEC_D20,
-    CEC_EQUAL,
-    MAPS_ABLATION,
-    MAPS_BEYOND,
-    MAPS_PAPER,
-    Series,
-)
+from ipoa_mission.paper.series import SERIES, Series
 from ipoa_mission.progress import Progress, silent
 
 
 @contextmanager
 def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
-    """Open `jobs` local processes, or the workers of the Dask scheduler at `address`. Raises BadInput, MissionError."""
+    """Open `jobs` local processes, or the workers of the Dask scheduler at `address`."""
     if jobs < 1:
         raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
     if address is None:
@@ -76,14 +66,12 @@ def _leave_ctrl_c_to_the_parent() -> None:
 
 @dataclass(frozen=True)
 class Artifact:
-    """A table or figure, and the series it needs."""
-
     needs: Sequence[Series]
     make: Callable[[Rows], Table | str]
 
 
-def _of(make: Callable[..., Table | str], *needs: Series) -> Artifact:
-    return Artifact(needs, lambda rows: make(*(rows[series.name] for series in needs)))
+def _of(make: Callable[..., Table | str], *needs: str) -> Artifact:
+    return Artifact([SERIES[name] for name in needs], lambda rows: make(*(rows[name] for name in needs)))
 
 
 def _paths(*cases: str) -> Callable[[Sequence[TrialRow]], str]:
@@ -91,37 +79,41 @@ def _paths(*cases: str) -> Callable[[Sequence[TrialRow]], str]:
 
 
 ITEMS: dict[str, Artifact] = {
-    "table-3": _of(function_tables.table_3, CEC_D20),
-    "table-4": _of(function_tables.table_4, CEC_D20),
+    "table-3": _of(function_tables.table_3, "cec2022-d20"),
+    "table-4": _of(function_tables.table_4, "cec2022-d20"),
     "figure-3": _of(figures.figure_3),
     "figure-5": _of(figures.figure_5),
-    "figure-7": _of(figures.figure_7, CEC_D20),
-    "figure-8": _of(figures.figure_8, CEC_D10),
-    "dimension": _of(function_tables.dimension_of_the_print, CEC_D20, CEC_D10),
+    "figure-7": _of(figures.figure_7, "cec2022-d20"),
+    "figure-8": _of(figures.figure_8, "cec2022-d10"),
+    "dimension": _of(function_tables.dimension_of_the_print, "cec2022-d20", "cec2022-d10"),
     "contradictions": _of(function_tables.contradictions),
-    "table-8": _of(map_tables.table_8, CAMPUS),
-    "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), CAMPUS),
+    "table-8": _of(map_tables.table_8, "campus"),
+    "figure-11": _of(lambda rows: figures.paths_on_maps(rows, {"campus": campus_scenario()}), "campus"),
     "improvements": _of(map_tables.table_improvements),
-    "beyond": _of(beyond.table_beyond, CEC_D20, CEC_BEYOND),
-    "table-5": _of(map_tables.table_5, MAPS_PAPER),
-    "table-6": _of(map_tables.table_6, MAPS_PAPER),
-    "table-7": _of(map_tables.table_7, MAPS_PAPER),
-    "figure-9": _of(_paths(*(f"map-8-{k}" for k in range(1, 6))), MAPS_PAPER),
-    "figure-10": _of(_paths("map-6-1", "map-10-1"), MAPS_PAPER),
-    "maps-beyond": _of(beyond.table_maps_beyond, MAPS_PAPER, MAPS_BEYOND),
-    "maps-ablation": _of(beyond.table_maps_ablation, MAPS_ABLATION),
-    "equal": _of(beyond.table_equal, CEC_EQUAL),
-    "ablation": _of(beyond.table_ablation, CEC_ABLATION),
+    "beyond": _of(beyond.table_beyond, "cec2022-d20", "cec2022-d20-beyond"),
+    "table-5": _of(map_tables.table_5, "maps"),
+    "table-6": _of(map_tables.table_6, "maps"),
+    "table-7": _of(map_tables.table_7, "maps"),
+    "figure-9": _of(_paths(*(f"map-8-{k}" for k in range(1, 6))), "maps"),
+    "figure-10": _of(_paths("map-6-1", "map-10-1"), "maps"),
+    "maps-beyond": _of(beyond.table_maps_beyond, "maps", "maps-beyond"),
+    "maps-ablation": _of(beyond.table_maps_ablation, "maps-ablation"),
+    "equal": _of(beyond.table_equal, "cec2022-d20-equal"),
+    "ablation": _of(beyond.table_ablation, "cec2022-d20-ablation"),
 }
 
 
 def reproduce(
-    what: str, runs: int | None, out: Path, jobs: int, executor: str | None, progress: Progress = silent
+    what: str,
+    runs: int | None,
+    out: Path,
+    pool: AbstractContextManager[Executor],
+    progress: Progress = silent,
 ) -> list[Path]:
-    """Measure and write one of `ITEMS`, or "all" with a page. Raises BadInput, MissionError.
+    """Measure and write one of `ITEMS`, or "all" with a page.
 
     `out` gets tables as Markdown and CSV, figures as SVG, and `rows`, which are not measured again. `runs`: of each;
-    None as in the paper. `executor`: address of a Dask scheduler in place of `jobs` processes.
+    None as in the paper. `pool`: of `open_executor`; it is not opened if nothing needs a run.
     """
     if what != "all" and what not in ITEMS:
         close = get_close_matches(what, [*ITEMS, "all"], n=1)
@@ -130,7 +122,12 @@ def reproduce(
     if runs is not None and runs < 1:
         raise BadInput(f"expected at least 1, not {runs}", place="runs")
     names = list(ITEMS) if what == "all" else [what]
-    rows = _measure({s.name: s for name in names for s in ITEMS[name].needs}, runs, out, jobs, executor, progress)
+    needed = {series.name: series for name in names for series in ITEMS[name].needs}
+    rows: dict[str, Sequence[TrialRow]] = {}
+    if needed:
+        with pool as executor:
+            for name, series in needed.items():
+                rows[name] = measure(series.trials(runs), out / "rows" / f"{name}.csv", executor, progress, f"{name}: ")
     made = {name: ITEMS[name].make(rows) for name in names}
     written = []
     for name, item in made.items():
@@ -139,21 +136,8 @@ def reproduce(
         else:
             written.append(_write(out / f"{name}.svg", item))
     if what == "all":
-        sources = {name: [series.name for series in ITEMS[name].needs] for name in made}
-        written.append(_write(out / "README.md", page(made, sources, rows)))
+        written.append(_write(out / "README.md", page(made, rows)))
     return written
-
-
-def _measure(
-    series: Mapping[str, Series], runs: int | None, out: Path, jobs: int, address: str | None, progress: Progress
-) -> Rows:
-    if not series:
-        return {}
-    rows = {}
-    with open_executor(jobs, address) as executor:
-        for name, one in series.items():
-            rows[name] = measure(one.trials(runs), out / "rows" / f"{name}.csv", executor, progress, f"{name}: ")
-    return rows
 
 
 def _write(path: Path, text: str) -> Path:
@@ -162,16 +146,16 @@ def _write(path: Path, text: str) -> Path:
     return path
 
 
-def page(made: Mapping[str, Table | str], sources: Mapping[str, Sequence[str]], rows: Rows) -> str:
-    """Return the page in Markdown; `sources` names the series of each table or figure."""
-    shown = {name: _shown(name, item, sources[name]) for name, item in made.items()}
+def page(made: Mapping[str, Table | str], rows: Rows) -> str:
+    """Return the page in Markdown, with the tables and figures of `made`."""
+    shown = {name: _shown(name, item) for name, item in made.items()}
     words = files("ipoa_mission.paper").joinpath("page.md").read_text(encoding="utf-8")
     return filled(words.format_map({**shown, "measured": _measured(rows)}))
 
 
-def _shown(name: str, item: Table | str, sources: Sequence[str]) -> str:
+def _shown(name: str, item: Table | str) -> str:
     shown = item.markdown() if isinstance(item, Table) else f"![{name}]({name}.svg)\n"
-    linked = ", ".join(f"[`{one}.csv`](rows/{one}.csv)" for one in sources)
+    linked = ", ".join(f"[`{series.name}.csv`](rows/{series.name}.csv)" for series in ITEMS[name].needs)
     return f"{shown}\n*`ipoa-mission reproduce {name}`; {f'rows: {linked}' if linked else 'needs no runs'}.*"
 
 

@@ -27,12 +27,13 @@ def reproduce(
 
     Example: `ipoa-mission reproduce table-3 --runs 3`
     """
+    from ipoa_mission.paper.reproduce import open_executor
     from ipoa_mission.paper.reproduce import reproduce as measure
 
     make_folder(out)
     kept = f"finished runs are in {out}; the same command continues from there"
     with reporting_interrupt(kept), progress_bar("measuring") as show:
-        files = measure(what, runs, out, jobs, executor, show)
+        files = measure(what, runs, out, open_executor(jobs, executor), show)
     if as_json:
         print_json({"written": [str(file) for file in files]})
     else:

@@ -1,4 +1,4 @@
-"""An incomplete last line is ignored, and removed before the next row."""
+"""Runs as CSV: an incomplete last line is ignored, and removed before the next row."""
 
 import csv
 import io
@@ -78,7 +78,7 @@ _COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) i
 
 
 def read_rows(path: Path) -> list[TrialRow]:
-    """Read a file of runs; none if it does not exist. Raises BadInput."""
+    """Read a file of runs; none if it does not exist."""
     if not path.exists():
         return []
     lines = read_text(path).splitlines(keepends=True)
@@ -119,7 +119,7 @@ def line_of(row: TrialRow) -> str:
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:
-    """Open `path` for appending by this process alone. Raises MissionError."""
+    """Open `path` for appending by this process alone."""
     path.parent.mkdir(parents=True, exist_ok=True)
     opened = path.open("a", encoding="utf-8", newline="")
     _claim(opened, path)

@@ -16,9 +16,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum, minimize
-from ipoa_mission.paper.campus import campus_problem
 from ipoa_mission.paper.cec2022 import Problem, cec2022
-from ipoa_mission.paper.paper_maps import map_problem
+from ipoa_mission.paper.paper_maps import campus_problem, map_problem
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
@@ -106,7 +105,6 @@ PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map":
 
 
 def run_trial(trial: Trial) -> TrialRow:
-    """Raises BadInput."""
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
     if trial.algorithm in RIVALS and trial.algorithm in optimizer_names():
@@ -138,19 +136,19 @@ def _run(trial: Trial) -> TrialRow:
 
 
 def measure(
-    trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, what: str = ""
+    trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, label: str = ""
 ) -> list[TrialRow]:
-    """Run the trials that `path` lacks, and return all rows in their order. Raises BadInput, MissionError."""
+    """Run the trials that `path` lacks, and return all rows in their order."""
     wanted = list(dict.fromkeys(trials))
     row_of = {row.trial: row for row in read_rows(path)}
     if row_of.keys() >= set(wanted):
-        count(progress, len(wanted), len(wanted), what)
+        count(progress, len(wanted), len(wanted), label)
         return [row_of[trial] for trial in wanted]
     with open_to_append(path) as file:
         row_of = {row.trial: row for row in read_rows(path)}  # read again under the lock
         missing = [trial for trial in wanted if trial not in row_of]
         done = len(wanted) - len(missing)
-        count(progress, done, len(wanted), what)
+        count(progress, done, len(wanted), label)
         waiting = [executor.submit(run_trial, trial) for trial in missing]
         try:
             for future in as_completed(waiting):
@@ -159,7 +157,7 @@ def measure(
                 file.write(line_of(row))
                 file.flush()
                 done += 1
-                count(progress, done, len(wanted), what)
+                count(progress, done, len(wanted), label)
         finally:
             for future in waiting:
                 future.cancel()

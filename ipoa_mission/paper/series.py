@@ -1,10 +1,13 @@
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.paper_maps import INNER, MAPS, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import Trial, settings_text
+
+Settings: TypeAlias = dict[str, object]
 
 #: evaluations of IPOA at N = 30 and T = 1000 with all strategies
 BUDGET = 90_060
@@ -12,7 +15,7 @@ BUDGET = 90_060
 BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
 
 #: iterations that spend `BUDGET` at N = 30
-EQUAL: dict[str, dict[str, object]] = {
+EQUAL: dict[str, Settings] = {
     "ipoa": {"iterations": 1000},
     "dbo": {"iterations": 3001},
     "poa": {"iterations": 1501},
@@ -22,7 +25,7 @@ EQUAL: dict[str, dict[str, object]] = {
 }
 
 #: IPOA's settings, one at a time
-ABLATION: dict[str, dict[str, object]] = {
+ABLATION: dict[str, Settings] = {
     "IPOA as implemented here": {},
     "without chaotic and refracted start": {"chaotic_start": False},
     "without inertia weight": {"inertia": False},
@@ -55,42 +58,34 @@ class Series:
     firsts: Sequence[Trial]
 
     def trials(self, runs: int | None) -> list[Trial]:
-        """Return all trials, round after round; `runs` None: the paper's number."""
-        return [
-            Trial(t.problem, t.case, t.dimension, t.algorithm, t.settings, t.budget, run)
-            for run in range(self.runs if runs is None else runs)
-            for t in self.firsts
-        ]
+        """`runs` None: the paper's number."""
+        return [replace(t, run=run) for run in range(self.runs if runs is None else runs) for t in self.firsts]
 
 
-def _cec(dimension: int, algorithms: Sequence[tuple[str, dict[str, object]]], budget: int = 0) -> list[Trial]:
+def _trials(
+    problem: str, cases: Sequence[str], dimension: int, algorithms: Sequence[tuple[str, Settings]], budget: int = 0
+) -> list[Trial]:
     return [
-        Trial("cec2022", function, dimension, name, settings_text(**settings), budget, 0)
-        for function in FUNCTIONS
-        for name, settings in algorithms
-    ]
-
-
-def _maps(cases: Sequence[str], algorithms: Sequence[tuple[str, dict[str, object]]], budget: int = 0) -> list[Trial]:
-    return [
-        Trial("map", case, 3 * INNER, name, settings_text(**settings), budget, 0)
+        Trial(problem, case, dimension, name, settings_text(**settings), budget, 0)
         for case in cases
         for name, settings in algorithms
     ]
 
 
-CEC_D20 = Series("cec2022-d20", 30, _cec(20, [(name, {}) for name in ALGORITHMS]))
-CEC_D10 = Series("cec2022-d10", 30, _cec(10, [(name, {}) for name in ALGORITHMS]))
-CEC_BEYOND = Series("cec2022-d20-beyond", 30, _cec(20, [(name, {}) for name in BEYOND], BUDGET))
-CEC_EQUAL = Series("cec2022-d20-equal", 15, _cec(20, list(EQUAL.items()), BUDGET))
-CEC_ABLATION = Series("cec2022-d20-ablation", 20, _cec(20, [("ipoa", settings) for settings in ABLATION.values()]))
+def _all_series() -> Iterator[Series]:
+    papers: list[tuple[str, Settings]] = [(name, {}) for name in ALGORITHMS]
+    rivals: list[tuple[str, Settings]] = [(name, {}) for name in BEYOND]
+    ablation = [("ipoa", settings) for settings in ABLATION.values()]
+    weighted = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
+    yield Series("cec2022-d20", 30, _trials("cec2022", FUNCTIONS, 20, papers))
+    yield Series("cec2022-d10", 30, _trials("cec2022", FUNCTIONS, 10, papers))
+    yield Series("cec2022-d20-beyond", 30, _trials("cec2022", FUNCTIONS, 20, rivals, BUDGET))
+    yield Series("cec2022-d20-equal", 15, _trials("cec2022", FUNCTIONS, 20, list(EQUAL.items()), BUDGET))
+    yield Series("cec2022-d20-ablation", 20, _trials("cec2022", FUNCTIONS, 20, ablation))
+    yield Series("maps", 10, _trials("map", (*weighted, *MAPS), 3 * INNER, papers))
+    yield Series("maps-beyond", 10, _trials("map", MAPS, 3 * INNER, rivals, BUDGET))
+    yield Series("maps-ablation", 10, _trials("map", MAPS, 3 * INNER, ablation))
+    yield Series("campus", 20, _trials("campus", ("campus",), 3 * INNER, [*papers, rivals[0]]))
 
-WEIGHTED = tuple(f"map-8-1/{experiment}" for experiment in WEIGHTS)
 
-MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name in ALGORITHMS]))
-MAPS_BEYOND = Series("maps-beyond", 10, _maps(MAPS, [(name, {}) for name in BEYOND], BUDGET))
-MAPS_ABLATION = Series("maps-ablation", 10, _maps(MAPS, [("ipoa", settings) for settings in ABLATION.values()]))
-
-CAMPUS = Series(
-    "campus", 20, [Trial("campus", "campus", 3 * INNER, name, "{}", 0, 0) for name in (*ALGORITHMS, BEYOND[0])]
-)
+SERIES = {series.name: series for series in _all_series()}

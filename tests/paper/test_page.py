@@ -23,8 +23,7 @@ def recorded() -> dict[str, Sequence[TrialRow]]:
 def test_the_page_in_the_documents_is_made_of_the_recorded_rows() -> None:
     rows = recorded()
     made = {name: item.make(rows) if "figure" not in name else "<svg/>" for name, item in ITEMS.items()}
-    sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
-    assert page(made, sources, rows) == (FOLDER / "README.md").read_text(encoding="utf-8")
+    assert page(made, rows) == (FOLDER / "README.md").read_text(encoding="utf-8")
 
 
 def test_filling_begins_no_list_in_the_middle_of_a_sentence() -> None:

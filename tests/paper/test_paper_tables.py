@@ -8,11 +8,11 @@ import pytest
 from ipoa_mission.paper import figures, function_tables, map_tables
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.markdown_table import Table, number
-from ipoa_mission.paper.published import TABLE_3
-from ipoa_mission.paper.reproduce import ITEMS, Artifact, page, reproduce
+from ipoa_mission.paper.published import PRINTED
+from ipoa_mission.paper.reproduce import ITEMS, Artifact, open_executor, page, reproduce
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS
-from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
+from ipoa_mission.paper.series import SERIES, Series
 from tests.refused import refuses
 
 RUNS = 3
@@ -69,17 +69,17 @@ def made(rows: dict[str, Sequence[TrialRow]]) -> Callable[[str], Table | str]:
 
 
 def test_table_3_has_thirty_six_lines_and_ranks_by_what_was_measured(rows: dict[str, Sequence[TrialRow]]) -> None:
-    table = function_tables.table_3(rows[CEC_D20.name])
+    table = function_tables.table_3(rows["cec2022-d20"])
     assert len(table.rows) == 36
     mean_f1 = next(row for row in table.rows if row[:2] == ["f1", "mean"])
-    for place, (cell, printed) in enumerate(zip(mean_f1[2:], TABLE_3["f1"]["mean"], strict=True), start=1):
+    for place, (cell, printed) in enumerate(zip(mean_f1[2:], PRINTED.table_3["f1"]["mean"], strict=True), start=1):
         ours = 300 + float(np.mean([cost_of(place, run) for run in range(RUNS)]))
         assert cell.startswith(f"{number(ours)} ({place}) · {number(printed)} (")
     assert table.notes[0].startswith("IPOA is first in 24 of 36 here; in print in 25")
 
 
 def test_table_4_says_better_where_it_is_and_corrects(rows: dict[str, Sequence[TrialRow]]) -> None:
-    table = function_tables.table_4(rows[CEC_D20.name])
+    table = function_tables.table_4(rows["cec2022-d20"])
     assert len(table.rows) == len(FUNCTIONS)
     assert "of 60; 60 show no difference" in table.notes[0]  # three runs cannot survive a correction over sixty
 
@@ -93,14 +93,14 @@ def test_the_contradictions_are_those_that_arithmetic_finds() -> None:
 
 def test_mean_log_error_is_one_unit_for_a_factor_of_ten() -> None:
     def costing(factor: float) -> list[TrialRow]:
-        return [_row(t, factor) for t in CEC_D20.trials(1)]
+        return [_row(t, factor) for t in SERIES["cec2022-d20"].trials(1)]
 
     assert function_tables.mean_log_error(costing(100.0), "ipoa") == pytest.approx(2)
     assert function_tables.mean_log_error(costing(1e-30), "ipoa") == pytest.approx(-8)
 
 
 def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[TrialRow]]) -> None:
-    assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows[MAPS_PAPER.name]).notes[0]
+    assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows["maps"]).notes[0]
 
 
 @pytest.mark.parametrize(
@@ -123,8 +123,7 @@ def test_the_page_holds_every_table_and_links_every_figure(
     rows: dict[str, Sequence[TrialRow]], made: Callable[[str], Table | str]
 ) -> None:
     items = {name: made(name) if "figure" not in name else "<svg/>" for name in ITEMS}
-    sources = {name: [series.name for series in item.needs] for name, item in ITEMS.items()}
-    shown = page(items, sources, rows)
+    shown = page(items, rows)
     for name, item in items.items():
         assert (item.markdown() if isinstance(item, Table) else f"({name}.svg)") in shown, name
         assert f"`ipoa-mission reproduce {name}`" in shown
@@ -139,7 +138,7 @@ def test_figures_are_the_same_bytes_every_time_and_show_every_point(made: Callab
 
 
 def test_reproduce_writes_tables_in_both_forms(tmp_path: Path) -> None:
-    written = reproduce("contradictions", None, tmp_path / "out", 1, None)
+    written = reproduce("contradictions", None, tmp_path / "out", open_executor(1, None))
     assert [path.name for path in written] == ["contradictions.md", "contradictions.csv"]
     assert all(path.read_text(encoding="utf-8") for path in written)
 
@@ -157,7 +156,7 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
 
     monkeypatch.setitem(ITEMS, "tiny", Artifact([tiny], make))
     for runs in (None, 3, None):
-        reproduce("tiny", runs, tmp_path / "out", 1, None, lambda share, words: told.append(words))
+        reproduce("tiny", runs, tmp_path / "out", open_executor(1, None), lambda share, words: told.append(words))
     later = ("4 of 6", "5 of 6", "6 of 6", "4 of 4")
     assert told == [f"tiny: {done} of 4" for done in range(5)] + [f"tiny: {done}" for done in later]
     assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
@@ -174,4 +173,4 @@ def test_what_cannot_be_reproduced_is_bad_input(
     tmp_path: Path, what: str, runs: int | None, message: tuple[str, ...]
 ) -> None:
     with refuses(*message):
-        reproduce(what, runs, tmp_path, 1, None)
+        reproduce(what, runs, tmp_path, open_executor(1, None))
