@@ -160,7 +160,8 @@ class _Line:
     def degrees(self, name: str) -> float:
         value = self.value(name)
         if abs(value) > 180:
-            raise self.wrong(name, "degrees from -180 to 180")
+            scaled = "divide it by 1e7: MISSION_ITEM_INT has units of 1e-7 degrees" if abs(value) > 1e6 else None
+            raise self.wrong(name, "degrees from -180 to 180", scaled)
         return value
 
     def whole(self, name: str, most: int) -> int:
@@ -169,8 +170,8 @@ class _Line:
             raise self.wrong(name, f"a whole number from 0 to {most}")
         return int(value)
 
-    def wrong(self, name: str, expected: str) -> BadInput:
-        return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', place=f"{self.where}: {name}")
+    def wrong(self, name: str, expected: str, hint: str | None = None) -> BadInput:
+        return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', hint, place=f"{self.where}: {name}")
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:

@@ -157,3 +157,14 @@ def test_a_fence_item_among_the_items_is_not_written(tmp_path: Path) -> None:
     with refuses("not-a-mission-item", "item 4 (NAV_FENCE_CIRCLE_INCLUSION)", kind=BadInput):
         write_mission(replace(FLIGHT, items=(*FLIGHT.items, corner)), tmp_path / "fenced.waypoints")
     assert not (tmp_path / "fenced.waypoints").exists()
+
+
+def test_scaled_degrees_are_refused_with_their_unit(tmp_path: Path) -> None:
+    """pymavlink's MAVWPLoader saves a MISSION_ITEM_INT so."""
+    path = tmp_path / "scaled.waypoints"
+    items = ["0 1 0 16 0 0 0 0 47.3977 8.5456 488 1", "1 0 3 16 0 0 0 0 473977418.000000 85455941.000000 20 1"]
+    path.write_text("QGC WPL 110\n" + "\n".join(item.replace(" ", "\t") for item in items) + "\n")
+    with pytest.raises(BadInput) as refused:
+        read_mission_file(path, Autopilot.PX4)
+    assert refused.value.place == f"{path}: line 3: latitude"
+    assert "1e7" in str(refused.value.hint)
