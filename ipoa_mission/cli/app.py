@@ -14,10 +14,9 @@ import typer
 
 from ipoa_mission.cli import checking, comparing, flying, linking, mocking, output, planning, showing
 from ipoa_mission.cli.groups import grouped
-from ipoa_mission.cli.interrupting import Interrupted, done, interrupted, stopped
+from ipoa_mission.cli.interrupting import run_interruptible
 from ipoa_mission.cli.output import print_lines, shown
 from ipoa_mission.errors import MissionError
-from ipoa_mission.files import written
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 
@@ -137,19 +136,9 @@ def _take_shell(words: list[str]) -> None:
 def main() -> None:
     output.replace_unencodable()
     _take_shell(sys.argv[1:])
-    done.clear()
-    written.clear()
     try:
-        try:
-            command()(prog_name="ipoa-mission")
-        except SystemExit as ended:
-            if ended.code == Interrupted.exit_code:  # Typer ends this way
-                raise stopped() from None
-            raise
-        except KeyboardInterrupt:
-            raise stopped() from None
+        run_interruptible(lambda: command()(prog_name="ipoa-mission"))
     except MissionError as error:
-        error = interrupted(error)
         with suppress(KeyboardInterrupt):
             output.print_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)

@@ -19,6 +19,7 @@ from ipoa_mission.unread import unread_as_json
 if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.wind import Wind
 
 
 def missions_in(paths: Iterable[Path]) -> list[Path]:
@@ -86,16 +87,12 @@ class CheckedFile:
     def lines(self) -> Iterator[str]:
         yield from notes(self.remarks)
         if self.forecast is not None and self.forecast.scenario is not None:
-            from ipoa_mission.cli.plan_output import wind_words
-
             yield from wind_words(self.forecast.wind)
         for finding in self.findings:
             yield f"{finding} [{finding.code}]"
             if finding.hint:
                 yield f"hint: {finding.hint}"
         if self.promise is not None:
-            from ipoa_mission.cli.plan_output import promised
-
             yield from promised(self.promise)
 
     def counts(self) -> str:
@@ -126,3 +123,14 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
 
 def counted(number: int, what: str) -> str:
     return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def wind_words(wind: "Wind") -> list[str]:
+    return [f"wind {wind}"] if wind.strongest > 0 else []
+
+
+def promised(promise: "Promise | None") -> list[str]:
+    kept = None if promise is None else promise.clearance
+    if promise is None or kept is None:
+        return []
+    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]

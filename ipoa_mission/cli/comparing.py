@@ -59,7 +59,7 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.post_flight import flown_clearance, landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights

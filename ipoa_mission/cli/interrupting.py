@@ -1,12 +1,22 @@
-"""Handle Ctrl-C: end with 130 and report what was done; a second press ends at once."""
+"""Handle Ctrl-C: exit code 130, and a message of what was changed on the vehicle and in files.
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+A waiting dialogue (`link.line.converse`) gets `Cancelled` at the first Ctrl-C, and ends so that the vehicle keeps a
+whole mission; `holds` names it. A second Ctrl-C ends at once. In `fly` each stage adds the state that it leaves
+(`showing_stage`). Before the start the vehicle is on the ground. In flight it flies on, unwatched.
+"""
 
-import typer
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from functools import partial
+from typing import TYPE_CHECKING
 
+from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import written
+
+if TYPE_CHECKING:
+    from ipoa_mission.flight.procedure import Stage
+    from ipoa_mission.progress import Progress
 
 #: The changes that the verb has made, or may have made.
 done: dict[str, str] = {}
@@ -16,6 +26,22 @@ class Interrupted(MissionError):
     """The message reports the state left behind."""
 
     exit_code = 130
+
+
+def run_interruptible(command: Callable[[], object]) -> None:
+    """Run a command line; at Ctrl-C raise Interrupted with all changes until then."""
+    done.clear()
+    written.clear()
+    try:
+        command()
+    except SystemExit as ended:
+        if ended.code == Interrupted.exit_code:  # Typer ends this way
+            raise interrupted(stopped()) from None
+        raise
+    except KeyboardInterrupt:
+        raise interrupted(stopped()) from None
+    except MissionError as error:
+        raise interrupted(error) from None
 
 
 @contextmanager
@@ -35,36 +61,70 @@ def reporting_interrupt(words: str, hint: str | None = None, after: str = "") ->
         done[after] = after
 
 
+@contextmanager
+def showing_stage(stage: "Stage") -> "Iterator[Progress]":
+    """Show a bar; on an interruption report the state left behind."""
+    from ipoa_mission.flight.procedure import Stage
+    from ipoa_mission.progress import silent
+
+    left, after = {
+        Stage.POSITION: ("the mission was not sent", ""),
+        Stage.PARAMETERS: ("the mission was not sent", ""),
+        Stage.CHECK: ("the mission was not sent", ""),
+        Stage.UPLOAD: ("the mission on the vehicle may be the old or the new one", str(Stage.STORED)),
+        Stage.STORED: (str(Stage.STORED), str(Stage.STORED)),
+        Stage.READY: ("the vehicle was not armed", ""),
+        Stage.START: ("the start was not completed", "the vehicle was started"),
+        Stage.FLIGHT: ("the vehicle flies on, unwatched", ""),
+    }[stage]
+    hint = "look at the vehicle: it may be armed" if stage is Stage.START else None
+    waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
+    is_long = stage not in (Stage.CHECK, Stage.STORED)
+    words = "starting" if stage is Stage.START else stage
+    with (
+        reporting_interrupt(left, hint, after),
+        progress_bar(words, is_waiting=waits) if is_long else nullcontext(silent) as show,
+    ):
+        yield partial(_show_parameters, show) if stage is Stage.PARAMETERS else show
+
+
+def _show_parameters(show: "Progress", share: float, names: str) -> None:
+    done["parameters"] = f"{'parameters were' if share == 1.0 else 'some parameters may be'} written: {names}"
+    show(share, names)
+
+
+def note_flown(name: str, is_armed: bool) -> None:
+    """Replace the state at the start, for Ctrl-C after the flight."""
+    from ipoa_mission.flight.procedure import Stage
+
+    for before in (str(Stage.STORED), "the vehicle was started"):
+        done.pop(before, None)
+    done[name] = f"{name}: the vehicle {'is armed, and no longer watched' if is_armed else 'is disarmed'}"
+
+
 def interrupted(error: MissionError, hint: str | None = None, words: str = "") -> MissionError:
     from ipoa_mission.link.dialogue import Cancelled
 
     if isinstance(error, Cancelled):
-        found = stopped(error.hint or hint, words)
+        ended = stopped(error.hint or hint, words)
         if error.holds is not None:
             done.pop(words, None)
             words = str(error)
-            found = stopped(found.hint, words) if any(done.values()) else Interrupted(words, found.hint)
-        found.known = error.known
-        error = found
-    if isinstance(error, Interrupted) and (written := files_written()):
-        error.known["written"] = written
+            ended = stopped(ended.hint, words) if any(done.values()) else Interrupted(words, ended.hint)
+        ended.known = error.known
+        error = ended
+    if isinstance(error, Interrupted) and (files := _files_written()):
+        error.known["written"] = files
     return error
 
 
 def stopped(hint: str | None = None, words: str = "") -> Interrupted:
     """Return the error of Ctrl-C; it reports `words` last."""
-    left = [one for one in (*(one for one in done.values() if one != words), words) if one]
-    if not left and not files_written():
+    left = [*filter(None, (change for change in done.values() if change != words)), *filter(None, [words])]
+    if not left and not _files_written():
         left = ["nothing was done"]
-    return Interrupted(": ".join(["stopped", "; ".join(left)] if left else ["stopped"]), hint)
+    return Interrupted(": ".join(["stopped", *filter(None, ["; ".join(left)])]), hint)
 
 
-def confirm(question: str) -> bool:
-    try:
-        return typer.confirm(question, err=True)
-    except typer.Abort:
-        raise KeyboardInterrupt from None
-
-
-def files_written() -> list[str]:
+def _files_written() -> list[str]:
     return [str(path) for path in written if path.exists()]

@@ -1,28 +1,98 @@
-from collections.abc import Callable, Mapping
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
-from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.interrupting import reporting_interrupt, showing_stage
 from ipoa_mission.cli.options import (
     AutopilotOption,
+    Backend,
     FileArgument,
     ForceOption,
     IgnoreOption,
     JsonOption,
     LinkOption,
     UnmeasuredVersionOption,
+    signer_of,
 )
-from ipoa_mission.cli.output import notes, print_json, print_lines, progress_bar
-from ipoa_mission.cli.overwriting import expect_free
-from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
-from ipoa_mission.errors import WrongSuffix
+from ipoa_mission.cli.output import expect_free, expect_log, notes, print_json, print_lines, progress_bar
+from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle
+
+
+log = logging.getLogger(__name__)
+
+
+@contextmanager
+def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Iterator[Vehicle]":
+    """Connect to the vehicle; log every frame (default: `usual_log`) without MAVSDK. Raises BadInput, LinkDown,
+    NoAnswer, NotFlown.
+
+    `reading`: any vehicle is accepted. Errors name the log. `options.timeout` ends all but a flight.
+    """
+    logs = {file: _written_ns(file) for file in options.written(usual_log)}
+    try:
+        with _vehicle_on(link, options, usual_log, reading) as vehicle:
+            yield vehicle
+    except MissionError as error:
+        if kept := [file for file, before in logs.items() if _written_ns(file) not in (None, before)]:
+            error.known["written"] = kept
+        raise
+
+
+def _written_ns(file: str) -> int | None:
+    try:
+        return Path(file).stat().st_mtime_ns
+    except OSError:
+        return None
+
+
+def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading: bool) -> "Vehicle":
+    expect_log(options.log)
+    timeout = options.timeout
+    signer, began = signer_of(options.key), time.monotonic()
+    if options.backend is Backend.MAVSDK:
+        from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
+
+        if signer is not None:
+            words = "the mavsdk backend does not sign"
+            raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
+        if timeout is not None:
+            words = "MAVSDK has timers of its own"
+            raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--timeout")
+        vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
+    else:
+        from ipoa_mission.link.connect import connect
+        from ipoa_mission.link.dialogue import SPECIFIED
+
+        vehicle = connect(
+            link,
+            system=options.system,
+            log=options.log or usual_log,
+            signer=signer,
+            patience=SPECIFIED if timeout is None else replace(SPECIFIED, total_s=timeout),
+            anyway=options.anyway,
+            reading=reading,
+        )
+        if timeout is not None:
+            vehicle.give_up_after(timeout - (time.monotonic() - began))
+    log.info("%s: system %d, %s, by %s", link, vehicle.system, vehicle.autopilot, options.backend)
+    return vehicle
+
+
+def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
+    """Return whether a mission file names its firmware; `.waypoints` does not."""
+    return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 
 def upload(
@@ -56,7 +126,7 @@ def upload(
         if not on_link.anyway:
             refuse_errors([finding for finding in given.findings if finding.code not in ignored])
         mission = given.mission
-        sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=stages_shown)
+        sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=showing_stage)
         remarks = (*given.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
@@ -137,7 +207,7 @@ def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "pause", "holds its place", lambda vehicle: vehicle.pause())
+    _order(link, on_link, as_json, "holds its place", lambda vehicle: vehicle.pause())
 
 
 def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
@@ -145,7 +215,7 @@ def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) 
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "resume", "goes on with its mission", lambda vehicle: vehicle.resume())
+    _order(link, on_link, as_json, "goes on with its mission", lambda vehicle: vehicle.resume())
 
 
 def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
@@ -153,7 +223,7 @@ def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> 
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "rtl", "comes home", lambda vehicle: vehicle.return_to_launch())
+    _order(link, on_link, as_json, "comes home", lambda vehicle: vehicle.return_to_launch())
 
 
 def scan(
@@ -171,19 +241,19 @@ def scan(
     from ipoa_mission.link.discovery import versions_of
 
     with open_line(link) as line:
-        found = listen(line, seconds)
-        versions = versions_of(line, (one.system for one in found))
+        heard = listen(line, seconds)
+        versions = versions_of(line, (vehicle.system for vehicle in heard))
         rows = [
             {
-                "system": one.system,
-                "autopilot": str(one.kind.autopilot),
-                "kind": str(one.kind),
-                "firmware_version": str(versions[one.system]) if one.system in versions else None,
-                "flown": one.kind.is_flown,
-                "armed": one.armed,
-                "contested": line.contested(one.system),
+                "system": vehicle.system,
+                "autopilot": str(vehicle.kind.autopilot),
+                "kind": str(vehicle.kind),
+                "firmware_version": str(versions[vehicle.system]) if vehicle.system in versions else None,
+                "flown": vehicle.kind.is_flown,
+                "armed": vehicle.armed,
+                "contested": line.contested(vehicle.system),
             }
-            for one in found
+            for vehicle in heard
         ]
     if not rows:
         words = f"no autopilot heard within {seconds:g} s"
@@ -194,9 +264,7 @@ def scan(
         print_lines(*(_in_words(row) for row in rows))
 
 
-def _order(
-    link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: "Callable[[Vehicle], None]"
-) -> None:
+def _order(link: str, on_link: LinkOptions, as_json: bool, done: str, order: "Callable[[Vehicle], None]") -> None:
     words = "the vehicle may have received the order"
     with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, after=f"the vehicle {done}"):
         order(vehicle)
@@ -205,11 +273,9 @@ def _order(
 
 
 def _counted(counts: dict[str, int]) -> str:
-    fence, rally = counts["fence"], counts["rally"]
-    also = [f"{fence} fence area{'s' * (fence != 1)}"] * bool(fence) + [
-        f"{rally} rally point{'s' * (rally != 1)}"
-    ] * bool(rally)
-    return " and ".join([f"{counts['items']} items", *also]) + " are"
+    names = {"fence": "fence area", "rally": "rally point"}
+    lists = [f"{counts[key]} {name}{'s' * (counts[key] != 1)}" for key, name in names.items() if counts[key]]
+    return " and ".join([f"{counts['items']} items", *lists]) + " are"
 
 
 def _name(vehicle: "Vehicle") -> str:

@@ -14,9 +14,11 @@ from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
+from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
@@ -44,6 +46,19 @@ class Job:
     @property
     def estimate(self) -> Estimate:
         return (self.begun or self.forecast).estimate
+
+
+@dataclass(frozen=True)
+class FlownJob:
+    """A job as flown, remarks, and the flight."""
+
+    job: Job
+    remarks: tuple[str, ...]
+    record: FlightRecord
+
+
+def landing_remarks(job: Job, record: FlightRecord) -> tuple[str, ...]:
+    return landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
 
 
 def read_job(

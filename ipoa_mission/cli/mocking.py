@@ -1,5 +1,7 @@
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +21,7 @@ from ipoa_mission.cli.options import (
     bad_link_option,
     link_option,
     read_parameter_options,
+    signer_of,
 )
 from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.errors import BadInput, OptionConflict
@@ -43,22 +46,18 @@ class MockOptions:
     ] = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
-
-
-def mock(
-    worse: FaultOptions,
-    one: MockOptions,
     link: Annotated[
         str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
-    ] = "udpin:127.0.0.1:14540",
+    ] = "udpin:127.0.0.1:14540"
     speedup: Annotated[
         float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="Speed-up: times real time.")
-    ] = 1.0,
-    system: SystemOption = None,
-    key: KeyOption = None,
-    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0,
-    as_json: JsonOption = False,
-) -> None:
+    ] = 1.0
+    system: SystemOption = None
+    key: KeyOption = None
+    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
+
+
+def mock(worse: FaultOptions, options: MockOptions, as_json: JsonOption = False) -> None:
     """Simulate an autopilot: answer and fly as PX4 or ArduPilot until Ctrl-C, for any ground station.
 
     While a list is transferred or it waits armed, it runs at real speed. It sends at most 2000 messages a second, the
@@ -70,61 +69,43 @@ def mock(
     """
     from ipoa_mission.autopilot.known_parameters import expect_own
     from ipoa_mission.autopilot.version import Version
-    from ipoa_mission.cli.options import signer_of
     from ipoa_mission.link.channel import parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import serve
 
-    address = parse_address(link)
-    given, remarks = read_parameter_options(one.param, one.param_file)
-    there = mock_setup(one.scenario, one.home, one.autopilot, given)
-    expect_own(there.parameters, there.autopilot)
-    if one.firmware_version is not None:
-        named = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
-        there = replace(there, conditions=replace(there.conditions, version=named))
-    version = there.conditions.version or there.autopilot.newest
-    signer = signer_of(key, "mock")
-    place = there.home
-    about = {
-        "autopilot": str(there.autopilot),
-        "version": str(version),
-        "link": str(address),
-        "system": system or 1,
-        "home": {
-            "latitude_deg": place.latitude_deg,
-            "longitude_deg": place.longitude_deg,
-            "altitude_amsl": place.altitude,
-        },
-        "speedup": speedup,
-        "remarks": list(remarks),
-    }
-    is_told = False
+    address, system, speedup = parse_address(options.link), options.system or 1, options.speedup
+    parameters, remarks = read_parameter_options(options.param, options.param_file)
+    setup = mock_setup(options.scenario, options.home, options.autopilot, parameters)
+    expect_own(setup.parameters, setup.autopilot)
+    if options.firmware_version is not None:
+        named = setup.autopilot.tables.expect(Version.parsed(options.firmware_version))
+        setup = replace(setup, conditions=replace(setup.conditions, version=named))
+    version, home = setup.conditions.version or setup.autopilot.newest, setup.home
+    degrees = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg}
+    signer = signer_of(options.key, "mock")
 
-    def print_once() -> bool:
-        nonlocal is_told
-        if not is_told and as_json:
+    @cache
+    def print_address() -> bool:
+        """Print once, when the server asks first whether it is to end."""
+        if as_json:
+            about = {
+                "autopilot": str(setup.autopilot),
+                "version": str(version),
+                "link": str(address),
+                "system": system,
+                "home": degrees | {"altitude_amsl": home.altitude},
+                "speedup": speedup,
+                "remarks": list(remarks),
+            }
             print_json(about, indent=None)
-        elif not is_told:
-            print_lines(
-                f"{there.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it",
-                *notes(remarks),
-            )
-        is_told = True
+        else:
+            words = f"{setup.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it"
+            print_lines(words, *notes(remarks))
         return False
 
-    try:
-        serve(
-            link,
-            Mock(there.autopilot, place, there.parameters, cold=True, conditions=there.conditions),
-            speedup,
-            worse.faults(),
-            system or 1,
-            seed,
-            signer,
-            until=print_once,  # called first when the link is open
-        )
-    except KeyboardInterrupt:
-        return
+    mock = Mock(setup.autopilot, home, setup.parameters, cold=True, conditions=setup.conditions)
+    with suppress(KeyboardInterrupt):
+        serve(options.link, mock, speedup, worse.faults(), system, options.seed, signer, until=print_address)
 
 
 @dataclass(frozen=True)

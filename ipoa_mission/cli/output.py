@@ -1,4 +1,4 @@
-"""Results go to standard output, progress and errors to standard error."""
+"""Print results to standard output, progress and errors to standard error; overwrite only what may be."""
 
 import io
 import json
@@ -7,10 +7,11 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError, Unwritable
 
 #: control characters, and those that change the direction of writing
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
@@ -149,3 +150,54 @@ def _print_once(task: str) -> Callable[[float, str], None]:
             print(f"{task}: {shown(words)}", file=sys.stderr, flush=True)
 
     return say
+
+
+def confirm(question: str) -> bool:
+    import typer
+
+    try:
+        return typer.confirm(question, err=True)
+    except typer.Abort:
+        raise KeyboardInterrupt from None
+
+
+def expect_folder(path: Path) -> None:
+    """Refuse a folder that cannot be created or written, before a plan. Raises BadInput."""
+    there = next(above for above in (path, *path.absolute().parents) if above.exists())
+    if not there.is_dir():
+        raise Unwritable(f"expected a folder, not {there}", place=path)
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise Unwritable(f"expected a writable folder, not {there}", place=path)
+
+
+def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
+    """Refuse to overwrite files; `ask`: a person at a terminal may say yes. Raises BadInput."""
+    for path in paths:
+        if path.exists() and not force:
+            may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
+            if not (may_ask and confirm(f"{path} exists: overwrite it?")):
+                words = "the file exists"
+                raise BadInput(words, hint="--force overwrites it", code="already-there", place=path)
+
+
+@dataclass(frozen=True)
+class FileOutput:
+    """Files of a plan: their folder, with a report or not, and whether others may be overwritten."""
+
+    folder: Path
+    report: bool
+    force: bool
+    as_json: bool
+
+    def expect_plans(self, names: Iterable[str]) -> None:
+        """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
+        from ipoa_mission.flight.flight import not_as_written
+
+        paths = (path for name in names for path in not_as_written(self.folder, name, self.report))
+        expect_free(paths, self.force, ask=not self.as_json)
+
+
+def expect_log(path: Path | None) -> None:
+    """Refuse to overwrite a file that is not a log. Raises BadInput."""
+    if path is not None and path.is_file() and path.suffix.lower() != ".tlog":
+        raise BadInput(f"expected a .tlog file, or a new file, not {path}", place="--log")

@@ -1,6 +1,6 @@
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -14,14 +14,10 @@ from ipoa_mission.cli.options import (
     ReportOption,
     ScenarioOrNone,
 )
-from ipoa_mission.cli.output import notes, print_json, print_lines
+from ipoa_mission.cli.output import FileOutput, expect_folder, expect_free, notes, print_json, print_lines
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, print_survey, write_survey
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
-
-if TYPE_CHECKING:
-    from ipoa_mission.flight.flight import Flight
-    from ipoa_mission.forecast.forecast import Forecast
 
 
 def plan(
@@ -48,17 +44,16 @@ def plan(
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
+    from ipoa_mission.cli.flight_output import print_parts, print_planned
     from ipoa_mission.cli.mission_source import adapt_scenario, plan_parts
     from ipoa_mission.cli.mission_source import plan as plan_it
-    from ipoa_mission.cli.overwriting import expect_folder, expect_plans
-    from ipoa_mission.cli.plan_output import print_planned
 
     expect_folder(out)
-    air = flown_by.air
+    to, air = FileOutput(out, report, force, as_json), flown_by.air
     adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by).ignoring(ignore or ())
     if adapted.survey is not None:
         survey = plan_here(adapted, search, flown_by, surveyed.flown_logs)
-        written = write_survey(survey, out, report, force, as_json)
+        written = write_survey(survey, to)
         if as_json:
             print_json(survey.summary() | {"written": [str(file) for file in written]})
         else:
@@ -67,35 +62,25 @@ def plan(
     if surveyed.flown:
         words = "expected a survey"
         raise OptionConflict(words, hint="for the rest of another mission: ipoa-mission fly --from N", place="--flown")
-    expect_plans(out, [adapted.name], report, force, ask=not as_json)
+    to.expect_plans([adapted.name])
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:
-        _write_parts(flight, parts, out, report, force, as_json)
-        return
-    files = [*flight.write(out)]
-    if report:
-        files.append(out / f"{flight.name}.html")
-        flight.report(files[-1])
-    if as_json:
-        print_json(flight.summary() | {"written": [str(file) for file in files]})
+        from ipoa_mission.flight.flight_parts import names_of, parts_summary, write_parts
+
+        expect_free(names_of(flight, parts, out), force, ask=not as_json)
+        summary = parts_summary(flight, parts)
+        files = [*write_parts(flight, parts, summary, out, report)]
     else:
-        print_planned(flight, files)
-
-
-def _write_parts(
-    whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, report: bool, force: bool, as_json: bool
-) -> None:
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.plan_output import print_parts
-    from ipoa_mission.flight.flight_parts import names_of, parts_summary, write_parts
-
-    expect_free(names_of(whole, parts, out), force, ask=not as_json)
-    summary = parts_summary(whole, parts)
-    files = write_parts(whole, parts, summary, out, report)
+        summary, files = flight.summary(), [*flight.write(out)]
+        if report:
+            files.append(out / f"{flight.name}.html")
+            flight.report(files[-1])
     if as_json:
         print_json(summary | {"written": [str(file) for file in files]})
+    elif len(parts) > 1:
+        print_parts(flight, parts, files)
     else:
-        print_parts(whole, parts, files)
+        print_planned(flight, files)
 
 
 def new(
@@ -114,7 +99,6 @@ def new(
 
     Example: `ipoa-mission new town.toml --buildings town.geojson`
     """
-    from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.scenario.new import new_scenario
 
     if target.suffix.lower() != ".toml":

@@ -1,16 +1,20 @@
+"""Fly a mission on the vehicle of a link, and show its contingencies in flight."""
+
 import logging
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 
 from ipoa_mission.checks.start import begun_at
-from ipoa_mission.cli.flown_output import flight_as_json
-from ipoa_mission.cli.interrupting import reporting_interrupt
-from ipoa_mission.cli.mission_source import Job
+from ipoa_mission.cli.flight_output import flight_as_json
+from ipoa_mission.cli.groups import FlightOptions, FlownByOptions, LinkOptions
+from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_stage
+from ipoa_mission.cli.linking import connect_to, states_firmware
+from ipoa_mission.cli.mission_source import FlownJob, Job, landing_remarks, read_job
 from ipoa_mission.cli.output import print_json
-from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
 from ipoa_mission.forecast.conformance import Deviation
@@ -24,26 +28,58 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
 
-FORECAST_INTERVAL_S = 1.0
-
 log = logging.getLogger(__name__)
 
 
-@contextmanager
-def no_flight_yet() -> Iterator[None]:
-    """Report errors as no flight, with the vehicle's known data for JSON."""
-    try:
-        yield
-    except MissionError as error:
-        error.known = {"completed": False, "armed": None, "in_air": None} | error.known
-        raise
+@dataclass(frozen=True)
+class RealVehicle:
+    """Flies missions on the vehicle of a link."""
+
+    source: Path
+    flown_by: FlownByOptions
+    on_vehicle: FlightOptions
+    on_link: LinkOptions
+    as_json: bool
+
+    def fly(self, job: Job, frames_log: Path) -> FlownJob:
+        """Connect, upload, arm, start, watch. Raises MissionError with `known` data for JSON."""
+        on_vehicle, on_link, begin = self.on_vehicle, self.on_link, self.on_vehicle.begin
+        _begun_at_item(job, begin)  # raises for an unknown item before connecting
+        try:
+            with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
+                if not states_firmware(self.source, self.flown_by.autopilot):
+                    job = read_job(self.source, self.flown_by, vehicle.autopilot, job.ignore)
+                vehicle.conformance.on_deviation = on_vehicle.on_deviation
+                if self.as_json:
+                    vehicle.conformance.tell = _print_deviation
+                on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
+                job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), begin)
+                remarks, record = self._fly_on(vehicle, job)
+                note_flown(job.name, record.armed)
+        except MissionError as error:
+            error.known = {"completed": False, "armed": None, "in_air": None} | error.known
+            raise
+        left = ("the vehicle is no longer watched", vehicle.absence.meanwhile)
+        unwatched = ["; ".join(filter(None, left))] if record.armed else []
+        return FlownJob(job, (*remarks, *unwatched, *landing_remarks(job, record)), record)
+
+    def _fly_on(self, vehicle: Vehicle, job: Job) -> tuple[list[str], FlightRecord]:
+        remarks, contingencies = list[str](), list[ContingenciesNow]()
+        first, anyway, set_params = self.on_vehicle.begin - 1, self.on_link.anyway, self.on_vehicle.set_params
+        stages = partial(_showing_contingencies, job, vehicle, contingencies)
+        options = ProcedureOptions(first, anyway, job.ignore, set_params, stages, remarks.append)
+        try:
+            with reporting_interrupt(""):  # between two stages
+                record = begin_mission(vehicle, load_mission(vehicle, job.forecast, options), options)
+        except MissionError as error:
+            state = vehicle.state
+            error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)
+            error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
+            raise
+        return remarks, record
 
 
-def print_deviation(deviation: Deviation) -> None:
-    print_json({"event": "deviation"} | deviation.as_json(), indent=None)
-
-
-def begun_with(job: Job, item: int) -> Job:
+def _begun_at_item(job: Job, item: int) -> Job:
     """Return the job from another item than the first. Raises BadInput."""
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
     if item == 1:
@@ -52,38 +88,23 @@ def begun_with(job: Job, item: int) -> Job:
     return replace(job, begun=begun)
 
 
-def fly_there(
-    job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
-) -> tuple[tuple[str, ...], FlightRecord]:
-    """Upload, arm, start, watch; `anyway`: continue after failed checks. Raises MissionError with `known` data."""
-    remarks, known = list[str](), list[ContingenciesNow]()
-    stages = partial(_with_endings, job.forecast, vehicle, job.reserves, known)
-    options = ProcedureOptions(first, anyway, job.ignore, set_params, stages, remarks.append)
-    try:
-        with reporting_interrupt(""):  # between two stages
-            record = begin_mission(vehicle, load_mission(vehicle, job.forecast, options), options)
-    except MissionError as error:
-        state = vehicle.state
-        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)
-        error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
-        raise
-    return tuple(remarks), record
+def _print_deviation(deviation: Deviation) -> None:
+    print_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
 @contextmanager
-def _with_endings(
-    forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[ContingenciesNow], stage: Stage
+def _showing_contingencies(
+    job: Job, vehicle: Vehicle, contingencies: list[ContingenciesNow], stage: Stage
 ) -> Iterator[Progress]:
     """Yield stages with this second's contingencies, computed before arming: in the air links must be served."""
-    with stages_shown(stage) as show:
-        told = None
-        if stage is Stage.READY and forecast.scenario is not None:
+    with showing_stage(stage) as show:
+        if stage is Stage.READY and job.forecast.scenario is not None:
             with suppress(MissionError):
-                known.append(ContingenciesNow(forecast))
-        if stage is Stage.FLIGHT and known:
-            told = ContingencyDisplay(forecast, vehicle, show, reserves, known[0])
-            vehicle.overhearing = told.hear
-        yield show if told is None else told.show
+                contingencies.append(ContingenciesNow(job.forecast))
+        if stage is Stage.FLIGHT and contingencies:
+            display = ContingencyDisplay(job.forecast, vehicle, show, job.reserves, contingencies[0])
+            vehicle.overhearing, show = display.hear, display.show
+        yield show
 
 
 class ContingencyDisplay:
@@ -98,7 +119,7 @@ class ContingencyDisplay:
         endings: ContingenciesNow,
     ) -> None:
         self._now, self._frame, self._vehicle, self._show = endings, forecast.frame, vehicle, show
-        self._done, self._words, self._told_s = 0.0, "", -math.inf
+        self._done, self._words, self._shown_s = 0.0, "", -math.inf
         self._budget, self._reserves = budget_of(forecast), reserves
 
     def show(self, share: float, words: str) -> None:
@@ -106,11 +127,12 @@ class ContingencyDisplay:
         self._show(share, words)
 
     def hear(self, message: Message) -> None:
-        if not isinstance(message, Position) or message.time_s - self._told_s < FORECAST_INTERVAL_S:
+        interval_s = 1.0
+        if not isinstance(message, Position) or message.time_s - self._shown_s < interval_s:
             return
         path = self._vehicle.record().path
         if path and self._vehicle.state.in_air:
-            self._told_s = message.time_s
+            self._shown_s = message.time_s
             place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
             time, _ = self._now.time_at(place, path[-1].time_s)
             words = [self._now.words(time), *map(str, self._reserve(time))]

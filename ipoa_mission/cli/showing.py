@@ -143,7 +143,7 @@ def export(
 
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.cli.reading import read_world, taken_for
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission

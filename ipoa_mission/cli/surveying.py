@@ -6,24 +6,23 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.interrupting import confirm, reporting_interrupt
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import print_json, print_lines, print_table, progress_bar
+from ipoa_mission.cli.output import FileOutput, confirm, print_json, print_lines, print_table, progress_bar
 from ipoa_mission.errors import NothingThere, OptionConflict
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ipoa_mission.cli.mission_source import Job
-    from ipoa_mission.link.logbook import FlightRecord
+    from ipoa_mission.cli.mission_source import FlownJob, Job
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.survey.survey_flight import Flown, Survey
 
-#: the job as flown, remarks, the flight
-Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
-#: with every frame in a log
-Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
+#: Flies a job; every frame goes to the log.
+Pilot: TypeAlias = "Callable[[Job, Path], FlownJob]"
+
+
+ONE_BY_ONE = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
 
 @dataclass
@@ -98,10 +97,16 @@ def _home_in(area: Path) -> dict[str, float]:
 
 
 def plan_here(
-    scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
+    scenario: "Scenario",
+    search: SearchOptions,
+    flown_by: FlownByOptions,
+    flown: "Sequence[Flown]" = (),
+    first_item: int = 1,
 ) -> "Survey":
     from ipoa_mission.survey.survey_flight import plan_survey
 
+    if first_item != 1:
+        raise OptionConflict("expected a mission, not a survey", hint=ONE_BY_ONE, place="--from")
     with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
 
@@ -114,12 +119,10 @@ def print_survey(survey: "Survey", written: list[Path]) -> None:
     print_lines(f"written: {', '.join(map(str, written))}")
 
 
-def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
+def write_survey(survey: "Survey", files: FileOutput) -> list[Path]:
     """Write the files. Raises BadInput."""
-    from ipoa_mission.cli.overwriting import expect_plans
-
-    expect_plans(out, dict.fromkeys((survey.name, *survey.names)), report, force, ask=not as_json)
-    return [*survey.write(out), *(survey.report(out) if report else ())]
+    files.expect_plans(dict.fromkeys((survey.name, *survey.names)))
+    return [*survey.write(files.folder), *(survey.report(files.folder) if files.report else ())]
 
 
 def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None:
@@ -130,52 +133,43 @@ def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None
         raise OptionConflict(message, hint="without --log each has a log next to its mission", place="--log")
     if count > 1 and is_on_link and not sys.stdin.isatty():
         words = f"--link: expected a terminal to confirm battery changes between {count} flights"
-        raise OptionConflict(words, hint=EACH_BY_ITSELF)
+        raise OptionConflict(words, hint=ONE_BY_ONE)
 
 
-def fly_survey(
-    survey: "Survey",
-    pilot: "Pilot",
-    on_link: LinkOptions,
-    out: Path,
-    written: list[Path],
-    as_json: bool,
-    link: str | None,
-) -> None:
-    """Fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
-    from ipoa_mission.cli.flown_output import flight_as_json, next_steps, print_flown
+def fly_survey(survey: "Survey", pilot: Pilot, on_link: LinkOptions, link: str | None, files: FileOutput) -> None:
+    """Write its files, and fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
+    from ipoa_mission.cli.flight_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
 
-    if not as_json:
+    written = write_survey(survey, files)
+    if not files.as_json:
         print_survey(survey, written)
-    flown, why, hint = list[dict[str, Any]](), "", ""
+    results, why, hint = list[dict[str, Any]](), "", ""
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
         if n and link is not None and not _is_ready(survey, n):
             why = f"{name} and later flights were not flown"
             break
-        usual = out / f"{name}.tlog"
-        own = on_link.log or (usual if link is None else unused(usual))
-        job, remarks, record = pilot(Job(name, forecast, ()), own)
-        written += map(Path, on_link.written(own))
-        if as_json:
-            told = flight_as_json(job.estimate, record, job.reserves)
-            flown.append(told | {"file": f"{name}.plan", **({"remarks": list(remarks)} if remarks else {})})
+        usual = files.folder / f"{name}.tlog"
+        log = on_link.log or (usual if link is None else unused(usual))
+        flown = pilot(Job(name, forecast, ()), log)
+        written += map(Path, on_link.written(log))
+        if files.as_json:
+            result = flight_as_json(flown.job.estimate, flown.record, flown.job.reserves) | {"file": f"{name}.plan"}
+            results.append(result | ({"remarks": list(flown.remarks)} if flown.remarks else {}))
         else:
-            print_flown(job, record, remarks, [own])
-        if record.failure:
-            why = f"{name} was not flown {'to its end' if record.why_not else 'as forecast'}: {record.failure}"
-            hint = next_steps(link, on_link.system, record)
+            print_flown(flown, [log])
+        if flown.record.failure:
+            how = "to its end" if flown.record.why_not else "as forecast"
+            why, hint = (
+                f"{name} was not flown {how}: {flown.record.failure}",
+                next_steps(link, on_link.system, flown.record),
+            )
             break
-    if as_json:
+    if files.as_json:
+        about = {"survey": survey.summary()["survey"], "flown": results, "written": [*map(str, written)]}
         error = {key: words for key, words in (("error", why), ("hint", hint)) if words}
-        result = {
-            "survey": survey.summary()["survey"],
-            "flown": flown,
-            "written": [str(path) for path in written],
-            **error,
-        }
-        print_json(result, indent=None if any("deviations" in one for one in flown) else 2)  # below lines of events
+        print_json(about | error, indent=None if any("deviations" in one for one in results) else 2)  # below events
     if why:
         print(f"error: {why}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
         raise typer.Exit(1)

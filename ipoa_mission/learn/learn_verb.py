@@ -36,7 +36,7 @@ def learn(
     """
     from dataclasses import asdict, replace
 
-    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.files import write_atomically
     from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, energy_error, fit, left_out, median_errors
     from ipoa_mission.logs.vehicle_file import write_vehicle

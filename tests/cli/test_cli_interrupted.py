@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 import typer
 
-from ipoa_mission.cli import flown_output, linking
-from ipoa_mission.cli.interrupting import Interrupted, confirm, done, reporting_interrupt
+from ipoa_mission.cli import flight_output, linking
+from ipoa_mission.cli.interrupting import Interrupted, done, reporting_interrupt
+from ipoa_mission.cli.output import confirm
 from ipoa_mission.flight import procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
@@ -133,8 +134,8 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         ("set-current 1 --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
         ("download back.plan --link {link}", Vehicle, "download", "stopped: back.plan was not written", 1),
         ("download back.plan --link {link}", linking, "_report", "stopped", 2),
-        ("fly {mission} --link {link}", flown_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
-        ("fly {mission}", flown_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
+        ("fly {mission} --link {link}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
+        ("fly {mission}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
         ("demo", Flight, "report", "stopped: campus: the vehicle is disarmed", 5),
         ("plan campus --report", Flight, "report", "stopped", 4),
     ],

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.cli import vehicles
+from ipoa_mission.cli import linking
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.world.frame import Geodetic
@@ -139,9 +139,9 @@ def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
 
     def connect_to(link: str, options: LinkOptions, log: Path | None) -> AbstractContextManager[Vehicle]:
         systems.append(options.system)
-        return vehicles.connect_to(link, options, log)
+        return linking.connect_to(link, options, log)
 
-    monkeypatch.setattr("ipoa_mission.cli.flying.connect_to", connect_to)
+    monkeypatch.setattr("ipoa_mission.cli.real_flight.connect_to", connect_to)
     with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
         told = run(f"{fly} {link.removesuffix(' --system 1')}")
     assert systems == [None, 1]  # nobody else's vehicle is armed for the second flight

@@ -1,19 +1,21 @@
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.centimeters import down
+from ipoa_mission.cli.check_files import promised, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
-from ipoa_mission.cli.mission_source import Job
+from ipoa_mission.cli.mission_source import FlownJob, Job
 from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
+from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.flight_summary import passed_over_as_json
-from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.unread import unread_as_json
-
-NEXT_STEPS = {"resume": "continues its mission", "rtl": "returns it home"}
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
@@ -36,22 +38,22 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
     """Name the possible orders to a vehicle that was left in the air."""
     if link is None or not (record.deviations and record.in_air):
         return ""
+    steps = {"resume": "continues its mission", "rtl": "returns it home"}
     to = f"--link {link}" + (f" --system {system}" if system else "")
-    orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in NEXT_STEPS.items())
+    orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in steps.items())
     return f"{', '.join(orders)}; a pilot can take it over"
 
 
-def print_flown_json(
-    job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path], hint: str = ""
-) -> None:
-    all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
-    outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
+def print_flown_json(flown: FlownJob, written: Sequence[Path], hint: str = "") -> None:
+    job, record = flown.job, flown.record
+    remarks = list(dict.fromkeys((*job.remarks, *flown.remarks)))
+    outcome: dict[str, Any] = {"remarks": remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
         outcome["unread"] = unread_as_json(job.flight.scenario.unread)
-    told = flight_as_json(job.estimate, record, job.reserves)
     failure = {"error": record.failure} | ({"hint": hint} if hint else {}) if record.failure else {}
-    print_json(told | outcome | failure, indent=None if record.deviations else 2)
+    result = flight_as_json(job.estimate, record, job.reserves) | outcome | failure
+    print_json(result, indent=None if record.deviations else 2)
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
@@ -65,9 +67,11 @@ def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
     }
 
 
-def print_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
+    job, record = flown.job, flown.record
     before = () if job.flight else job.remarks  # printed with the plan
-    print_lines(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
+    remarks = dict.fromkeys((*before, *flown.remarks))
+    print_lines(*notes(remarks), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
     print_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     print_lines(
@@ -97,3 +101,35 @@ def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
         cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
         rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
     return rows
+
+
+def print_planned(flight: Flight, written: Iterable[Path]) -> None:
+    print_lines(*describe(flight))
+    print_lines(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
+
+
+def describe(flight: Flight) -> list[str]:
+    mission, estimate = flight.mission, flight.estimate
+    firmware = mission.autopilot.checked_for(mission.firmware_version)
+    lines = [
+        f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
+        *promised(flight.promise),
+        f"estimated {estimate.total_s:.1f} s",
+        *wind_words(flight.forecast.wind),
+    ]
+    lines += [] if flight.budget is None else flight.budget.words
+    warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
+    return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
+
+
+def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
+    print_lines(*describe(whole))
+    rows = []
+    for number, part in enumerate(parts, 1):
+        budget = budget_of(part)
+        assert budget is not None, "it was split by its energy"
+        left = budget.left(budget.used.between)
+        share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
+        rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
+    print_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    print_lines(f"written: {', '.join(map(str, written))}")
