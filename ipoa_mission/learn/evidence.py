@@ -16,8 +16,6 @@ from ipoa_mission.link.logbook import brings_down
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from ipoa_mission.wind import Wind
 
-NO_HOME = Geodetic(0.0, 0.0, 0.0)
-
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -123,7 +121,7 @@ def flights_in(
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
         witness = witness_of(flight)
-        evidence = Evidence(name, Mission(NO_HOME, (), log.autopilot), (), np.empty(0), np.empty(0))
+        evidence = Evidence(name, Mission(Geodetic(0.0, 0.0, 0.0), (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
                 evidence = evidence_of(name, flight, mission)

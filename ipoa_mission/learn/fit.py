@@ -17,15 +17,11 @@ from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.learn.evidence import Evidence, errors, scatter
-from ipoa_mission.learn.powers import learned_powers
+from ipoa_mission.learn.powers import DEVIATIONS_OF_90_PERCENT, learned_powers
 from ipoa_mission.learn.witness import hover_power
 
-NINE_IN_TEN = 1.645  # standard deviations
-KNOWN_SHARE = 0.5  # of the prior deviation
-#: Of logarithms, and of delays [s]; also the slopes' steps.
+#: Of logarithms, and of delays [s].
 PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
-STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
-LOGARITHMIC = frozenset({"drag", "lag"})
 
 
 def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
@@ -40,7 +36,7 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
     known = tuple(
         name
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
-        if deviation < KNOWN_SHARE * PRIOR_DEVIATIONS[name] and abs(value) > NINE_IN_TEN * deviation
+        if deviation < 0.5 * PRIOR_DEVIATIONS[name] and abs(value) > DEVIATIONS_OF_90_PERCENT * deviation
     )
     power = hover_power([flight.witness for flight in flights])
     powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
@@ -51,8 +47,9 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
         )
     blank = replace(blank, hover_power=power).with_numbers(powers)
     values, sure = _solve(flights, blank, known) if known else ((), ())
+    ends = (0.0, -DEVIATIONS_OF_90_PERCENT, DEVIATIONS_OF_90_PERCENT)
     intervals = {
-        name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))
+        name: Learned(*(_number(autopilot, name, value + n * deviation) for n in ends))
         for name, value, deviation in zip(known, values, sure, strict=True)
     }
     return blank.with_numbers(intervals)
@@ -60,7 +57,7 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
 
 def _number(autopilot: Autopilot, name: str, change: float) -> float:
     simulated = autopilot.part(FlightModel).simulated[name]
-    return simulated * math.exp(change) if name in LOGARITHMIC else simulated + change
+    return simulated * math.exp(change) if name in ("drag", "lag") else simulated + change
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
@@ -79,8 +76,8 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
         columns = []
         for n, name in enumerate(names):
             step = np.zeros(len(names))
-            step[n] = STEPS[name]
-            columns.append((misfit(changes + step) - misfit(changes - step)) / (2 * STEPS[name]))
+            step[n] = 0.1 if name == "drag" else 0.2
+            columns.append((misfit(changes + step) - misfit(changes - step)) / (2 * step[n]))
         return np.column_stack(columns)
 
     found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)

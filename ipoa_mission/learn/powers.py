@@ -19,7 +19,8 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 
 AIRBORNE_HEIGHT = 2.0  # beyond the ground effect [m]
-MAX_TIME_S = 86_400.0  # [s]
+MIN_TIME_S = 20.0  # aloft
+DEVIATIONS_OF_90_PERCENT = 1.645  # of many samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,29 +46,17 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
     places = (place for place in flight.messages if isinstance(place, Position))
     rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
-    if not len(rows) or np.ptp(rows[:, 0]) > MAX_TIME_S:
+    if not len(rows) or np.ptp(rows[:, 0]) > 86_400.0:  # [s]
         raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")
     rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
     return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))
 
 
-NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-REFERENCE_SPEED = 10.0  # of the prior deviations [m/s]
 #: Shares of the hover power, and their deviations.
 PRIOR, PRIOR_DEVIATIONS = (
     np.array([1.0, 0.0, 0.0, 0.1, 0.0]),
-    np.array([10.0, 0.5 / REFERENCE_SPEED**2, 0.5 / REFERENCE_SPEED**3, 0.1, 0.05]),
+    np.array([10.0, 0.5 / 10.0**2, 0.5 / 10.0**3, 0.1, 0.05]),  # at 10 m/s
 )
-CORRELATED_S = 5.0  # for one independent second
-MIN_TIME_S = 20.0  # aloft [s]
-MIN_SPEED = 4.0  # [m/s]
-SPEED_PERCENTILE = 98.0  # up to which power is known
-BLOCK_S = 30  # forecast from the rest [s]
-MIN_FLIGHTS = 3  # to forecast each from the others
-MIN_DEVIATION = 0.05  # packs, payloads and days differ
-MIN_DEVIATION_FAST = 0.1  # without slow flight, as a hover in wind
-NINE_IN_TEN = 0.95  # upper quantile
-MANY_FLIGHTS = 1.645
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,21 +95,21 @@ def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
     flights = [flight.flown for flight in flights]
     if not flights:
         return {}
-    together = _together(flights)
-    if (together.airspeed > MIN_SPEED).sum() < MIN_TIME_S:
+    together, min_speed = _together(flights), 4.0  # [m/s]
+    if (together.airspeed > min_speed).sum() < MIN_TIME_S:
         return {}
     values, deviations = _fit(together)
+    names = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
+    halves = DEVIATIONS_OF_90_PERCENT * deviations
     numbers = {
-        name: Learned(value, value - MANY_FLIGHTS * off, value + MANY_FLIGHTS * off)
-        for name, value, off in zip(NAMES, values.tolist(), deviations.tolist(), strict=True)
+        name: Learned(value, value - half, value + half)
+        for name, value, half in zip(names, values.tolist(), halves.tolist(), strict=True)
     }
     cube = numbers["cube_power"]
     numbers["cube_power"] = Learned(cube.value, max(cube.low, 0.0), cube.high)
-    fastest, seen_slow = (
-        float(np.percentile(together.airspeed, SPEED_PERCENTILE)),
-        (together.airspeed < MIN_SPEED).sum() >= MIN_TIME_S,
-    )
-    return {**numbers, "airspeed": Learned(fastest, fastest, fastest), "energy_ratio": _ratio(flights, seen_slow)}
+    fastest = float(np.percentile(together.airspeed, 98.0))
+    flew_slowly = (together.airspeed < min_speed).sum() >= MIN_TIME_S
+    return {**numbers, "airspeed": Learned(fastest, fastest, fastest), "energy_ratio": _ratio(flights, flew_slowly)}
 
 
 def _together(flights: Sequence[PowerSeconds]) -> PowerSeconds:
@@ -134,13 +123,13 @@ def _columns(seconds: PowerSeconds) -> Points:
 
 
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
-    """Return the coefficients (5,) of `NAMES`, and their deviations."""
+    """Return the coefficients (5,) of `_columns`, and their deviations."""
     columns, watts = _columns(seconds), seconds.watts
     hover = max(float(np.median(watts)), 1.0)
     least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # physical bounds
-    noise = 0.05 * hover
+    noise, correlated_s = 0.05 * hover, 5.0  # one independent sample
     for _ in range(3):
-        weight = 1.0 / noise / np.sqrt(CORRELATED_S)
+        weight = 1.0 / noise / np.sqrt(correlated_s)
         rows = np.vstack([columns * weight, np.diag(1.0 / (PRIOR_DEVIATIONS * hover))])
         wanted = np.concatenate([watts * weight, PRIOR / PRIOR_DEVIATIONS])
         values = np.asarray(lsq_linear(rows, wanted, (least, np.inf), method="bvls").x)
@@ -148,9 +137,9 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
     return values, np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
 
 
-def _ratio(flights: Sequence[PowerSeconds], seen_slow: bool) -> Learned:
-    least = MIN_DEVIATION if seen_slow else MIN_DEVIATION_FAST
-    parts = list(flights) if len(flights) >= MIN_FLIGHTS else [part for flight in flights for part in _blocks(flight)]
+def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
+    least = 0.05 if flew_slowly else 0.1  # packs, payloads and days differ; fast flight is like a hover in wind
+    parts = list(flights) if len(flights) >= 3 else [part for flight in flights for part in _blocks(flight)]
     shares = []
     for n, part in enumerate(parts):
         others = parts[:n] + parts[n + 1 :]
@@ -161,10 +150,10 @@ def _ratio(flights: Sequence[PowerSeconds], seen_slow: bool) -> Learned:
         return Learned(1.0, 1.0 - 2 * least, 1.0 + 2 * least)
     number = len(shares)
     wide = np.sqrt(np.mean((np.array(shares) - 1.0) ** 2) * (1.0 + 1.0 / number))
-    half = max(float(stdtrit(number - 1, NINE_IN_TEN) * wide), least)
+    half = max(float(stdtrit(number - 1, 0.95) * wide), least)
     return Learned(1.0, max(1.0 - half, 0.0), 1.0 + half)
 
 
 def _blocks(flight: PowerSeconds) -> list[PowerSeconds]:
-    number = np.arange(len(flight.watts)) // BLOCK_S
+    number = np.arange(len(flight.watts)) // 30  # [s]
     return [flight.some(number == block) for block in np.unique(number)]

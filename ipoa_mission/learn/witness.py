@@ -14,14 +14,7 @@ from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.learn.powers import AIRBORNE_HEIGHT, LoggedTrack, PowerSeconds, logged_track
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (0.2, 5, 10)  # of samples [s], averaged, correlated
-MAX_GAP_S = 2.0  # between attitudes [s]
-STEADY_LIMIT = 1.0  # climb [m/s] and acceleration [m/s^2]
-MIN_SPEED, MIN_TIME_S = (2.5, 5.0)  # slower, drag is within the lean's error [m/s]; time above [s]
-HEIGHT_SHARE = 0.6  # of the greatest height; wind differs below
-MODEL_DEVIATION = 0.05  # of ln drag from flight to flight
-#: ln drag, wind north and east [m/s], tilt ahead and right [m/s^2].
-PRIOR_DEVIATIONS = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
+SAMPLE_STEP_S, SMOOTHED_SAMPLES = 0.2, 5
 
 
 @dataclass(frozen=True)
@@ -40,7 +33,9 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     Raises:
         MissionError: no attitudes, or too little fast level flight.
     """
-    if len(attitude) < 2 or np.ptp(attitude[:, 0]) < MIN_TIME_S:
+    min_speed, min_time_s = 2.5, 5.0  # slower, drag is within the lean's error [m/s]
+    steady_limit, max_gap_s = 1.0, 2.0  # climb [m/s] and acceleration [m/s^2]; between attitudes
+    if len(attitude) < 2 or np.ptp(attitude[:, 0]) < min_time_s:
         raise LogUseless("it has no attitudes")
     times = np.arange(attitude[0, 0], attitude[-1, 0], SAMPLE_STEP_S)
     angles = np.column_stack([np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, :0:-1].T])
@@ -48,31 +43,33 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     heights, velocity = track.at(times)
     gained = _smoothed(np.gradient(velocity[:, :2], SAMPLE_STEP_S, axis=0))
     pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])
-    steady = (np.abs(gained).max(axis=1) < STEADY_LIMIT) & (np.abs(velocity[:, 2]) < STEADY_LIMIT)
-    high = max(AIRBORNE_HEIGHT, HEIGHT_SHARE * float(track.heights.max()))
+    steady = (np.abs(gained).max(axis=1) < steady_limit) & (np.abs(velocity[:, 2]) < steady_limit)
+    high = max(AIRBORNE_HEIGHT, 0.6 * float(track.heights.max()))  # wind differs below
     steady &= (heights > high) & (axes[:, 2, 2] > 0.0)
-    steady &= (
-        np.diff(attitude[:, 0], append=np.inf)[np.searchsorted(attitude[:, 0], times, side="right") - 1] < MAX_GAP_S
-    )
+    before = np.searchsorted(attitude[:, 0], times, side="right") - 1
+    steady &= np.diff(attitude[:, 0], append=np.inf)[before] < max_gap_s
     steady[:SMOOTHED_SAMPLES] = steady[-SMOOTHED_SAMPLES:] = False
-    fast_s = (np.hypot(*velocity[steady, :2].T) > MIN_SPEED).sum() * SAMPLE_STEP_S
-    if fast_s < MIN_TIME_S:
-        raise LogUseless(f"it flies level at more than {MIN_SPEED:g} m/s for {fast_s:.0f} s")
+    fast_s = (np.hypot(*velocity[steady, :2].T) > min_speed).sum() * SAMPLE_STEP_S
+    if fast_s < min_time_s:
+        raise LogUseless(f"it flies level at more than {min_speed:g} m/s for {fast_s:.0f} s")
     velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
     airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
+
+    correlated_samples = 10
+    prior_deviations = np.array([0.7, 3.0, 3.0, 0.2, 0.2])  # ln drag, wind [m/s], tilt ahead and right [m/s^2]
 
     def misfit(change: Vector, noise: float) -> Vector:
         slowed = np.exp(change[0]) * airframe.slowing(velocity - [change[1], change[2], 0.0], axes)[:, :2]
         wrong = slowed + axes[:, :2, :2] @ change[3:] - held
-        return np.concatenate([wrong.ravel() / noise / np.sqrt(CORRELATED_SAMPLES), change / PRIOR_DEVIATIONS])
+        return np.concatenate([wrong.ravel() / noise / np.sqrt(correlated_samples), change / prior_deviations])
 
     noise = 0.2
     for _ in range(2):
         fitted = least_squares(misfit, np.zeros(5), args=(noise,))
-        noise *= float(np.std(fitted.fun[:-5])) * np.sqrt(CORRELATED_SAMPLES)
+        noise *= float(np.std(fitted.fun[:-5])) * np.sqrt(correlated_samples)
     variances = np.diag(np.linalg.inv(fitted.jac.T @ fitted.jac))
     drag, north, east = (float(number) for number in fitted.x[:3])
-    deviation = float(np.sqrt(variances[0] + MODEL_DEVIATION**2))
+    deviation = float(np.sqrt(variances[0] + 0.05**2))  # from flight to flight
     return Leaned(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
 
 
@@ -80,13 +77,6 @@ def _smoothed(values: Points) -> Points:
     return np.column_stack(
         [np.convolve(column, np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES, "same") for column in values.T]
     )
-
-
-MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (2.0, 0.3, 3.0)  # of a hover [m/s, m/s, s]
-MAX_WIND_DEVIATION = 1.0  # [m/s]
-MEASURED_SHARE = 0.95  # of a flight
-NINE_IN_TEN = 0.95  # upper quantile
-MAX_DEVIATION = 0.25  # of a hover power
 
 
 @dataclass(frozen=True)
@@ -115,12 +105,12 @@ def witness_of(flight: LoggedFlight) -> Witness:
     try:
         by_lean = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
         leaned = by_lean.drag, by_lean.deviation
-        wind = by_lean.wind if by_lean.wind_deviation < MAX_WIND_DEVIATION else wind
+        wind = by_lean.wind if by_lean.wind_deviation < 1.0 else wind  # [m/s]
     except MissionError as error:
         reasons["drag"] = str(error)
     try:
         times, watts = flight.measured.power().T
-        if np.ptp(times) > MEASURED_SHARE * np.ptp(track.times):
+        if np.ptp(times) > 0.95 * np.ptp(track.times):
             energy_wh = float(np.trapezoid(watts, times)) / 3600.0
         powers = PowerSeconds.of(times, watts, track, wind)
         hover_w = _in_hover(times, watts, track)
@@ -131,10 +121,11 @@ def witness_of(flight: LoggedFlight) -> Witness:
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:
     heights, velocity = track.at(times)
-    hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < MAX_HOVER_SPEED) & (np.abs(velocity[:, 2]) < MAX_HOVER_CLIMB)
+    max_speed, max_climb, min_time_s = 2.0, 0.3, 3.0  # [m/s], [m/s], [s]
+    hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < max_speed) & (np.abs(velocity[:, 2]) < max_climb)
     hovers &= heights > AIRBORNE_HEIGHT
     lasts = np.gradient(times)[hovers]
-    if lasts.sum() < MIN_HOVER_S:
+    if lasts.sum() < min_time_s:
         raise LogUseless(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
     return float(watts[hovers] @ lasts / lasts.sum())
 
@@ -150,5 +141,5 @@ def hover_power(flights: Sequence[Witness]) -> Learned | None:
     if len(powers) < 2:
         return None
     mean, error = float(powers.mean()), powers.std(ddof=1) / np.sqrt(len(powers))
-    half = float(stdtrit(len(powers) - 1, NINE_IN_TEN) * error)
-    return Learned(mean, mean - half, mean + half) if half <= MAX_DEVIATION * mean else None
+    half = float(stdtrit(len(powers) - 1, 0.95) * error)
+    return Learned(mean, mean - half, mean + half) if half <= 0.25 * mean else None
