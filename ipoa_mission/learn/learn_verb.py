@@ -131,7 +131,7 @@ def _as_json(vehicle: "LearnedVehicle", judged: "tuple[LeftOut, ...]", errors: t
     from dataclasses import asdict
 
     return {
-        "vehicle": asdict(vehicle),
+        "vehicle": asdict(vehicle) | {"autopilot": vehicle.autopilot.name},
         "left_out": [asdict(one) for one in judged],
         "median_error": {"before": round(errors[0], 5), "after": round(errors[1], 5)},
     }

@@ -5,6 +5,7 @@ is cut by `tools.fly.trim_log`.
 """
 
 import csv
+import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -118,6 +119,9 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     assert vehicle.hover_power is not None
     assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V in the simulator
     assert fit(flights_in(LOG)[0]).square_power is not None
+    told = json.loads(CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out), "--force", "--json"]).output)
+    assert told["vehicle"]["autopilot"] == vehicle.autopilot.name
+    assert told["vehicle"]["hover_power"]["value"] == pytest.approx(vehicle.hover_power.value, rel=1e-3)
 
 
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
