@@ -144,9 +144,9 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
 
 #: Parts of rooms from the ground up: none imports a later one, nor the rest of its room.
 CONTINGENCY = """
-stopping_points return_routes contingency_paths shortfalls grades energy_budget contingencies contingencies_now
+return_routes contingency_paths shortfalls energy_budget contingencies contingencies_now
 """
-FORECAST = "itinerary", "timing", "deviation", "clearance_task", "forecast"
+FORECAST = "itinerary", "timing", "deviation", "forecast"
 PARTS = (
     tuple(f"forecast/{one}" for one in (*FORECAST, *(f"contingency/{one}" for one in CONTINGENCY.split()))),
     ("report/exports",),

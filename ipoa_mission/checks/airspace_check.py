@@ -10,8 +10,8 @@ import shapely
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.contingency.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.deviation.room import with_room
@@ -88,7 +88,6 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
 
 
 def broken_limits(leg: Leg, scenario: Scenario) -> list[Check]:
-    """Return the limits broken by more than rounding."""
     limits = {"obstacles"}  # a take-off and a landing are steep, and begin or end on the ground
     if leg.phase in (Phase.CRUISE, Phase.RETURN):
         limits |= {"ground", "ceiling", "bounds"}

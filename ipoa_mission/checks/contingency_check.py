@@ -8,9 +8,9 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
-from ipoa_mission.forecast.contingency.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ContingencySamples, ReturnLeg
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
-from ipoa_mission.forecast.contingency.shortfalls import at_another_height, shortfalls
+from ipoa_mission.forecast.contingency.shortfalls import change_return_altitude, find_shortfalls
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.wind import CALM, Wind
@@ -70,28 +70,28 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     if (why := ways.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
         return
-    assessments = ways.assessments(Contingency.RTL)
+    samples = ways.samples(Contingency.RTL)
     begin, end = forecast.promise.flight.way
-    checked = ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
-    near = np.where(assessments.taken[..., None] & checked[:, None, None], assessments.near - ways.required, 0.0)
-    braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
-    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - 0.02] = 0.0  # [m], rounding
+    checked = ~samples.clear & (samples.times >= begin) & (samples.times <= end)
+    near = np.where(samples.taken[..., None] & checked[:, None, None], samples.near - ways.required, 0.0)
+    braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
+    near[:, :, ReturnLeg.RETURNS :][near[:, :, ReturnLeg.RETURNS :] >= braking - 0.02] = 0.0  # [m], rounding
     for legs, verb, order in (  # the descent is a leg of the mission
-        (range(RETURNS), "brakes and climbs", "RTL or pause"),
-        (range(RETURNS, RETURNS + 1), "flies home", "RTL"),
+        (range(ReturnLeg.RETURNS), "brakes and climbs", "RTL or pause"),
+        (range(ReturnLeg.RETURNS, ReturnLeg.RETURNS + 1), "flies home", "RTL"),
     ):
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
-            seqs = np.unique(ways.stops().seqs_at(assessments.times[short < 0.0]))
-            worst = _check(ways, assessments, int(np.argmin(short)), legs)
+            seqs = np.unique(ways.stops().seqs_at(samples.times[short < 0.0]))
+            worst = _check(ways, samples, int(np.argmin(short)), legs)
             words = f"{in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
-            hint = _remedy(ways) if legs.start == RETURNS else None
+            hint = _remedy(ways) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs: range) -> Check:
-    some = [way[legs.start : legs.stop + 1] for way in assessments.ways[n][assessments.taken[n]]]
-    if GROUND in assessments.which[n, :, legs.start : legs.stop]:
+def _check(ways: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
+    some = [way[legs.start : legs.stop + 1] for way in samples.ways[n][samples.taken[n]]]
+    if GROUND in samples.which[n, :, legs.start : legs.stop]:
         checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
         return min(checks, key=lambda check: check.slack)
     clearances = (ways.roomy.airspace.obstacle_clearance(way) for way in some)
@@ -100,9 +100,9 @@ def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs
 
 def _remedy(ways: ContingencyPaths) -> str | None:
     by = ways.mission.autopilot.parameter_table.return_height
-    short = list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL)))
-    higher, left = at_another_height(ways, ways.forecast, short)
-    if any(shortfall.part >= RETURNS for shortfall in left):
+    short = list(find_shortfalls(ways, Contingency.RTL))
+    higher, left = change_return_altitude(ways, ways.forecast, short)
+    if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
         return None
     value = higher.given.parameters[by.name]
     return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
@@ -122,11 +122,11 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     ways = forecast.cached(ContingencyPaths)
     if len(ways.stops().times) < 2:
         return
-    assessments = ways.assessments(Contingency.LAND)
-    unclear = np.flatnonzero(((assessments.near < ways.required) & (assessments.which != GROUND)).any(axis=(1, 2)))
+    samples = ways.samples(Contingency.LAND)
+    unclear = np.flatnonzero(((samples.near < ways.required) & (samples.which != GROUND)).any(axis=(1, 2)))
     if len(unclear):
-        seqs = np.unique(ways.stops().seqs_at(assessments.times[unclear]))
-        worst = unclear[np.argmin(assessments.spare[unclear])]
-        kept = Check("obstacles", ways.exactly(Contingency.LAND, assessments, int(worst)), ways.required)
+        seqs = np.unique(ways.stops().seqs_at(samples.times[unclear]))
+        worst = unclear[np.argmin(samples.spare[unclear])]
+        kept = Check("obstacles", ways.exactly(Contingency.LAND, samples, int(worst)), ways.required)
         words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -54,7 +54,6 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
-    """Warn about ground at home that differs from home, and about landings."""
     scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > 0.5:  # [m]

@@ -65,17 +65,18 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
         raise Unsafe("\n".join(each.message for each in unclear), hint="; or ".join(hints))
 
 
+IGNORE_HINT = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+
+
 def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
-    """Report content of a scenario's files that the readers skipped, and that may limit a flight."""
-    ignore = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
     for thing in things:
         if thing.may_limit:
-            hint = "; ".join(filter(None, (thing.remedy, ignore)))
+            hint = "; ".join(filter(None, (thing.remedy, IGNORE_HINT)))
             yield Finding("not-read", Severity.ERROR, None, thing.words, hint)
 
 
 def refuse_unread(scenario: "Scenario | None") -> None:
-    """Raise Unsafe if unread content may limit the flight, and the scenario does not ignore it."""
+    """Raise Unsafe if unread content may limit the flight."""
     if scenario is not None and "not-read" not in scenario.safety.ignored:
         refuse_errors([*check_unread(scenario.unread)])
 

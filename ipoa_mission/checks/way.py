@@ -8,7 +8,7 @@ from ipoa_mission.checks.numbered_finding import item_of, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.copter_circle import circle_turn
+from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
 from ipoa_mission.forecast.itinerary.program import as_flown, program_of
 
 

@@ -197,7 +197,7 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """Return JSON values; items are numbered as in the file, home is 0."""
     from ipoa_mission.flight.flight_summary import route_summary
-    from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
+    from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 
     items = [
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}

@@ -6,8 +6,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.cli.output import picked, print_lines, print_table
-from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, bars_of
-from ipoa_mission.forecast.contingency.grades import Grade
+from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade, bars_of
 
 CELLS = 50  # characters
 SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn

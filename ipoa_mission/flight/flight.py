@@ -28,8 +28,7 @@ from ipoa_mission.flight.flight_summary import (
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
+from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
 from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest, written_with
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height
@@ -91,7 +90,6 @@ class Flight:
 
     @property
     def promise(self) -> Promise:
-        """Return the guaranteed clearances."""
         return self.forecast.promise
 
     @property

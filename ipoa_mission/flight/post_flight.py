@@ -126,7 +126,6 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
 
 
 def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
-    """Return the clearance with the smallest slack, and the required one."""
     world, limits = scenario.airspace, scenario.limits
     clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)

@@ -147,7 +147,7 @@ def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, a
 
 
 def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
-    """Refuse a home over 100 m away, if heights count from home; remark on a height that differs by over 5 m."""
+    """Refuse a home over 100 m away, if heights count from it."""
     if there is None:
         return ("the vehicle does not report its home: it was not compared with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)

@@ -100,7 +100,6 @@ def upload_mission(
 def _upload(
     vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, remedy: str = ""
 ) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
-    """Return differing parameters, and remarks."""
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
@@ -173,7 +172,6 @@ def fly_mission(
 
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> Forecast:
-    """Return the forecast with the vehicle's own parameters."""
     mission, anyway, stages = forecast.given, options.anyway, options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:

@@ -1,4 +1,4 @@
-"""Compare samples of a flight with its forecast."""
+"""Compare samples of a flight with its forecast: beside its corridor, past an item, or late."""
 
 import math
 from dataclasses import dataclass
@@ -11,22 +11,29 @@ from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.estimate import ItemTime
+from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.frame import Geodetic
 
-# Beyond the deviation bound: twice its width, at least 5 m [m]; a take-off drifts twice as far.
-MARGIN_FACTOR, MIN_MARGIN, TAKEOFF_FACTOR = 2.0, 5.0, 2.0
-# Of PX4 beyond its braking distance, before it turns back to a missed item [m].
-OVERSHOOT = 10.0
-# Of the longest of nine flights in ten for an item; at least 10 s.
-LATE_FACTOR, MIN_LEG_S = 2.0, 10.0
-LASTING_S = 1.0
-ITEM_TOLERANCE_S = 3.0  # early or late [s]
-SPACING = 0.5  # [m]
-EXCEEDING_SHARE = 0.01  # without a scenario's confidence
+
+@dataclass(frozen=True)
+class ConformanceLimits:
+    """What a deviation exceeds, beyond the deviation bound, and for how long."""
+
+    margin_factor: float = 2.0  # of the bound, added to it
+    min_margin: float = 5.0  # [m]
+    takeoff_factor: float = 2.0  # a take-off drifts farther
+    overshoot: float = 10.0  # of PX4 beyond its braking distance, before it turns back to a missed item [m]
+    late_factor: float = 2.0  # of the longest of nine flights in ten for an item
+    min_leg_s: float = 10.0
+    lasting_s: float = 1.0
+    item_tolerance_s: float = 3.0  # early or late
+    exceeding_share: float = 0.01  # of flights, without a scenario's confidence
+
+
+LIMITS = ConformanceLimits()
+SPACING = 0.5  # of the corridor's points [m]
 
 
 class DeviationKind(StrEnum):
@@ -93,9 +100,9 @@ class ConformanceMonitor:
         if not self._visits:
             raise MissionError("the mission has no items", code="empty")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
-        self._chance = EXCEEDING_SHARE if safety is None else safety
+        self._chance = LIMITS.exceeding_share if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
-        self._unknown = {one.seq for one in forecast.unknown}
+        self._unknown = {item.seq for item in forecast.unknown}
         self._law = law_of(forecast.mission.autopilot, wind)
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
@@ -132,15 +139,11 @@ class ConformanceMonitor:
             return None
         distance = math.inf if leg.goal is None else float(np.linalg.norm(place - leg.goal))
         self._nearest = min(self._nearest, distance)
-        found = (
-            self._late(leg, time, place),
-            self._beyond(leg, distance, time),
-            self._outside(leg, place, distance, time),
-        )
-        seen = {one.kind: one for one in found if one is not None}
+        beyond, outside = self._beyond(leg, distance, time), self._outside(leg, place, distance, time)
+        seen = {each.kind: each for each in (self._late(leg, time, place), beyond, outside) if each is not None}
         self._since = {kind: self._since.get(kind, time) for kind in seen}
         for kind, deviation in seen.items():
-            if time - self._since[kind] >= LASTING_S and (kind, self._visit) not in self._reported:
+            if time - self._since[kind] >= LIMITS.lasting_s and (kind, self._visit) not in self._reported:
                 self._reported.add((kind, self._visit))
                 return deviation
         return None
@@ -158,8 +161,8 @@ class ConformanceMonitor:
 
     def _late(self, leg: _Leg, time: float, place: Vector) -> Deviation | None:
         assert self._begun_s is not None
-        lasted, allowed = time - self._begun_s, LATE_FACTOR * leg.longest_s
-        if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < MIN_MARGIN):
+        lasted, allowed = time - self._begun_s, LIMITS.late_factor * leg.longest_s
+        if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < LIMITS.min_margin):
             return None  # the ground where it lands may be lower than known
         words = f"the vehicle flies to it for {lasted:.0f} s; nine flights in ten take {leg.longest_s:.0f} s"
         return self._deviation(DeviationKind.LATE, time, lasted, allowed, f"{words} at most")
@@ -170,14 +173,14 @@ class ConformanceMonitor:
         moved, allowed = distance - self._nearest, leg.excursion + leg.comes_back
         if moved <= allowed:
             return None
-        if self._nearest <= OVERSHOOT:
+        if self._nearest <= LIMITS.overshoot:
             words = f"the vehicle passed it at {self._nearest:.1f} m without turning, and is {distance:.0f} m beyond it"
             return self._deviation(DeviationKind.PASSED, time, moved, allowed, words)
         words = f"the vehicle moves away from it: it was {self._nearest:.0f} m away, and is {distance:.0f} m"
         return self._deviation(DeviationKind.AWAY, time, moved, allowed, words)
 
     def _outside(self, leg: _Leg, place: Vector, distance: float, time: float) -> Deviation | None:
-        comes_back = self._nearest <= OVERSHOOT and distance <= leg.excursion + leg.comes_back
+        comes_back = self._nearest <= LIMITS.overshoot and distance <= leg.excursion + leg.comes_back
         if comes_back or (leg.goal is None and self._detour is not None):
             return None
         points, limits = leg.points, leg.limits
@@ -207,8 +210,8 @@ class ConformanceMonitor:
         return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
 
     def _width(self, law: DeviationLaw) -> Vector:
-        deviation_bound = deviation_bound_of(law, self._chance)
-        return np.array([law.lateral(self._chance), deviation_bound.down, deviation_bound.up])
+        bound = deviation_bound_of(law, self._chance)
+        return np.array([law.lateral(self._chance), bound.down, bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
         track, law = self._estimate.track, self._law
@@ -235,17 +238,16 @@ class ConformanceMonitor:
         return self._legs[visit]
 
     def _leg_to(self, visit: int) -> _Leg:
-        commands = [one.item.command for one in self._visits]
-        items: tuple[ItemTime, ...] = self._estimate.items
+        commands, items = [each.item.command for each in self._visits], self._estimate.items
         target = next((n for n in range(visit, len(items)) if self._goal(n) is not None), None)
         before = next((n for n in reversed(range(visit)) if commands[n] in FLOWN_TO), None)
         begin = 0.0 if before is None else items[before].done_s
         end = math.inf if target is None else items[target].done_s
-        first, last = np.searchsorted(self._times, [begin - ITEM_TOLERANCE_S, end + ITEM_TOLERANCE_S])
+        first, last = np.searchsorted(self._times, [begin - LIMITS.item_tolerance_s, end + LIMITS.item_tolerance_s])
         taken = slice(min(int(first), len(self._times) - 1), int(last) + 1)
-        limits = self._bound[taken] + np.maximum(MARGIN_FACTOR * self._bound[taken], MIN_MARGIN)
+        limits = self._bound[taken] + np.maximum(LIMITS.margin_factor * self._bound[taken], LIMITS.min_margin)
         if commands[visit] in TAKEOFFS:
-            limits = TAKEOFF_FACTOR * limits
+            limits = LIMITS.takeoff_factor * limits
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
@@ -253,15 +255,12 @@ class ConformanceMonitor:
             away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
             excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
             mission, speed = self._forecast.mission, np.array([items[target].peak_speed])
-            comes_back = OVERSHOOT + float(
-                mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0]
-            )
-        longest = items[visit].high_s - begin + items[visit].missed.cost_s
+            braking = float(mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0])
+            comes_back = LIMITS.overshoot + braking
+        longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         is_compared = all(self._is_modeled(n) for n in near)
-        is_landing = target is None
-        longest = max(longest, MIN_LEG_S)
-        return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)
+        return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, target is None, is_compared)
 
     def _is_modeled(self, visit: int) -> bool:
         item = self._visits[visit].item

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ipoa_mission.autopilot.energy import Consumption
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
-    from ipoa_mission.forecast.timing.prediction import Prediction
+    from ipoa_mission.forecast.timing.flight_model import Prediction
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
 
@@ -34,7 +34,7 @@ Made = TypeVar("Made")
 
 
 class Forecast:
-    """One mission's flight, in a scenario's world if given. Each property is computed on first use.
+    """One mission's flight, in a scenario's world if given. Each property is computed once.
 
     Args:
         mission: the mission to fly.
@@ -64,17 +64,18 @@ class Forecast:
     ) -> None:
         self.left_out = left_out
         self._made: dict[Any, Any] = {}
-        self.scenario = scenario if scenario is None else _where_it_begins(scenario, mission)
-        if self.scenario is not None and wind is not None:
-            self.scenario = self.scenario.in_wind(wind)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
-        if self.scenario is not None:
-            self.scenario = self.scenario.flown_by(mission.autopilot)
-            vehicle = self.scenario.vehicle
+        if scenario is not None:
+            if scenario.survey is not None and scenario.survey.starts is not None:
+                from ipoa_mission.scenario.other_home import flown_from
+
+                scenario = flown_from(scenario, mission.home)
+            scenario = (scenario if wind is None else scenario.in_wind(wind)).flown_by(mission.autopilot)
+            vehicle = scenario.vehicle
             version = mission.firmware_version or vehicle.version
             unmeasured = mission.unmeasured_version or vehicle.unmeasured_version
             mission = replace(mission, firmware_version=version, unmeasured_version=unmeasured)
-        self.given = mission
+        self.scenario, self.given = scenario, mission
 
     @cached_property
     def mission(self) -> Mission:
@@ -91,7 +92,6 @@ class Forecast:
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
 
     def on(self, version: Version | None) -> "Forecast":
-        """Return the flight by a vehicle of this version."""
         if version is None or version == self.given.firmware_version:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
@@ -144,11 +144,6 @@ class Forecast:
 
     @cached_property
     def itinerary(self) -> Itinerary:
-        """Return the visits in order.
-
-        Raises:
-            BadInput: a jump leads nowhere or never ends.
-        """
         return itinerary(self.mission, self.ground)
 
     @cached_property
@@ -168,11 +163,10 @@ class Forecast:
 
         for unknown in self.unknown:
             if unknown.code == "jump-flown-elsewhere":
-                words = f"{unknown.why}; the time is unknown"
-                raise MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
+                raise _refusal(unknown, "time")
         if self.mission.other_vehicle:
-            words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
-            raise NotModeled(words)
+            other = self.mission.other_vehicle
+            raise NotModeled(f"the mission is for {other}, and only multicopters have a time model")
         model = self.mission.autopilot.part(FlightModel)
         if sure and fast is None and model.is_always_sure:
             return self.expected  # a long flight is large
@@ -183,7 +177,7 @@ class Forecast:
 
         expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
         times = times_of(self.mission, self.itinerary, expected)
-        unknown = (f"item {one.seq}: {one.why}: the time after it is unknown" for one in self.unknown)
+        unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
         return replace(times, remarks=(*times.remarks, *unknown))
 
     @cached_property
@@ -208,12 +202,11 @@ class Forecast:
     @cached_property
     def promise(self) -> "Promise":
         """Return the kept limits; raises as `predicted`, and where its way is unknown."""
-        from ipoa_mission.forecast.clearance_task import clearance_task
+        from ipoa_mission.forecast.deviation.kept_limits import clearance_task
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
-        for unknown in self.unknown:
-            words = f"{unknown.why}; the clearance is unknown"
-            raise MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
+        if self.unknown:
+            raise _refusal(self.unknown[0], "clearance")
         task = clearance_task(self.world, self.mission.autopilot)
         return promise_of(PredictedFlight(self.itinerary, self.predicted(sure=True), task))
 
@@ -236,12 +229,9 @@ class Forecast:
         return prove(points, self.world, stray)
 
 
-def _where_it_begins(scenario: "Scenario", mission: Mission) -> "Scenario":
-    if scenario.survey is None or scenario.survey.starts is None:
-        return scenario
-    from ipoa_mission.scenario.other_home import flown_from
-
-    return flown_from(scenario, mission.home)
+def _refusal(unknown: Unknown, quantity: str) -> MissionError:
+    words = f"{unknown.why}; the {quantity} is unknown"
+    return MissionError(words, unknown.hint, code=unknown.code, place=f"item {unknown.seq}")
 
 
 def estimate(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.timing.bound import least_time
-from ipoa_mission.forecast.timing.route_time import kinematics
+from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.attempt import Attempt, Flown

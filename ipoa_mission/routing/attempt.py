@@ -5,14 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
-from ipoa_mission.forecast.deviation.pieces import pieces_of
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.promise import Promise, deviation_bound_holds
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
-from ipoa_mission.forecast.timing.route_time import kinematics
-from ipoa_mission.forecast.timing.track import Track, thinned
+from ipoa_mission.forecast.timing.estimate import kinematics
+from ipoa_mission.forecast.timing.track import Track, pieces_of, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove

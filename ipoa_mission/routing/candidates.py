@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.forecast.timing.route_time import kinematics
+from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through

@@ -6,7 +6,7 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask

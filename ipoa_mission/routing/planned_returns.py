@@ -18,14 +18,14 @@ from ipoa_mission.forecast.contingency.contingencies import (
     to_return_instead,
     who_lands,
 )
-from ipoa_mission.forecast.contingency.contingency_paths import RETURNS, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths, ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import (
     Shortfall,
-    at_another_height,
+    change_return_altitude,
+    find_return_shortfalls,
+    find_shortfalls,
     highest_return,
     return_altitude,
-    returning,
-    shortfalls,
 )
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.routing.rally import rally_sets
@@ -38,19 +38,19 @@ NAMED = 3  # in a note on LAND
 def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     """Return the clearest forecast, and the worst remaining shortfall of each body."""
     ways = forecast.cached(ContingencyPaths)
-    braking = list(shortfalls(ways, Contingency.HOLD, ways.assessments(Contingency.HOLD)))
+    braking = list(find_shortfalls(ways, Contingency.HOLD))
     if Contingency.SMART_RTL in contingencies_of(forecast):
-        braking += shortfalls(ways, Contingency.SMART_RTL, ways.assessments(Contingency.SMART_RTL))
+        braking += find_shortfalls(ways, Contingency.SMART_RTL)
     if lands_by_choice(forecast):
-        braking += shortfalls(ways, Contingency.LAND, ways.assessments(Contingency.LAND))
+        braking += find_shortfalls(ways, Contingency.LAND)
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
     if braking:  # needs another path
-        return forecast, (*braking, *(one for one in returning(ways) if one.part < RETURNS))
-    best, short = forecast, returning(ways)
+        return forecast, (*braking, *(one for one in find_return_shortfalls(ways) if one.part < ReturnLeg.RETURNS))
+    best, short = forecast, find_return_shortfalls(ways)
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
-        best, short = at_another_height(ways, best, short)
-    if any(one.part >= RETURNS for one in short) and not forecast.mission.rally:
+        best, short = change_return_altitude(ways, best, short)
+    if any(one.part >= ReturnLeg.RETURNS for one in short) and not forecast.mission.rally:
         best, short = _with_rally_points(ways, best, short)
     return best, tuple(short)
 
@@ -70,8 +70,8 @@ def _with_rally_points(
         except Unsafe:
             continue
         landing = Forecast(mission, forecast.scenario, forecast.wind)
-        left = returning(ways.returning(landing))
-        if not any(one.part >= RETURNS for one in left):
+        left = find_return_shortfalls(ways.returning(landing))
+        if not any(one.part >= ReturnLeg.RETURNS for one in left):
             return landing, left
     return forecast, short
 
@@ -119,11 +119,11 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
 def _lands_on(forecast: Forecast) -> Iterator[str]:
     """Yield how long a LAND may come down on an obstacle."""
     ways = forecast.cached(ContingencyPaths)
-    assessments = ways.assessments(Contingency.LAND)
-    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, assessments)))
+    samples = ways.samples(Contingency.LAND)
+    names = list(dict.fromkeys(one.body or "the ground" for one in find_shortfalls(ways, Contingency.LAND, samples)))
     if names:
-        lasts, whole = np.diff(assessments.times), assessments.times[-1] - assessments.times[0]
-        seconds = lasts[~(assessments.clear[1:] & assessments.clear[:-1])].sum()
+        lasts, whole = np.diff(samples.times), samples.times[-1] - samples.times[0]
+        seconds = lasts[~(samples.clear[1:] & samples.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
             f"LAND in place may, in {seconds:.0f} of {whole:.0f} s in the air, end "

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.world.frame import Geodetic
@@ -60,7 +60,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
 
 def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
     """Count the instants at which all possible goals are clear."""
-    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * POSITION_ERROR
+    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * SAMPLING.position_error
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
@@ -68,7 +68,7 @@ def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64],
     """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
-    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + MAX_SPARE)
+    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SAMPLING.max_spare)
     return np.asarray(near >= ways.required).reshape(len(stopped), len(goals))
 
 

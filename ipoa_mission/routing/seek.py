@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.path_problem import PathTask

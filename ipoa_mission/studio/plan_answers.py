@@ -10,15 +10,13 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar
-from ipoa_mission.forecast.contingency.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade
+from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS, TIMED
 from ipoa_mission.forecast.contingency.energy_budget import Budget, Taken, budget_of
-from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
-from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.route_time import kinematics
+from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.planning.sketch import Sketch
@@ -272,13 +270,13 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
 def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float, Taken]:
     """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = contingencies.in_air
-    evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / STEP_S))).tolist()
+    evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / DURATIONS.step_s))).tolist()
     costs = {time: taken for time in evenly if (taken := contingencies.takes(contingency, time)) is not None}
     while len(costs) < 24:
-        wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > MIN_STEP_S]
+        wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > DURATIONS.min_step_s]
         steep = [(abs(sum(costs[b][0]) - sum(costs[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
-        if steepest < MAX_SLOPE or (taken := contingencies.takes(contingency, middle)) is None:
+        if steepest < DURATIONS.max_slope or (taken := contingencies.takes(contingency, middle)) is None:
             break
         costs[middle] = taken
     return costs

@@ -11,7 +11,7 @@ import shapely
 from ipoa_mission import Command, Frame
 from ipoa_mission.checks.airspace_check import clear_in
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.clearance_task import clearance_task
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector, arc_lengths

@@ -11,7 +11,7 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
-from ipoa_mission.forecast.contingency.energy_budget import shortage_of
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
@@ -172,8 +172,8 @@ def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[Su
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
         forecast.drop(ContingencyPaths)  # large after many hours
-        if (short := shortage_of(forecast)) is not None:
-            raise short
+        if (budget := budget_of(forecast)) is not None and budget.shortage is not None:
+            raise budget.shortage
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
     return tuple(flights)
 

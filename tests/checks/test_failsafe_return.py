@@ -8,8 +8,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.contingency_check import check_failsafe_return
-from ipoa_mission.forecast.contingency.contingency_paths import RETURNS, ContingencyPaths
-from ipoa_mission.forecast.contingency.stopping_points import StoppingPoints
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths, ReturnLeg, StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import land
 from ipoa_mission.planning.proof import prove
@@ -95,15 +94,13 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
 ) -> None:
     scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
     ways = ContingencyPaths(flight_in(scenario))
-    assessments = ways.assessments(Contingency.RTL)
+    samples = ways.samples(Contingency.RTL)
     single = [
         any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
-        for ways_of in assessments.ways
+        for ways_of in samples.ways
     ]
-    exact = {
-        int(seq) for seq, is_broken in zip(ways.stops().seqs_at(assessments.times), single, strict=True) if is_broken
-    }
-    told = {int(seq) for seq in ways.stops().seqs_at(assessments.times[~assessments.clear])}
+    exact = {int(seq) for seq, is_broken in zip(ways.stops().seqs_at(samples.times), single, strict=True) if is_broken}
+    told = {int(seq) for seq in ways.stops().seqs_at(samples.times[~samples.clear])}
     assert told == exact
 
 
@@ -127,7 +124,7 @@ def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_orde
     ways = ContingencyPaths(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
     ways._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
-    returns = ways.at(Contingency.RTL, np.arange(2.0)).near[:, :, RETURNS].min()
+    returns = ways.at(Contingency.RTL, np.arange(2.0)).near[:, :, ReturnLeg.RETURNS].min()
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
 
@@ -154,10 +151,10 @@ def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
     """Both begin at one place: by the rounding of 2 cm alone the way home is no other finding."""
     forecast = flight_in(scene(Autopilot.PX4, WALL))
     ways = forecast.cached(ContingencyPaths)
-    whole = ways.assessments(Contingency.RTL)
+    whole = ways.samples(Contingency.RTL)
     near, worst = np.full_like(whole.near, np.inf), int(np.argmin(whole.spare))
-    near[worst, :, 0], near[worst, :, RETURNS] = ways.required - 1.0, ways.required - 1.0 - nearer
+    near[worst, :, 0], near[worst, :, ReturnLeg.RETURNS] = ways.required - 1.0, ways.required - 1.0 - nearer
     found = replace(whole, near=near)
-    monkeypatch.setattr(ContingencyPaths, "assessments", lambda *_: found)
+    monkeypatch.setattr(ContingencyPaths, "samples", lambda *_: found)
     findings = [finding.message for finding in check_failsafe_return(forecast)]
     assert [next(verb for verb in ("brakes", "flies") if f" {verb} " in words) for words in findings] == verbs

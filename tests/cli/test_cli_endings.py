@@ -8,8 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.cli.contingency_output import CELLS, bar_of
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow
-from ipoa_mission.forecast.contingency.grades import Grade
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario

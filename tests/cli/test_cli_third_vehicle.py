@@ -27,8 +27,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Item, Mission

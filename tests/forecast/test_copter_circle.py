@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.copter_circle import circle_entry, circle_turn, radius_of
+from ipoa_mission.forecast.itinerary.copter_curves import circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint

@@ -18,10 +18,15 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.contingency.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
-from ipoa_mission.forecast.contingency.contingency_paths import MAX_SPARE, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingencies import (
+    COMPUTED,
+    Contingencies,
+    ContingencyRow,
+    Grade,
+    contingencies_of,
+)
+from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
 from ipoa_mission.forecast.contingency.energy_budget import flown_from
-from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from tests.examples import examples
@@ -105,11 +110,11 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
 def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
-    found = campus.ways.assessments(Contingency.LAND)
-    assessments = found.times[~found.clear]
-    assert assessments[0] - unclear[0].from_s >= 0.6
-    assert unclear[-1].to_s - assessments[-1] >= 0.6
-    assert unclear[1].from_s == pytest.approx(assessments[0], abs=0.5)
+    found = campus.ways.samples(Contingency.LAND)
+    samples = found.times[~found.clear]
+    assert samples[0] - unclear[0].from_s >= 0.6
+    assert unclear[-1].to_s - samples[-1] >= 0.6
+    assert unclear[1].from_s == pytest.approx(samples[0], abs=0.5)
 
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
@@ -219,35 +224,34 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
     back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
     begin, end = back.ways.in_air
     time = begin + share * (end - begin)
-    assessments = back.ways.at(Contingency.RTL, np.array([time]))
-    way = assessments.ways[0][assessments.taken[0]][0]
+    samples = back.ways.at(Contingency.RTL, np.array([time]))
+    way = samples.ways[0][samples.taken[0]][0]
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
     nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
-    noted = assessments.near[0][assessments.taken[0]].min()
-    assert noted <= nearest + 1e-6 or nearest > back.ways.required + MAX_SPARE
+    noted = samples.near[0][samples.taken[0]].min()
+    assert noted <= nearest + 1e-6 or nearest > back.ways.required + SAMPLING.max_spare
     assert np.linalg.norm(way[-1] - way[-2]) > 1.0
 
 
 def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     over = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0))
-    assessments = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
-    ways = assessments.ways[0][assessments.taken[0]][:, 3:-1]
+    samples = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
+    ways = samples.ways[0][samples.taken[0]][:, 3:-1]
     ground = over.forecast.world.airspace.ground(ways.reshape(-1, 3)).reshape(ways.shape[:2])
     assert np.ptp(ground[0]) > 1.0
     above = ways[..., 2] - ground
     assert np.ptp(above, axis=1).max() < 0.01  # each way keeps its own,
     assert np.ptp(above[:, 0]) == pytest.approx(20.0)  # as far as WPNAV_TER_MARGIN allows
     assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
-    sunk = assessments.ways.copy()
-    sunk[0, ~assessments.taken[0], :, 2] -= 100.0
+    sunk = samples.ways.copy()
+    sunk[0, ~samples.taken[0], :, 2] -= 100.0
     low, same = (
-        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance
-        for one in (assessments, replace(assessments, ways=sunk))
+        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance for one in (samples, replace(samples, ways=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home
     seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
-    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == assessments.taken.sum() + 1
+    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == samples.taken.sum() + 1
 
 
 def test_who_waits_for_ever_lands_at_no_time() -> None:

@@ -9,8 +9,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate as predict
-from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
 from ipoa_mission.mission.items import (
     Item,
     Mission,

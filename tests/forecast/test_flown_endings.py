@@ -208,6 +208,6 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
     if contingency in (Contingency.RTL, Contingency.LAND) and row["did"] == contingency:
         mission, forecast = contingencies.mission, contingencies.forecast
         model, order = mission.autopilot.part(FlightModel), Abort(second, contingency)
-        found = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
+        found = model.predict_abort(forecast.itinerary, mission, forecast.wind, order)
         share, seconds = OFF[row["autopilot"]]
         assert float(found.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)

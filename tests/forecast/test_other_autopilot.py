@@ -21,5 +21,5 @@ def test_a_return_keeps_the_same_whichever_autopilot_the_scenario_names(flies: A
         scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"autopilot": one})})
         for one in (Autopilot.PX4, Autopilot.ARDUPILOT)
     ]
-    one, other = (Forecast(mission, world).cached(ContingencyPaths).assessments(Contingency.RTL) for world in worlds)
+    one, other = (Forecast(mission, world).cached(ContingencyPaths).samples(Contingency.RTL) for world in worlds)
     assert np.array_equal(one.spare, other.spare)

@@ -8,12 +8,11 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.deviation.approach import approaches
-from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, clearance_task, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
-from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent

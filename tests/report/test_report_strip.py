@@ -5,8 +5,7 @@ from html import unescape
 import numpy as np
 import pytest
 
-from ipoa_mission.forecast.contingency.contingencies import Contingencies
-from ipoa_mission.forecast.contingency.grades import Grade
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.drawn_flight import SampledTrack, sample_track
 from ipoa_mission.report.page import report_html

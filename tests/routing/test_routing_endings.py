@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
-from ipoa_mission.forecast.contingency.contingency_paths import RETURNS, ContingencyPaths
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths, ReturnLeg
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
@@ -64,12 +64,8 @@ def kept_by_dense_sampling(flight: Flight) -> float:
     """Return the least clearance of returns from many seconds, every few centimeters."""
     ways = Contingencies(flight.forecast).ways
     begin, end = ways.in_air
-    assessments = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
-    legs = [
-        np.linspace(a, b, 150)
-        for n, k in np.argwhere(assessments.taken)
-        for a, b in pairwise(assessments.ways[n, k, :5])
-    ]
+    samples = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
+    legs = [np.linspace(a, b, 150) for n, k in np.argwhere(samples.taken) for a, b in pairwise(samples.ways[n, k, :5])]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 
@@ -130,10 +126,10 @@ def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> N
     fence = {"inclusion": False, "polygon": [[40, -30], [40, 8], [75, 8], [75, -30]]}
     scenario = Scenario.from_dict(text | {"fence": [fence]})
     flight = plan_flight(scenario, seed=0)
-    assessments = ContingencyPaths(flight.forecast).assessments(Contingency.RTL)
+    samples = ContingencyPaths(flight.forecast).samples(Contingency.RTL)
     keep_out = shapely.Polygon(fence["polygon"])
-    for n, k in np.argwhere(assessments.taken):
-        way = assessments.ways[n, k]
+    for n, k in np.argwhere(samples.taken):
+        way = samples.ways[n, k]
         assert not shapely.LineString(way[:, :2]).intersects(keep_out)
         assert way[:, 2].max() <= 70.0
     assert not [finding for finding in flight.findings if finding.code == "return-too-near"]
@@ -171,10 +167,8 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
-        np.where(assessments.taken[..., None], assessments.near, np.inf)[:, :, :RETURNS].min()
-        for assessments in (
-            ContingencyPaths(flight.forecast).assessments(Contingency.RTL) for flight in (warned, planned)
-        )
+        np.where(samples.taken[..., None], samples.near, np.inf)[:, :, : ReturnLeg.RETURNS].min()
+        for samples in (ContingencyPaths(flight.forecast).samples(Contingency.RTL) for flight in (warned, planned))
     )
     assert brakes < warned.scenario.limits.obstacle_distance <= stays
     assert planned.estimate.total_s < 1.06 * warned.estimate.total_s

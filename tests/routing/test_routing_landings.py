@@ -49,8 +49,8 @@ def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, retur
 def least_of_landings(flight: Flight) -> float:
     """Return the least clearance of landings from many seconds, every few centimeters."""
     ways = Contingencies(flight.forecast).ways
-    assessments = ways.at(Contingency.LAND, np.linspace(*ways.in_air, 60))
-    legs = [np.linspace(a, b, 200) for way in assessments.ways[:, 0] for a, b in pairwise(way)]
+    samples = ways.at(Contingency.LAND, np.linspace(*ways.in_air, 60))
+    legs = [np.linspace(a, b, 200) for way in samples.ways[:, 0] for a, b in pairwise(way)]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 

@@ -8,9 +8,8 @@ pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.forecast.contingency.contingencies import Contingencies
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
-from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.report.page import report_html
 from ipoa_mission.studio.answers import StripCost, StripOfEndings
 from ipoa_mission.studio.plan_answers import course_of, strips_of

@@ -11,8 +11,7 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
+from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame

@@ -1,6 +1,9 @@
+"""Compute how a flight can end at each second: path, clearance and its certainty, duration and energy."""
+
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
@@ -12,23 +15,59 @@ from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
+from ipoa_mission.forecast.contingency.contingency_paths import (
+    GROUND,
+    ContingencyPaths,
+    ContingencySamples,
+    StoppingPoints,
+)
 from ipoa_mission.forecast.contingency.energy_budget import Taken, flown_from
-from ipoa_mission.forecast.contingency.grades import Grade, clear_at_any_time, graded, share_nearer
-from ipoa_mission.forecast.contingency.stopping_points import StoppingPoints
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
 
-BEGIN_TOLERANCE_S = 0.6  # begin of the flight [s]: ArduCopter 4.8-dev is 0.5 s early after its take-off
-EXACT_SAMPLES = 6
 GROUND_NAME, NO_GOAL = "the ground", "unknown"
-TAIL_S = 1e6  # both clocks run alike [s]
-TIMED_SAMPLES = 3
-WEIGHT_STEP_S = 0.25
 # The others fly on, fall, or have no known path.
 COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)
-COMMON_CONTINGENCIES = frozenset({Contingency.RTL, Contingency.LAND, Contingency.HOLD})
+
+
+class Grade(StrEnum):
+    """`CLEAR`: each possible flight keeps the required distance. `MAY`: some do not.
+
+    `WOULD`: the predicted path does not, at half or more of the possible times. `UNKNOWN`: the path is unknown.
+    """
+
+    CLEAR = "clear"
+    MAY = "perhaps not clear"
+    WOULD = "not clear"
+    UNKNOWN = "unknown"
+
+
+def clear_at_any_time(times: Vector, clear: NDArray[np.bool_], tolerances: Vector) -> NDArray[np.bool_]:
+    unclear = times[~clear]
+    after = np.searchsorted(unclear, times - tolerances, side="left")
+    return np.asarray(after == np.searchsorted(unclear, times + tolerances, side="right"))
+
+
+def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDArray[np.bool_]) -> Vector:
+    """Return the share of possible times with a shortfall, at each of `times` (n,).
+
+    `tolerances` (n,) contain nine cases of ten, and limit all.
+
+    >>> share_nearer(np.array([5.0, 20.0]), np.full(2, 2.0), np.arange(0.0, 30.0), np.arange(30) < 5).round(2)
+    array([0.33, 0.  ])
+    """
+    deviations = 1.645  # 90 % of a normal distribution, in standard deviations
+    off = (evenly[None, :] - times[:, None]) / tolerances[:, None]
+    weights = np.where(np.abs(off) <= 1.0, np.exp(-((deviations * off) ** 2) / 2.0), 0.0)
+    return np.asarray((weights * nearer).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-12))
+
+
+def graded(clear: NDArray[np.bool_], shares: Vector) -> list[Grade]:
+    return [
+        Grade.CLEAR if is_clear else Grade.WOULD if share >= 0.5 else Grade.MAY
+        for is_clear, share in zip(clear, shares, strict=True)
+    ]
 
 
 def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
@@ -37,24 +76,25 @@ def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
 
 
 def lands_by_choice(forecast: Forecast) -> tuple[Failsafe, ...]:
-    return tuple(one for one in failsafes_of(forecast) if one.lands_by_choice)
+    return tuple(failsafe for failsafe in failsafes_of(forecast) if failsafe.lands_by_choice)
 
 
 def who_lands(forecast: Forecast) -> str:
-    return " and ".join(f"{one.cause} ({one.parameter} = {one.value:g})" for one in lands_by_choice(forecast))
+    return " and ".join(f"{by.cause} ({by.parameter} = {by.value:g})" for by in lands_by_choice(forecast))
 
 
 def to_return_instead(forecast: Forecast) -> str:
-    values = {one.parameter: one.returns_at for one in lands_by_choice(forecast)}
+    values = {failsafe.parameter: failsafe.returns_at for failsafe in lands_by_choice(forecast)}
     words = " and ".join(f"{name} = {value}" for name, value in values.items())
     return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
 
 
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     failsafes = failsafes_of(forecast)
-    actions = [action for one in failsafes for action in (one.route, *one.differs.values())]
+    actions = [action for failsafe in failsafes for action in (failsafe.route, *failsafe.differs.values())]
     had = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
-    return tuple(contingency for contingency in COMPUTED if contingency in (had if failsafes else COMMON_CONTINGENCIES))
+    had = had if failsafes else {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
+    return tuple(contingency for contingency in COMPUTED if contingency in had)
 
 
 @dataclass(frozen=True)
@@ -142,8 +182,10 @@ class Contingencies:
 
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
+        """Times of the same places: of a flight with exact position, and in the mean of all."""
         sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
-        return np.concatenate([[0.0], sure, sure[-1:] + TAIL_S]), np.concatenate([[0.0], mean, mean[-1:] + TAIL_S])
+        tail_s = 1e6  # both clocks run alike
+        return np.concatenate([[0.0], sure, sure[-1:] + tail_s]), np.concatenate([[0.0], mean, mean[-1:] + tail_s])
 
     def _in_mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
@@ -158,123 +200,115 @@ class Contingencies:
         return float(begin), float(end)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        stops = self.ways.stops(contingency)
-        return replace(stops, times=self._in_mean(stops.times))
+        return replace(stops := self.ways.stops(contingency), times=self._in_mean(stops.times))
 
-    def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        assessments = self.ways.assessments(
-            contingency, None if between is None else tuple(self._if_sure(np.array(between)).tolist())
-        )
-        return replace(assessments, times=self._in_mean(assessments.times))
+    def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
+        sure = None if between is None else tuple(self._if_sure(np.array(between)).tolist())
+        return replace(samples := self.ways.samples(contingency, sure), times=self._in_mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        """Return the rows of one contingency; with times and energy if `timed`.
-
-        Raises:
-            MissionError: the vehicle has no model of its flight.
-        """
-        if contingency is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
-            return (
-                ContingencyRow(contingency, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, NO_GOAL),
-            )
-        assessments = self.assessments(contingency)
+        """Return the rows of one contingency; with times and energy if `timed`."""
+        if (unknown := self._unknown(contingency, *self.in_air)) is not None:
+            return (unknown,)
+        samples = self.samples(contingency)
         if contingency not in self._rows:
-            grades = self._grades(contingency, assessments)
-            runs = _runs(assessments.taken, grades)
-            self._rows[contingency] = [
-                (self._row(contingency, assessments, run, grades[run.start]), run) for run in runs
-            ]
-        return tuple(self._timed(row, assessments, run) if timed else row for row, run in self._rows[contingency])
+            grades = self._grades(contingency, samples)
+            runs = _runs(samples.taken, grades)
+            self._rows[contingency] = [(self._row(contingency, samples, run, grades[run.start]), run) for run in runs]
+        return tuple(self._timed(row, samples, run) if timed else row for row, run in self._rows[contingency])
 
     def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
-        if contingency is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
-            return ContingencyRow(contingency, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, NO_GOAL)
+        if (unknown := self._unknown(contingency, time, time)) is not None:
+            return unknown
         tolerance = float(self._tolerances(np.array([time]))[0])
         begin, end = np.clip([time - tolerance, time + tolerance], *self.in_air)
         now = self.ways.at(contingency, self._if_sure(np.clip([time], begin, end)))
-        both = [self.assessments(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
-        assessments = ContingencySamples.merged(both)
-        middle = int(np.searchsorted(assessments.times, np.clip(time, begin, end)))
-        row = self._row(
-            contingency, assessments, range(len(assessments.times)), self._grades(contingency, assessments)[middle]
-        )
-        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(contingency, assessments, middle))
-        return self._timed(row, assessments, range(middle, middle + 1)) if timed else row
+        both = [self.samples(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
+        samples = ContingencySamples.merged(both)
+        middle = int(np.searchsorted(samples.times, np.clip(time, begin, end)))
+        grade = self._grades(contingency, samples)[middle]
+        row = self._row(contingency, samples, range(len(samples.times)), grade)
+        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(contingency, samples, middle))
+        return self._timed(row, samples, range(middle, middle + 1)) if timed else row
+
+    def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
+        if contingency is not Contingency.RTL or (why := self.ways.why_unknown()) is None:
+            return None
+        return ContingencyRow(contingency, begin, end, Grade.UNKNOWN, math.nan, self.ways.required, why, NO_GOAL)
 
     def _tolerances(self, times: Vector) -> Vector:
-        prediction = self.forecast.expected
-        return BEGIN_TOLERANCE_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
+        prediction, begin_s = self.forecast.expected, 0.6  # ArduCopter 4.8-dev is 0.5 s early after its take-off
+        return begin_s + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
-    def _grades(self, contingency: Contingency, assessments: ContingencySamples) -> list[Grade]:
-        times, tolerances = assessments.times, self._tolerances(assessments.times)
-        clear, shares = clear_at_any_time(times, assessments.clear, tolerances), np.zeros(len(times))
+    def _grades(self, contingency: Contingency, samples: ContingencySamples) -> list[Grade]:
+        times, tolerances = samples.times, self._tolerances(samples.times)
+        clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
         if not clear.all():
-            evenly, nearer = self._nearer(contingency, assessments)
+            evenly, nearer = self._nearer(contingency, samples)
             shares[~clear] = share_nearer(times[~clear], tolerances[~clear], evenly, nearer)
         return graded(clear, shares)
 
-    def _nearer(self, contingency: Contingency, assessments: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
-        begin, end = assessments.times[0], assessments.times[-1]
-        evenly = np.linspace(begin, end, max(2, round((end - begin) / WEIGHT_STEP_S) + 1))
-        after = np.clip(np.searchsorted(assessments.times, evenly), 1, len(assessments.times) - 1)
-        unclear = ~(assessments.clear[after - 1] & assessments.clear[after])
+    def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
+        begin, end = samples.times[0], samples.times[-1]
+        evenly = np.linspace(begin, end, max(2, round((end - begin) / 0.25) + 1))
+        after = np.clip(np.searchsorted(samples.times, evenly), 1, len(samples.times) - 1)
+        unclear = ~(samples.clear[after - 1] & samples.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if unclear.any():
             predicted = self.ways.as_flown.at(contingency, self._if_sure(evenly[unclear]))
             nearer[unclear] = predicted.all_nearer(self.ways.required)
         return evenly, nearer
 
-    def _row(
-        self, contingency: Contingency, assessments: ContingencySamples, run: range, grade: Grade
-    ) -> ContingencyRow:
-        seen = run if grade is Grade.CLEAR else self._seen(assessments, run)
-        worst, near = min(self._nearest(contingency, assessments, seen), key=lambda found: found[1].distance)
+    def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
+        seen = run if grade is Grade.CLEAR else self._seen(samples, run)
+        worst, near = min(self._nearest(contingency, samples, seen), key=lambda pair: pair[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
-        if GROUND in assessments.which[seen.start : seen.stop]:
-            on_ground = [n for n in seen if GROUND in assessments.which[n]]
-            worst = min(on_ground, key=lambda n: float(assessments.spare[n]))
-            low = self.ways.lowest(contingency, assessments, worst)
+        if GROUND in samples.which[seen.start : seen.stop]:
+            on_ground = [n for n in seen if GROUND in samples.which[n]]
+            worst = min(on_ground, key=lambda n: float(samples.spare[n]))
+            low = self.ways.lowest(contingency, samples, worst)
             least, required, to = low.nearest.distance, low.required, GROUND_NAME
-        goal, lands = self.ways.goal(contingency, assessments, run.start), None
+        goal, lands = self.ways.goal(contingency, samples, run.start), None
         if goal != "here":
-            east, north, _ = assessments.ways[run.start][assessments.taken[run.start]][0, -1]
+            east, north, _ = samples.ways[run.start][samples.taken[run.start]][0, -1]
             lands = float(east), float(north)
-        until = float(assessments.times[min(run.stop, len(assessments.times) - 1)])
+        until = float(samples.times[min(run.stop, len(samples.times) - 1)])
         return ContingencyRow(
-            contingency, float(assessments.times[run.start]), until, grade, least, required, to, goal, lands
+            contingency, float(samples.times[run.start]), until, grade, least, required, to, goal, lands
         )
 
-    def _seen(self, assessments: ContingencySamples, run: range) -> range:
-        edges = assessments.times[[run.start, run.stop - 1]]
+    def _seen(self, samples: ContingencySamples, run: range) -> range:
+        edges = samples.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._tolerances(edges)
-        begin, end = np.searchsorted(assessments.times, early), np.searchsorted(assessments.times, late, side="right")
+        begin, end = np.searchsorted(samples.times, early), np.searchsorted(samples.times, late, side="right")
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
     def _nearest(
-        self, contingency: Contingency, assessments: ContingencySamples, run: range
+        self, contingency: Contingency, samples: ContingencySamples, run: range
     ) -> list[tuple[int, Clearance]]:
-        spare = assessments.spare[run.start : run.stop]
+        spare = samples.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # their depth is not yet known
-        few = np.linspace(0, len(inside) - 1, min(len(inside), EXACT_SAMPLES)).astype(int)
-        picked = {*np.argsort(spare, kind="stable")[:EXACT_SAMPLES].tolist(), *inside[few].tolist()}
-        return [(run[n], self.ways.exactly(contingency, assessments, run[n])) for n in sorted(picked)]
+        most = 6  # are measured exactly
+        few = np.linspace(0, len(inside) - 1, min(len(inside), most)).astype(int)
+        picked = {*np.argsort(spare, kind="stable")[:most].tolist(), *inside[few].tolist()}
+        return [(run[n], self.ways.exactly(contingency, samples, run[n])) for n in sorted(picked)]
 
-    def _timed(self, row: ContingencyRow, assessments: ContingencySamples, run: range) -> ContingencyRow:
+    def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
         if row.contingency not in (Contingency.RTL, Contingency.LAND):
             return row
-        picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED_SAMPLES)}
+        picked = {run[round(share * (len(run) - 1))] for share in (0.0, 0.5, 1.0)}
         try:
-            flown = [flown_from(self.forecast, row.contingency, float(assessments.times[n])) for n in sorted(picked)]
+            flown = [flown_from(self.forecast, row.contingency, float(samples.times[n])) for n in sorted(picked)]
         except MissionError as error:
             return replace(row, why_untimed=str(error))
-        used = [one.used.between for one in flown if one.used is not None]
-        touching = [one.touches for one in flown if one.touches is not None]
+        used = [each.used.between for each in flown if each.used is not None]
+        touching = [each.touches for each in flown if each.touches is not None]
         touches = (min(low for low, _ in touching), max(high for _, high in touching)) if touching else None
-        lasts = min(one.lasts[0] for one in flown), max(one.lasts[1] for one in flown)
-        takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
+        lasts = min(each.lasts[0] for each in flown), max(each.lasts[1] for each in flown)
+        takes = (min(each.low for each in used), max(each.high for each in used)) if used else None
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
     def lasts(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
@@ -289,7 +323,7 @@ class Contingencies:
 
 
 def _runs(taken: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
-    same = (taken[1:] == taken[:-1]).all(axis=1) & [one is other for one, other in pairwise(grades)]
+    same = (taken[1:] == taken[:-1]).all(axis=1) & [grade is after for grade, after in pairwise(grades)]
     begin = 0
     for end in [*(np.flatnonzero(~same) + 1).tolist(), len(grades)]:
         yield range(begin, end)

@@ -6,6 +6,7 @@ Between two clear times no path moves farther than the slack of both. Obstacles 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
+from enum import IntEnum
 from functools import cached_property, reduce
 from itertools import product
 from typing import Any
@@ -13,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
-from ipoa_mission.forecast.clearance_task import clearance_task
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
-from ipoa_mission.forecast.contingency.stopping_points import StoppingPoints, stopping_points_of
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
@@ -26,19 +27,71 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
-STEP_S = 1.0  # [s]
-BATCH_SIZE = 5_000  # limited by memory
-MIN_STEP_S = 0.05  # [s]
-TIGHT_PLACES = 4.0
-LIFTED_HEIGHT = 1.0  # below it can end its flight in place [m]
-BACK_SHARES = (0.0, 0.5, 1.0)  # of the way back to the place of the order
-POSITION_ERROR = 10.0  # as it chooses its goal [m]
-OFFSETS = ((0.0, 0.0), (POSITION_ERROR, 0.0), (-POSITION_ERROR, 0.0), (0.0, POSITION_ERROR), (0.0, -POSITION_ERROR))
-CHORD_ERROR = 0.02  # [m]
-LEVEL_ERROR = 0.5  # [m]
-MAX_SPARE = 8.0  # [m]
-BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)
+
+@dataclass(frozen=True)
+class Sampling:
+    """Where a contingency is computed: each second of the order, and finer where a shortfall may hide."""
+
+    step_s: float = 1.0
+    min_step_s: float = 0.05
+    batch_size: int = 5_000  # limited by memory
+    max_spare: float = 8.0  # greater slack is not distinguished [m]
+    position_error: float = 10.0  # of the vehicle as it chooses its goal [m]
+
+
+class ReturnLeg(IntEnum):
+    BRAKES = 0
+    TURNS_BACK = 1
+    CLIMBS = 2
+    RETURNS = 3
+    DESCENDS = 4
+
+
+SAMPLING = Sampling()
 GROUND = -2  # among the indices of obstacles; -1 is nothing
+
+
+@dataclass(frozen=True, eq=False)
+class StoppingPoints:
+    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs`, and the stopping points `stops`."""
+
+    times: Vector
+    places: Points
+    stops: Points
+    seqs: NDArray[np.intp]
+
+    def seqs_at(self, times: Vector) -> NDArray[np.intp]:
+        return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
+
+    def at(self, times: Vector) -> tuple[Points, Points]:
+        places, stops = (
+            np.column_stack([np.interp(times, self.times, axis) for axis in points.T])
+            for points in (self.places, self.stops)
+        )
+        return places, stops
+
+
+def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency: Contingency) -> StoppingPoints:
+    mission, flight, step_s = forecast.mission, forecast.promise.flight, 0.2
+    autopilot = mission.autopilot
+    times = np.append(np.arange(begin, end, step_s), end)
+    then = np.minimum(times + autopilot.flies_on(contingency), end)
+    before, places, stops, after = map(flight.pieces.at, (then - step_s, times, then, then + step_s))
+    velocity = (after - before) / (2 * step_s)
+    speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
+    along = velocity[:, :2] / speed[:, None]
+    gains = np.gradient(np.hypot(*velocity[:, :2].T), step_s) if len(times) > 1 else np.zeros(1)
+    accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / step_s**2
+    del before, after
+    accel += along * (gains - (accel * along).sum(axis=1))[:, None]
+    if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
+        way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
+        stops[:, 2] += velocity[:, 2] * way / speed
+    stops[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
+    seqs = np.array([visit.seq for visit in flight.route.visits])
+    return StoppingPoints(
+        times, places, stops, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +128,14 @@ class ContingencySamples:
         moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
         moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
         hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
-        asked = (hidden | ~self.same_as_next | self._next_to_nearest()) & (np.diff(self.times) > MIN_STEP_S)
+        asked = (hidden | ~self.same_as_next | self._next_to_nearest()) & (np.diff(self.times) > SAMPLING.min_step_s)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
     def _next_to_nearest(self) -> NDArray[np.bool_]:
         found = np.zeros(len(self.times), dtype=bool)
         for equal in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
             least = equal[np.argmin(self.spare[equal])]
-            found[max(least - 1, 0) : least + 1] = self.spare[least] < MAX_SPARE
+            found[max(least - 1, 0) : least + 1] = self.spare[least] < SAMPLING.max_spare
         return found[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
@@ -100,12 +153,10 @@ class ContingencySamples:
         return cls(**whole)
 
     @classmethod
-    def merged(cls, assessments: "Sequence[ContingencySamples]") -> "ContingencySamples":
-        order = np.argsort(np.concatenate([some.times for some in assessments]), kind="stable")
+    def merged(cls, samples: "Sequence[ContingencySamples]") -> "ContingencySamples":
+        order = np.argsort(np.concatenate([some.times for some in samples]), kind="stable")
         taken = slice(None) if (np.diff(order) == 1).all() else order
-        return cls(
-            **{f.name: np.concatenate([getattr(one, f.name) for one in assessments])[taken] for f in fields(cls)}
-        )
+        return cls(**{f.name: np.concatenate([getattr(one, f.name) for one in samples])[taken] for f in fields(cls)})
 
 
 class ContingencyPaths:
@@ -127,19 +178,19 @@ class ContingencyPaths:
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
             other.__dict__["in_air"], other._stops = self.in_air, self._stops
             other._samples = {
-                contingency: assessments
-                for contingency, assessments in self._samples.items()
+                contingency: samples
+                for contingency, samples in self._samples.items()
                 if contingency is not Contingency.RTL
             }
         return other
 
     @cached_property
     def roomy(self) -> PathTask:
-        return with_room(clearance_task(self.forecast.world), TIGHT_PLACES)
+        return with_room(clearance_task(self.forecast.world), tight=4.0)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
-        """Return the paths without room for the deviation bound."""
+        """Paths without room for the deviation bound."""
         other = ContingencyPaths(self.forecast)
         other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
         other._stops = self._stops
@@ -148,7 +199,7 @@ class ContingencyPaths:
     @cached_property
     def in_air(self) -> tuple[float, float]:
         track = self.forecast.promise.flight.pieces
-        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED_HEIGHT]
+        lifted = track.times[track.points[:, 2] > track.points[0, 2] + 1.0]  # [m]; lower it can end in place
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
@@ -157,27 +208,27 @@ class ContingencyPaths:
         return self._stops[contingency]
 
     def why_unknown(self) -> str | None:
-        if (why := self.routes.why_unknown) is not None:
-            return why
+        if self.routes.why_unknown is not None:
+            return self.routes.why_unknown
         vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
         if self.mission.fence and vehicle.room_to_fences(parameters, version) is not None:
             return "returns round fences are not modeled"
         return None
 
-    def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
+    def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """Return a contingency at times in the air, without a hidden shortfall."""
         if between is None:
             if contingency not in self._samples:
-                self._samples[contingency] = self.assessments(contingency, self.in_air)
+                self._samples[contingency] = self.samples(contingency, self.in_air)
             return self._samples[contingency]
         begin, end = between
-        assessments = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / STEP_S) + 1)))
-        while len(times := assessments.gaps()):
-            assessments = ContingencySamples.merged([assessments, self.at(contingency, times)])
-        return assessments
+        samples = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / SAMPLING.step_s) + 1)))
+        while len(times := samples.gaps()):
+            samples = ContingencySamples.merged([samples, self.at(contingency, times)])
+        return samples
 
     def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        some = np.array_split(times, math.ceil(len(times) / BATCH_SIZE) or 1)
+        some = np.array_split(times, math.ceil(len(times) / SAMPLING.batch_size) or 1)
         return ContingencySamples.following((self._at(contingency, part) for part in some), len(times))
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
@@ -195,46 +246,42 @@ class ContingencyPaths:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-        spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, MAX_SPARE), MAX_SPARE).min(axis=1)
-        assessments = ContingencySamples(times, ways, taken, near, which, spare)
-        return self._with_ground(assessments, _end_index(contingency))
+        spare = np.where(taken, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_spare)
+        samples = ContingencySamples(times, ways, taken, near, which, spare)
+        return self._with_ground(samples, -1 if contingency is Contingency.RTL else 2)
 
-    def exactly(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Clearance:
+    def exactly(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
-            return self._least_noted(assessments, n)
+            leg = int(np.argmin(samples.near[n, 0]))
+            number, (x, y, z) = int(samples.which[n, 0, leg]), samples.ways[n, 0, leg].tolist()
+            name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
+            return Clearance(float(samples.near[n, 0, leg]), (x, y, z), name, leg)
         least = NOTHING_NEAR
-        for way in assessments.ways[n][assessments.taken[n]]:
+        for way in samples.ways[n][samples.taken[n]]:
             found = self.roomy.airspace.obstacle_clearance(way, within=least.distance)
             least = min(least, found, key=lambda clearance: clearance.distance)
         return least
 
-    def lowest(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Check:
-        """Return the least height over the ground before the descent."""
-        ways = assessments.ways[n, assessments.taken[n], : _end_index(contingency)]
+    def lowest(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
+        ways = samples.ways[n, samples.taken[n], : -1 if contingency is Contingency.RTL else 2]
         checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
 
-    def _least_noted(self, assessments: ContingencySamples, n: int) -> Clearance:
-        leg = int(np.argmin(assessments.near[n, 0]))
-        number, place = int(assessments.which[n, 0, leg]), assessments.ways[n, 0, leg].tolist()
-        name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
-        return Clearance(float(assessments.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
-
-    def goal(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> str:
+    def goal(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
         if contingency in (Contingency.LAND, Contingency.HOLD):
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
-        goals = sorted({int(way) // self._variants for way in np.flatnonzero(assessments.taken[n])})
+        goals = sorted({int(way) // self._variants for way in np.flatnonzero(samples.taken[n])})
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         air, shape = self.roomy.airspace, (*ways.shape[:2], ways.shape[2] - 1)
         starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
-        near, which = air.legs_clearance(starts, ends, self.required + MAX_SPARE)
+        near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_spare)
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
-        is_braking = np.arange(len(starts)) % shape[2] == BRAKES
-        slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > LEVEL_ERROR)
+        is_braking = np.arange(len(starts)) % shape[2] == ReturnLeg.BRAKES
+        slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = air.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         return near.reshape(shape), which.reshape(shape)
@@ -246,15 +293,16 @@ class ContingencyPaths:
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
         until = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
         until = nearest[len(near) - 1 - until if ahead else until]
-        return np.asarray(near[until] - CHORD_ERROR), np.asarray(which[until])
+        return np.asarray(near[until] - 0.02), np.asarray(which[until])
 
     def _note_mission(self, times: Vector, near: NDArray[np.float64], which: NDArray[np.intp]) -> None:
+        climbs = ReturnLeg.CLIMBS
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
             flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
             for k in range(first, first + self._variants):
-                nearer = flown < near[:, k, CLIMBS]
-                near[nearer, k, CLIMBS], which[nearer, k, CLIMBS] = flown[nearer], of[nearer]
+                nearer = flown < near[:, k, climbs]
+                near[nearer, k, climbs], which[nearer, k, climbs] = flown[nearer], of[nearer]
 
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -263,26 +311,27 @@ class ContingencyPaths:
             places = np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
-    def _with_ground(self, assessments: ContingencySamples, end: int) -> ContingencySamples:
+    def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
         begin, last = self.forecast.promise.flight.way
-        near, which, spare = assessments.near.copy(), assessments.which.copy(), assessments.spare.copy()
-        on_the_way = np.flatnonzero((assessments.times >= begin) & (assessments.times <= last))
-        ways, terrain = assessments.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
+        near, which, spare = samples.near.copy(), samples.which.copy(), samples.spare.copy()
+        on_the_way = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
+        ways, terrain = samples.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
         heights = terrain.legs_height(ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3))
         least = heights.reshape(*ways.shape[:2], ways.shape[2] - 1).min(axis=2)
-        low = assessments.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
+        low = samples.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
         for at, k in np.argwhere(low).tolist():
             n = on_the_way[at]
-            for check in prove_ground(assessments.ways[n, k, :end], self.forecast.world):
+            for check in prove_ground(samples.ways[n, k, :end], self.forecast.world):
                 if check.slack < min(spare[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
                     spare[n] = check.slack
-        return replace(assessments, near=near, which=which, spare=spare)
+        return replace(samples, near=near, which=which, spare=spare)
 
     @property
     def _shares(self) -> tuple[float, ...]:
-        return BACK_SHARES if self.mission.autopilot.guidance.climbs_coming_back else BACK_SHARES[:1]
+        """Shares of the way back to the place of the order, at which it climbs."""
+        return (0.0, 0.5, 1.0) if self.mission.autopilot.guidance.climbs_coming_back else (0.0,)
 
     @property
     def _variants(self) -> int:
@@ -318,8 +367,9 @@ class ContingencyPaths:
         if not self.rally and not self.routes.kinds:
             return {0}
         east, north, up = (float(x) for x in stop)
-        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in OFFSETS)
-        first = len(self.rally) + 1
+        error, first = SAMPLING.position_error, len(self.rally) + 1
+        offsets = ((0.0, 0.0), (error, 0.0), (-error, 0.0), (0.0, error), (0.0, -error))
+        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in offsets)
         return {
             first + self.routes.kinds.index(by) if by in self.routes.kinds else 0 if rally is None else rally + 1
             for by, rally in ((route.by, route.rally) for route in routes)
@@ -328,10 +378,6 @@ class ContingencyPaths:
     def _ground_below(self, points: Points) -> Points:
         ground = self.roomy.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
-
-
-def _end_index(contingency: Contingency) -> int:
-    return -1 if contingency is Contingency.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:

@@ -1,3 +1,5 @@
+"""Compare the energy of a flight, and of an RTL from each place, with the battery."""
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,8 +21,6 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.scenario.budget import battery_of, flight_energy
 
-FIRST_TIMES = 12
-TIME_ACCURACY_S = 1.0
 RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
 
@@ -70,8 +70,6 @@ class ReserveNow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Budget:
-    """Energy and battery of a flight; made by `budget_of`."""
-
     forecast: Forecast
     used: Consumption
     battery: Battery | None
@@ -88,7 +86,7 @@ class Budget:
         if self.battery is None:
             return None
         until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
-        rest = (max(all_of_it - so_far, 0.0) for all_of_it, so_far in zip(whole, until, strict=True))
+        rest = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
         low, likely, high = (left - wh / capacity for wh in rest)
         planned = 1.0 - until.likely / capacity
         return ReserveNow(time, left, planned, Interval(high, likely, low), self.battery.reserve)
@@ -116,7 +114,6 @@ class Budget:
 
     @property
     def refusal(self) -> NotEnoughBattery | None:
-        """Return the refusal for the flight's energy, or an RTL's."""
         if self.shortage is None and self.plans_returns and self.no_return is not None:
             return NotEnoughBattery(f"{self.no_return}", hint=RETURN_HINT, place="battery")
         return self.shortage
@@ -149,15 +146,14 @@ class Budget:
             return None
         times = list(self._times())
         for n, time in enumerate(times):
-            found = self._short_from(time)
-            if found is None:
+            if (short := self._short_from(time)) is None:
                 continue
             clear = times[n - 1] if n else time
-            while found.time - clear > TIME_ACCURACY_S:
-                between = (found.time + clear) / 2
+            while short.time - clear > 1.0:  # [s]
+                between = (short.time + clear) / 2
                 nearer = self._short_from(between)
-                found, clear = (found, between) if nearer is None else (nearer, clear)
-            return found
+                short, clear = (short, between) if nearer is None else (nearer, clear)
+            return short
         return None
 
     def _times(self) -> Iterator[float]:
@@ -168,8 +164,7 @@ class Budget:
         begin, end = float(track.times[flies[0]]), float(track.times[flies[-1]])
         lifted = track.times[np.argmax(np.linalg.norm(track.points - track.points[0], axis=1) > LIFTED_DISTANCE)]
         done = [item.done_s for item in self.forecast.estimate.items if max(begin, lifted) < item.done_s < end]
-        some = [done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), FIRST_TIMES))]
-        yield from dict.fromkeys([*some, end])
+        yield from dict.fromkeys([*(done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), 12))), end])
 
     def _short_from(self, time: float) -> NoReturn | None:
         seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
@@ -184,11 +179,7 @@ class Budget:
 
 
 def budget_of(forecast: Forecast) -> Budget | None:
-    """Return the cached budget; None where the energy is unknown.
-
-    Raises:
-        MissionError: the vehicle has no model, or makes no progress.
-    """
+    """Return the cached budget; None where the energy is unknown."""
     return forecast.cached(_budget)
 
 
@@ -197,30 +188,16 @@ def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
     return None if budget is None else budget.refusal
 
 
-def shortage_of(forecast: Forecast) -> NotEnoughBattery | None:
-    """Return the refusal of a flight for its energy.
-
-    Raises:
-        MissionError: as `budget_of`.
-    """
-    budget = budget_of(forecast)
-    return None if budget is None else budget.shortage
-
-
 def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
 def flown_from(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
-    """Return duration and energy of an RTL or LAND ordered at a time [s].
-
-    Raises:
-        MissionError: the vehicle makes no progress, or its model has no such flights.
-    """
+    """Return duration and energy of an RTL or LAND ordered at a time [s]."""
     mission = forecast.mission
-    order = Abort(time, contingency)
-    prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
+    model, order = mission.autopilot.part(FlightModel), Abort(time, contingency)
+    prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, order)
     track = prediction.track.between(time, np.inf)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     first, _, last = prediction.touched or (np.nan,) * 3

@@ -17,7 +17,6 @@ from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.geometry import Points, Vector
 
-FOLLOWING_LEGS = 60
 WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 
 
@@ -51,17 +50,16 @@ class ReturnRoutes:
 
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from starts (n, k, 3)."""
-        most, ways = len(self._places) + 2, []
+        most, paths = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
-            ways.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
-        return np.array(ways)
+            paths.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
+        return np.array(paths)
 
     @cached_property
     def off_terrain(self) -> tuple[float, ...]:
         """Return the possible errors of the followed height [m], close enough for the required distance."""
-        over = self._over_terrain
-        if over is None:
+        if (over := self._over_terrain) is None:
             return ()
         many = math.ceil(over.margin / self.forecast.world.limits.obstacle_distance) + 1
         return tuple(np.linspace(-over.margin, over.margin, max(2, many)).tolist())
@@ -83,7 +81,7 @@ class ReturnRoutes:
         under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
-        along = np.linspace(0.0, 1.0, FOLLOWING_LEGS + 1)[None, :, None]
+        along = np.linspace(0.0, 1.0, 60 + 1)  # legs[None, :, None]
         ways = stops[:, None] + along * (beyond - stops)[:, None]
         ways[..., 2] = ground(ways.reshape(-1, 3)).reshape(ways.shape[:2]) + (np.array(above) + off)[:, None]
         down = np.column_stack([beyond[:, :2], np.minimum(lower, ways[:, -1, 2])])

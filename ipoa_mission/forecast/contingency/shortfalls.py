@@ -1,3 +1,5 @@
+"""Find the contingencies that are too near to something, and a return altitude at which none is."""
+
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,21 +8,16 @@ import numpy as np
 
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency.contingency_paths import (
-    BRAKES,
-    CLIMBS,
     GROUND,
-    RETURNS,
-    STEP_S,
+    SAMPLING,
     ContingencyPaths,
     ContingencySamples,
+    ReturnLeg,
 )
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 
 HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
-MAX_TRIES = 8
-FAR_DISTANCE = 1e5  # of a return to its whole height [m]
-EXCEEDING_SHARE = 0.01  # of flights above a fence's ceiling
 SAG = 0.3  # below the set height of a return [m]
 
 
@@ -40,15 +37,13 @@ class Shortfall:
 
     @property
     def comes_down(self) -> bool:
-        return self.contingency is Contingency.LAND and self.part > BRAKES
+        return self.contingency is Contingency.LAND and self.part > ReturnLeg.BRAKES
 
 
-def returning(ways: ContingencyPaths) -> list[Shortfall]:
+def find_return_shortfalls(ways: ContingencyPaths) -> list[Shortfall]:
     begin, end = ways.in_air
-    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * STEP_S)))))
-    return list(shortfalls(ways, Contingency.RTL, few)) or list(
-        shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))
-    )
+    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s)))))
+    return [*find_shortfalls(ways, Contingency.RTL, few)] or [*find_shortfalls(ways, Contingency.RTL)]
 
 
 def highest_return(forecast: Forecast) -> float:
@@ -61,7 +56,7 @@ def highest_return(forecast: Forecast) -> float:
     values = {**table.others, **table.by_old_names(mission.parameters)}
     if mission.fence:
         values[table.fence_switch] = values[table.fence_switch] or 1.0
-    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(EXCEEDING_SHARE)
+    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(0.01)
     allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
     return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
 
@@ -71,71 +66,69 @@ def return_altitude(forecast: Forecast) -> float:
     mission = forecast.mission
     values = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     ups = (0.0, *(place.altitude for place in mission.rally))
-    return max(mission.autopilot.return_height(values, 0.0, FAR_DISTANCE, up) for up in ups)
+    far = 1e5  # [m]
+    return max(mission.autopilot.return_height(values, 0.0, far, up) for up in ups)
 
 
-def at_another_height(
+def change_return_altitude(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the lowest clear return altitude that was tried, else the one with the smallest shortfall."""
+
+    def merit(tried: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
+        returns = sum(short.missing for short in tried[1] if short.part >= ReturnLeg.RETURNS)
+        return returns, sum(short.missing for short in tried[1])
+
     by = forecast.mission.autopilot.parameter_table.return_height
     now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
     highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
     best, tried, heights = (forecast, short), {now}, list(_heights(ways, short, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
-    for _ in range(MAX_TRIES):
+    for _ in range(8):
         heights = sorted({height for height in heights if 0.0 < height <= highest} - tried)
         if not heights:
             break
         tried.add(height := heights.pop(0))
         raised = forecast.given.with_parameters({by.name: by.spelled(height)})
         other = Forecast(raised, forecast.scenario, forecast.wind)
-        if not (left := returning(ways.returning(other))):
+        if not (left := find_return_shortfalls(ways.returning(other))):
             return other, []
         too_high = return_altitude(best[0]) > highest_return(forecast)
-        best = (other, left) if too_high else min(best, (other, left), key=_merit)
+        best = (other, left) if too_high else min(best, (other, left), key=merit)
         heights += _heights(ways, left, height)
     return best
-
-
-def _merit(found: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
-    _, left = found
-    return sum(one.missing for one in left if one.part >= RETURNS), sum(one.missing for one in left)
 
 
 def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
     bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
     required = ways.required + SAG
-    over = [now + one.missing for one in short if one.body == "" and one.part >= CLIMBS]
-    for one in short:
-        if one.body and one.part >= CLIMBS:
-            base, top = bodies[one.body]
-            over += [float(top) + required] if one.part >= RETURNS else []
+    over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
+    for each in short:
+        if each.body and each.part >= ReturnLeg.CLIMBS:
+            base, top = bodies[each.body]
+            over += [float(top) + required] if each.part >= ReturnLeg.RETURNS else []
             yield float(HEIGHT_STEP * math.floor((base - required) / HEIGHT_STEP))
     if over:
         yield float(HEIGHT_STEP * math.ceil(max(over) / HEIGHT_STEP))
         yield float(HEIGHT_STEP * math.ceil(min(over) / HEIGHT_STEP))
 
 
-def shortfalls(
-    ways: ContingencyPaths, contingency: Contingency, assessments: ContingencySamples
+def find_shortfalls(
+    ways: ContingencyPaths, contingency: Contingency, samples: ContingencySamples | None = None
 ) -> Iterator[Shortfall]:
-    short = np.where(
-        assessments.taken[..., None] & ~assessments.clear[:, None, None], assessments.near - ways.required, 0.0
-    )
+    """Return the worst shortfall to each body by leg, the greatest first; `samples`: by default at all times."""
+    samples = ways.samples(contingency) if samples is None else samples
+    short = np.where(samples.taken[..., None] & ~samples.clear[:, None, None], samples.near - ways.required, 0.0)
     where = np.argwhere(short < 0.0)
     seen = set[tuple[int, int]]()
     bodies = ways.roomy.airspace.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
-        number = int(assessments.which[n, k, leg])
+        number = int(samples.which[n, k, leg])
         if (number, leg) not in seen:
             seen.add((number, leg))
             name = "" if number == GROUND else bodies[number].name
-            over = (
-                number >= 0
-                and leg == CLIMBS
-                and float(bodies[number].bounds[0, 2]) > float(assessments.ways[n, k, 1, 2])
-            )
-            yield Shortfall(contingency, float(assessments.times[n]), name, -float(short[n, k, leg]), leg, over)
+            climbs = number >= 0 and leg == ReturnLeg.CLIMBS
+            over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.ways[n, k, 1, 2])
+            yield Shortfall(contingency, float(samples.times[n]), name, -float(short[n, k, leg]), leg, over)

@@ -12,22 +12,20 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.pieces import Pieces
+from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Airspace
 
-RARE_CHANCE = 1e-5  # of obstacles that are ignored
 TYPICAL_CHANCE = 0.01  # at which vertical and level deviations are compared
-RESOLUTION = 1e-3  # [m]
 Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
 class _Draws:
-    """Pairs `taken` (n,), with the index of their obstacle (n,) in its independent `stretch` of time (m,)."""
+    """Pairs `taken` (n,), with the index of their `draw` (n,): an obstacle in a `stretch` of time (m,)."""
 
     taken: Numbers
-    one: Numbers
+    draw: Numbers
     stretch: Numbers
 
     def chance(self, chances: Vector, sides: float) -> float:
@@ -35,7 +33,7 @@ class _Draws:
         if len(self.taken) == 0:
             return 0.0
         likeliest = np.zeros(len(self.stretch))
-        np.maximum.at(likeliest, self.one, chances[self.taken])
+        np.maximum.at(likeliest, self.draw, chances[self.taken])
         greatest = np.zeros(int(self.stretch.max()) + 1)
         np.maximum.at(greatest, self.stretch, likeliest)
         summed = np.bincount(self.stretch, likeliest, len(greatest))
@@ -68,7 +66,12 @@ class Approaches:
     @cached_property
     def facing(self) -> Vector:
         """Return the ratio of the deviation towards the obstacles to the lateral one."""
-        return _facing(self.law, self.lateral, self.above, self.is_over)
+        typical = [spread.distance(TYPICAL_CHANCE) for spread in (self.law.level, self.law.down, self.law.up)]
+        down, up = (spread / typical[0] for spread in typical[1:])
+        lateral, above = np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0)
+        length = np.hypot(lateral, above)
+        wider = np.hypot(lateral, np.where(self.is_over, down, up) * above)
+        return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
         columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "stretch", "sides")
@@ -141,7 +144,7 @@ class Approaches:
         low = high - 1.0
         while self.chance(low) > chance:
             low -= high - low
-        while high - low > RESOLUTION:
+        while high - low > 1e-3:  # [m]
             middle = (low + high) / 2
             low, high = (middle, high) if self.chance(middle) <= chance else (low, middle)
         return low
@@ -149,13 +152,14 @@ class Approaches:
 
 def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float) -> Approaches:
     a, b = flown.points[:-1], flown.points[1:]
-    stretch = law.stretch(flown.across)
-    reach = max(kept, 0.0) + stretch * law.level.distance(RARE_CHANCE)
+    stretch, rare = law.stretch(flown.across), 1e-5  # the chance of obstacles that are ignored
+    reach = max(kept, 0.0) + stretch * law.level.distance(rare)
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
-    near = _by_obstacle(piece, obstacle)
+    numbers, first = np.unique(obstacle, return_index=True)
+    near = zip(numbers.tolist(), np.split(piece, first[1:]), strict=True) if len(numbers) else ()
     each = [(i, on, passing) for i, on in near for passing in airspace.obstacles[i].passings(a[on], b[on])]
     passings = [passing for *_, passing in each]
     if passings:  # a body of several parts is passed by each
@@ -163,19 +167,5 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
         obstacle = np.repeat([i for i, *_ in each], [len(on) for _, on, _ in each])
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
-    return Approaches(
-        law, piece, obstacle, flown.times[piece], lateral, np.maximum(above, below), over, stretch[piece], sides
-    )
-
-
-def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:
-    numbers, first = np.unique(obstacle, return_index=True)
-    return list(zip(numbers.tolist(), np.split(piece, first[1:]), strict=True)) if len(numbers) else []
-
-
-def _facing(law: DeviationLaw, lateral: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:
-    down, up = (spread.distance(TYPICAL_CHANCE) / law.level.distance(TYPICAL_CHANCE) for spread in (law.down, law.up))
-    lateral, above = np.maximum(lateral, 0.0), np.maximum(above, 0.0)
-    length = np.hypot(lateral, above)
-    wider = np.hypot(lateral, np.where(is_over, down, up) * above)
-    return np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0)
+    nearer = np.maximum(above, below)
+    return Approaches(law, piece, obstacle, flown.times[piece], lateral, nearer, over, stretch[piece], sides)

@@ -11,15 +11,14 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Clearance
-
-EXIT_FACTOR = 2.0  # meters flown for each meter away
-TURN_DISTANCE = 5.0  # [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,7 @@ def tight_places(task: PathTask, room: float) -> tuple[TightPlace, ...]:
     places = task.places
     missing = task.limits.obstacle_distance + room - task.airspace.obstacle_distance(places)
     return tuple(
-        TightPlace(name, place, TURN_DISTANCE + EXIT_FACTOR * float(less))
+        TightPlace(name, place, 5.0 + 2.0 * float(less))  # [m] to turn, and two meters flown for each meter away
         for name, place, less in zip(place_names(places), places, missing, strict=True)
         if less > 0
     )
@@ -47,8 +46,8 @@ def round_places(points: Points, tight: tuple[TightPlace, ...]) -> NDArray[np.in
     """Return the index of the place near each piece of points (n, 3), (n-1,); -1: none."""
     at = np.full(len(points) - 1, -1)
     middles = (points[:-1] + points[1:]) / 2
-    for n, one in enumerate(tight):
-        at[np.linalg.norm(middles - one.place, axis=1) <= one.reach] = n
+    for n, near in enumerate(tight):
+        at[np.linalg.norm(middles - near.place, axis=1) <= near.reach] = n
     return at
 
 
@@ -58,17 +57,7 @@ def runs(points: Points, taken: NDArray[np.bool_]) -> Iterator[Points]:
         yield points[first : last + 1]
 
 
-DIRECTIONS = 8
-LATERAL_SHARE = 0.25  # of the probability; the rest is for the heights
 PLACE_RADIUS = 15.0  # of the path around a place near to a limit [m]
-BOUNDS = (
-    "the west bound",
-    "the south bound",
-    "the lower bound",
-    "the east bound",
-    "the north bound",
-    "the upper bound",
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,11 +69,28 @@ class ClearanceTask:
     chance: float | None
 
 
+def clearance_task(scenario: Scenario, autopilot: Autopilot | None = None) -> ClearanceTask:
+    """Return the scenario's limits, and the deviation law of its vehicle or of `autopilot` in its wind."""
+    law = law_of(autopilot or scenario.vehicle.autopilot, scenario.wind.strongest)
+    return ClearanceTask(scenario, law, scenario.safety.chance)
+
+
 @dataclass(frozen=True)
 class DeviationBound:
     level: float
     down: float
     up: float
+
+    def wider(self, by: float) -> "DeviationBound":
+        return DeviationBound(self.level + by, self.down + by, self.up + by)
+
+    @property
+    def below(self) -> Vector:
+        return np.array([self.level, self.level, self.down])
+
+    @property
+    def above(self) -> Vector:
+        return np.array([self.level, self.level, self.up])
 
 
 NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
@@ -92,45 +98,44 @@ NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     """Return the bound exceeded with at most this probability on a straight flight."""
-    heights = (1 - LATERAL_SHARE) * chance
-    return DeviationBound(
-        law.lateral(LATERAL_SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights)
-    )
+    lateral = 0.25  # of the probability; the rest is for the heights
+    heights = (1 - lateral) * chance
+    return DeviationBound(law.lateral(lateral * chance), law.lowest.distance(heights), law.highest.distance(heights))
 
 
-def limits_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Iterator[Check]:
-    yield from _heights_kept(path, task, deviation_bound)
-    if (bounds := _bounds_kept(path, task, deviation_bound)) is not None:
-        yield bounds
-
-
-def _heights_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Iterator[Check]:
-    higher, least = problem_of(task).tightened(deviation_bound.down), task.limits.height_above_ground
-    sides = _sides(deviation_bound.level if task.airspace.terrain.steepness > 0 else 0.0)
+def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator[Check]:
+    higher, least = problem_of(task).tightened(bound.down), task.limits.height_above_ground
+    sides = [np.zeros(3)]
+    if task.airspace.terrain.steepness > 0 and bound.level > 0:
+        turns = [2 * math.pi * side / 8 for side in range(8)]
+        sides += [bound.level * np.array([math.cos(turn), math.sin(turn), 0.0]) for turn in turns]
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
-            yield replace(check, nearest=check.nearest.less(-deviation_bound.up))
-        elif check.limit == "ground" and check.required >= least + deviation_bound.down:
-            yield replace(check, nearest=check.nearest.less(deviation_bound.down), required=least)
+            yield replace(check, nearest=check.nearest.less(-bound.up))
+        elif check.limit == "ground" and check.required >= least + bound.down:
+            yield replace(check, nearest=check.nearest.less(bound.down), required=least)
+    if (bounds := _bounds_kept(path, task, bound)) is not None:
+        yield bounds
 
 
-def _bounds_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) -> Check | None:
+def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check | None:
     bounds = task.airspace.bounds
     fixed = np.vstack([np.zeros(3), task.places])
-    fixed = fixed[_inside(fixed, task, deviation_bound).min(axis=1) < 0]
+    fixed = fixed[_inside(fixed, task, bound).min(axis=1) < 0]
     away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > PLACE_RADIUS
     if not away.any():
         return None
-    margins = _inside(path[away], task, deviation_bound)
+    margins = _inside(path[away], task, bound)
     spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
     place = path[away][spot]
-    least, what = float(margins[spot, side]), BOUNDS[side]
+    sides = ("west", "south", "lower", "east", "north", "upper")
+    least, what = float(margins[spot, side]), f"the {sides[side]} bound"
     if bounds.footprint is not None:
         edge = shapely.boundary(bounds.footprint.shape)
         way = shapely.LineString(path[:, :2])
         way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
-        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - deviation_bound.level) < least:
+        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - bound.level) < least:
             near = np.array(shapely.shortest_line(way, edge).coords[0])
             least, what = margin, "the flight area"
             place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
@@ -138,22 +143,7 @@ def _bounds_kept(path: Points, task: PathTask, deviation_bound: DeviationBound) 
     return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
 
 
-def _inside(points: Points, task: PathTask, deviation_bound: DeviationBound) -> Points:
+def _inside(points: Points, task: PathTask, bound: DeviationBound) -> Points:
     bounds = task.airspace.bounds
-    lower = (
-        points
-        - np.asarray(bounds.lower)
-        - np.array([deviation_bound.level, deviation_bound.level, deviation_bound.down])
-    )
-    upper = (
-        np.asarray(bounds.upper) - points - np.array([deviation_bound.level, deviation_bound.level, deviation_bound.up])
-    )
-    return np.hstack([lower, upper])
-
-
-def _sides(level: float) -> Iterator[Vector]:
-    yield np.zeros(3)
-    if level > 0:
-        for side in range(DIRECTIONS):
-            turn = 2 * math.pi * side / DIRECTIONS
-            yield level * np.array([math.cos(turn), math.sin(turn), 0.0])
+    lower = points - np.asarray(bounds.lower) - bound.below
+    return np.hstack([lower, np.asarray(bounds.upper) - points - bound.above])

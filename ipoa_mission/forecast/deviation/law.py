@@ -1,4 +1,4 @@
-"""The deviation law of an autopilot."""
+"""The distribution of a vehicle's distance from its predicted path, as measured."""
 
 from dataclasses import dataclass, replace
 
@@ -26,21 +26,22 @@ class Quantiles:
     chances: tuple[float, ...]
 
     def chance(self, distance: Vector) -> Vector:
-        logs = np.log(self.chances)
-        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        logs, slope = self._logs
         inside = np.interp(distance, self.distances, logs)
         return np.asarray(np.exp(inside + slope * np.maximum(distance - self.distances[-1], 0.0)))
 
     def distance(self, chance: float) -> float:
-        logs = np.log(self.chances)
-        slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
+        logs, slope = self._logs
         log = float(np.log(chance))
         if log <= logs[-1]:
             return float(self.distances[-1] + (log - logs[-1]) / slope)
         return float(np.interp(log, logs[::-1], self.distances[::-1]))
 
-
-INDEPENDENT_SAMPLES = 4  # in which a flight is near to a limit that is no obstacle
+    @property
+    def _logs(self) -> tuple[Vector, float]:
+        """Logarithms of the chances, and their slope beyond the last distance."""
+        logs = np.log(self.chances)
+        return logs, (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,8 @@ class DeviationLaw:
 
     def lateral(self, chance: float) -> float:
         """Return the lateral deviation [m] exceeded with this probability."""
-        return self.level.distance(chance / INDEPENDENT_SAMPLES)
+        independent = 4  # samples in which a flight is near to a limit that is no obstacle
+        return self.level.distance(chance / independent)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
         def longer(spread: Quantiles, share: float) -> Quantiles:

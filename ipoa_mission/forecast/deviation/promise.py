@@ -22,14 +22,12 @@ from ipoa_mission.forecast.deviation.kept_limits import (
     tight_places,
 )
 from ipoa_mission.forecast.deviation.law import DeviationLaw
-from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
-from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned
+from ipoa_mission.forecast.timing.flight_model import Prediction
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
 from ipoa_mission.planning.proof import Check
 
 TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
-PAYLOAD_RADIUS = 0.5  # of a descent with a payload [m]
 
 
 @dataclass(frozen=True)
@@ -133,12 +131,7 @@ def _breaks(check: Check) -> bool:
 
 
 def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
-    deviation_bound = NO_DEVIATION if chance is None else deviation_bound_of(law, chance)
-    return DeviationBound(
-        deviation_bound.level + THINNING_TOLERANCE,
-        deviation_bound.down + THINNING_TOLERANCE,
-        deviation_bound.up + THINNING_TOLERANCE,
-    )
+    return (NO_DEVIATION if chance is None else deviation_bound_of(law, chance)).wider(THINNING_TOLERANCE)
 
 
 def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
@@ -199,7 +192,7 @@ class PredictedFlight:
         for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
                 over = track.at(np.array([done]))[0, :2]
-                is_away = np.hypot(*(track.points[:, :2] - over).T) > PAYLOAD_RADIUS
+                is_away = np.hypot(*(track.points[:, :2] - over).T) > 0.5  # [m]
                 sinks = max(track.times[is_away & (track.times < done)].max(initial=begin), begin)
                 parts += [(begin, float(sinks))] if sinks > begin else []
                 begin = float(done)
@@ -223,15 +216,15 @@ class PredictedFlight:
                 to, place = airspace.obstacles[body].name, (east, north, height)
         return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
 
-    def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
+    def _others(self, part: Pieces, bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
-        tolerance = DeviationBound(THINNING_TOLERANCE, THINNING_TOLERANCE, THINNING_TOLERANCE)
-        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.task.path, tolerance)}
-        for check in limits_kept(path, self.task.path, deviation_bound):
-            expected = nominal.get((check.limit, check.required), check).nearest.distance
-            found = check.nearest
-            item = self._item(part, found.place)
-            yield Kept(check.limit, check.required, expected, found.distance, found.what, item, found.place)
+        checks = limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
+        nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
+        for check in limits_kept(path, self.task.path, bound):
+            near = check.nearest
+            expected = nominal.get((check.limit, check.required), near.distance)
+            item = self._item(part, near.place)
+            yield Kept(check.limit, check.required, expected, near.distance, near.what, item, near.place)
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
         nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))

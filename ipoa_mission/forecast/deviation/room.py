@@ -22,19 +22,16 @@ def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, height
     path, law, chance = task.path, task.law, task.chance
     if chance is None:
         return path
-    deviation_bound, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
+    bound, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
     airspace = path.airspace
     growth = np.full(len(airspace.obstacles), level)
-    bodies = grown(path, path, growth, DeviationBound(level, deviation_bound.down, deviation_bound.up), keep_gaps)
-    slope = _usual_slope(airspace) * deviation_bound.level
-    higher = max(deviation_bound.down, min(deviation_bound.down + slope, height_factor * _spare_height(path)))
-    world = Airspace(shrunk(airspace.bounds, path.places, deviation_bound), airspace.terrain, bodies)
-    return problem_of(path).tightened(higher, deviation_bound.up + slope, world)
-
-
-def _spare_height(path: PathTask) -> float:
+    bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)
+    slope = _usual_slope(airspace) * bound.level
     heights = path.places[:, 2] - path.airspace.ground(path.places)
-    return float(heights.min()) - path.limits.height_above_ground
+    spare = float(heights.min()) - path.limits.height_above_ground
+    higher = max(bound.down, min(bound.down + slope, height_factor * spare))
+    world = Airspace(shrunk(airspace.bounds, path.places, bound), airspace.terrain, bodies)
+    return problem_of(path).tightened(higher, bound.up + slope, world)
 
 
 def grown(
@@ -55,34 +52,29 @@ def grown(
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
     """Limit `growth` in place so that no sufficient gap closes."""
     outlines = np.array([body.plan for body in bodies])
-    one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
-    pairs = one < other
-    one, other = one[pairs], other[pairs]
-    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - MIN_GROWTH
-    open_ = spare > 0
-    for bodies_of in (one[open_], other[open_]):
-        np.minimum.at(growth, bodies_of, spare[open_])
+    pairs = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
+    first, second = pairs[:, pairs[0] < pairs[1]]
+    spare = (shapely.distance(outlines[first], outlines[second]) - 2 * distance) / 2 - MIN_GROWTH
+    is_open = spare > 0
+    for bodies_of in (first[is_open], second[is_open]):
+        np.minimum.at(growth, bodies_of, spare[is_open])
 
 
-def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bounds:
+def shrunk(bounds: Bounds, fixed: Points, bound: DeviationBound) -> Bounds:
     """Return bounds with the deviation bound inside, except sides that a given place (k, 3) is nearer to."""
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
-    near = (
-        np.array([deviation_bound.level, deviation_bound.level, deviation_bound.down]),
-        np.array([deviation_bound.level, deviation_bound.level, deviation_bound.up]),
-    )
-    lower += np.clip(fixed.min(axis=0) - lower - MIN_GROWTH, 0.0, near[0])
-    upper -= np.clip(upper - fixed.max(axis=0) - MIN_GROWTH, 0.0, near[1])
+    lower += np.clip(fixed.min(axis=0) - lower - MIN_GROWTH, 0.0, bound.below)
+    upper -= np.clip(upper - fixed.max(axis=0) - MIN_GROWTH, 0.0, bound.above)
     try:
-        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, deviation_bound))
+        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, bound))
     except BadInput:
         return bounds
 
 
-def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: DeviationBound) -> Polygon | None:
+def _narrower(footprint: Polygon | None, fixed: Points, bound: DeviationBound) -> Polygon | None:
     if footprint is None:
         return None
-    shape = footprint.buffered(-deviation_bound.level)
+    shape = footprint.buffered(-bound.level)
     if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
         return footprint
     return Polygon(*rings_of(shape))

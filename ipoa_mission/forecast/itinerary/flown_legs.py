@@ -1,4 +1,4 @@
-"""Compute the legs of a mission.
+"""Compute the legs of a mission: take-off, waypoints, curves, jumps, returns and landings.
 
 Heights become local `up` with the Earth's curvature. Loops are not unrolled: each jump adds its leg.
 """
@@ -13,15 +13,19 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.autopilot.returning import ReturnBy
-from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
-from ipoa_mission.forecast.itinerary.copter_circle import (
+from ipoa_mission.forecast.itinerary.copter_curves import (
     NEAR_CIRCLE,
+    arc_chords,
     circle_chords,
     circle_entry,
     circle_turn,
+    is_arc,
+    place_after,
     radius_of,
+    spline_chords,
+    spline_tangents,
+    turn_of,
 )
-from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_chords, spline_tangents
 from ipoa_mission.forecast.itinerary.program import Place, as_flown, led_to, next_navigated, onward, over_terrain
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.items import Item, Mission
@@ -32,7 +36,6 @@ from ipoa_mission.world.terrain import Flat
 CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]
 FOLLOWING_STEP = 5.0  # [m]
 LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
-MIN_CURVE = 1e-3  # straight below [m]
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 HOME_RADIUS = 0.5  # of a take-off at home [m]
 
@@ -106,18 +109,13 @@ class _LegBuilder:
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
         self.parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
-        self.at = self.home
-        self.last = 0
-        """The last item that moved the vehicle."""
-        self.flown_in: Vector | None = None
-        """The direction of arrival, if it flies on without a stop, (3,) [m]."""
+        self.at, self.last = self.home, 0  # the last item that moved the vehicle
+        self.flown_in: Vector | None = None  # direction of arrival, if it flies on without a stop, (3,) [m]
+        #: The spline that led here: its item, its begin, and the direction of arrival there.
         self.curve: tuple[int, Vector, Vector | None] | None = None
-        """The spline that led here: its item, its begin, and the direction of arrival there."""
         self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.command_effects.flown
-        self.speed: float | None = None
-        """The speed of DO_CHANGE_SPEED [m/s]."""
-        self.heading = 0.0
-        """The yaw, clockwise from north [rad]."""
+        self.speed: float | None = None  # of DO_CHANGE_SPEED [m/s]
+        self.heading = 0.0  # clockwise from north [rad]
 
     def legs(self) -> Iterator[Leg]:
         for seq, item in enumerate(self.mission.items, start=1):
@@ -133,7 +131,7 @@ class _LegBuilder:
                 case Command.DO_CHANGE_SPEED if item.params[0] in LEVEL_SPEEDS and item.params[1] > 0:
                     self.speed = item.params[1]
                 case Command.NAV_RETURN_TO_LAUNCH:
-                    yield from self.returns(seq)
+                    yield from self._returns(seq)
                 case command if command in JUMPS:
                     yield from self._jump(seq)
                 case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
@@ -145,7 +143,7 @@ class _LegBuilder:
         origin, guidance = self.at, self.mission.autopilot.guidance
         following = onward(self.mission.items, seq - 1, self.mission.autopilot)
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
-        if is_curve and np.linalg.norm(target - origin) > MIN_CURVE:
+        if is_curve and np.linalg.norm(target - origin) > 1e-3:  # [m]
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
         turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)
@@ -209,9 +207,9 @@ class _LegBuilder:
         if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
             self.heading = math.atan2(*(target - self.at)[:2])
         self.at = target
-        if follow_terrain:
-            return Leg(seq, Phase.CRUISE, self._following(points), over_terrain=True)
-        return Leg(seq, Phase.CRUISE, points)
+        return Leg(
+            seq, Phase.CRUISE, self._following(points) if follow_terrain else points, over_terrain=follow_terrain
+        )
 
     def _following(self, ends: Points) -> Points:
         steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
@@ -247,7 +245,7 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, max(top - deepest, ground))
         yield self._vertical(seq, Phase.LANDING, top)
 
-    def returns(self, seq: int) -> Iterator[Leg]:
+    def _returns(self, seq: int) -> Iterator[Leg]:
         """Return legs home or to the chosen rally point, then alternatives."""
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
         route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
@@ -285,7 +283,7 @@ class _LegBuilder:
             there = self.frame.geodetic(goal)
             distances = np.hypot(*(goal - places)[:, :2].T)
             both = zip((altitude - amsl).tolist(), distances.tolist(), strict=True)
-            heights = np.array([autopilot.return_height(self.parameters, *one, up) for one in both])
+            heights = np.array([autopilot.return_height(self.parameters, *pair, up) for pair in both])
             ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
             ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
             beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)
@@ -304,14 +302,15 @@ class _LegBuilder:
                 self.at, self.flown_in = curve[1:]
                 yield replace(self._curve(curve[0], self.mission.items[curve[0] - 1], goal, index), alternative=True)
             legs: Iterable[Leg] = ()
-            if item.command == Command.NAV_RETURN_TO_LAUNCH:
-                legs = self.returns(index + 1)
-            elif item.command == Command.NAV_LAND:
-                legs = self._landing(index + 1, item)
-            elif item.command == Command.NAV_LOITER_TURNS and self.circles:
-                legs = self._circle(index + 1, item)
-            elif target is not None:
-                legs = [self._onward(index + 1, item, target)]
+            match item.command:
+                case Command.NAV_RETURN_TO_LAUNCH:
+                    legs = self._returns(index + 1)
+                case Command.NAV_LAND:
+                    legs = self._landing(index + 1, item)
+                case Command.NAV_LOITER_TURNS if self.circles:
+                    legs = self._circle(index + 1, item)
+                case _ if target is not None:
+                    legs = [self._onward(index + 1, item, target)]
             yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
             self.at, self.flown_in, self.curve = here, flown_in, curve
 

@@ -1,4 +1,4 @@
-"""Unroll a mission into visits."""
+"""Unroll a mission into visits, its jumps followed, and find how a return from them is flown."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -12,8 +12,6 @@ from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
-# ArduPilot's limit of a mission's size.
-MAX_VISITS = 20_000
 # Above LAST_NAV, but not instant.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
 # They delay the commands after them; the models run these at once.
@@ -36,8 +34,8 @@ class Itinerary:
     parameters: Parameters = field(default_factory=dict)
 
     def goal_of_return(self, here: Place) -> Place:
-        n = self._route_of_return(here).rally
-        return HOME if n is None else self.rally[n]
+        rally = self._route_of_return(here).rally
+        return HOME if rally is None else self.rally[rally]
 
     def _route_of_return(self, here: Place, landing: MissionLanding | None = None) -> ReturnRoute:
         program = self.program
@@ -117,12 +115,12 @@ def _unrolled(mission: Mission) -> list[int]:
             raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"item {n + 1}: param1")
         if item.command in JUMPS and repeats(item) == math.inf:
             raise EndlessFlight("the jump never ends, so the flight has no time", place=f"item {n + 1}: param2")
-    program = program_of(mission, mission.items)
-    order: list[int] = []
+    program, order = program_of(mission, mission.items), list[int]()
+    most = 20_000  # ArduPilot's limit of a mission's size
     at: int | None = -1
     while at is not None:
-        if len(order) > MAX_VISITS:
-            raise EndlessFlight(f"the mission's jumps make more than {MAX_VISITS} visits", place=f"item {at + 1}")
+        if len(order) > most:
+            raise EndlessFlight(f"the mission's jumps make more than {most} visits", place=f"item {at + 1}")
         passed, at = program.advance(at)
         order += passed if at is None else [*passed, at]
     if program.stuck_at is not None:

@@ -31,6 +31,10 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
+Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
+Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
+MAX_ACTIONS = 255  # in passing, of ArduPilot
+
 
 def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None:
     """Return the target of the jump at `index`, the first of two with its tag.
@@ -71,14 +75,6 @@ def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterato
             ahead.append(at + 1)
 
 
-Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
-
-Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
-
-MAX_STEPS = 5_000
-MAX_ACTIONS = 255
-
-
 def as_flown(mission: Mission) -> Mission:
     """Return the mission with a place and a height in each item that is flown to.
 
@@ -112,9 +108,7 @@ def over_terrain(item: Item) -> bool:
 
 def is_passed(item: Item) -> bool:
     """Return whether a waypoint is passed; ArduCopter holds for whole seconds."""
-    if item.command == Command.NAV_ARC_WAYPOINT:
-        return True
-    return item.command in WAYPOINTS and item.params[0] < 1
+    return item.command == Command.NAV_ARC_WAYPOINT or (item.command in WAYPOINTS and item.params[0] < 1)
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
@@ -165,14 +159,13 @@ class Program:
 
     @cached_property
     def places(self) -> Points:
-        """Return the places (n, 3) [m]; NaN where there is none."""
         items, home = self.items, self.frame.home
         rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
         flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
         placed = np.array([item.has_position for item in items], dtype=bool) & np.isfinite(flat).all(axis=1)
-        kept = [i.is_as_high_as_now(self.autopilot) for i in items]
-        up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
+        kept = np.array([item.is_as_high_as_now(self.autopilot) for item in items], dtype=bool)
+        up = np.where(kept | ~np.isfinite(up), math.nan, up)
         return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
 
     @cached_property
@@ -183,12 +176,8 @@ class Program:
         return any(map(math.isnan, self._numbers[index]))
 
     def place(self, index: int, here: Place) -> Place:
-        east, north, up = self._numbers[index]
-        return (
-            here[0] if math.isnan(east) else east,
-            here[1] if math.isnan(north) else north,
-            here[2] if math.isnan(up) else up,
-        )
+        east, north, up = (now if math.isnan(x) else x for x, now in zip(self._numbers[index], here, strict=True))
+        return east, north, up
 
     def place_of(self, item: Item) -> Place:
         home = self.frame.home
@@ -221,10 +210,8 @@ class Program:
         return {n: jump_target(self.items, n, self.first) for n in jumps}
 
     def _jumps(self, index: int, taking: bool) -> bool:
-        times, has_counter = (
-            repeats(self.items[index]),
-            index in self.jumped or len(self.jumped) < self.jump_profile.most,
-        )
+        times = repeats(self.items[index])
+        has_counter = index in self.jumped or len(self.jumped) < self.jump_profile.most
         done = self.jumped.get(index, 0) if has_counter else math.inf
         jumps = times == math.inf or done < times
         if has_counter:
@@ -233,6 +220,7 @@ class Program:
         return jumps
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
+        """Return the items done in passing after `index`, and the next that moves the vehicle."""
         passed: list[int] = []
         at = self.after(index)
         while at is not None and not self._moves(at):
@@ -252,10 +240,9 @@ class Program:
 
     def followed(self) -> tuple[Steps, dict[int, int]]:
         """Return passed items and the next one by step; and wrong next items."""
-        steps: Steps = []
-        elsewhere: dict[int, int] = {}
+        steps, elsewhere = Steps(), dict[int, int]()
         at: int | None = -1
-        while at is not None and len(steps) < MAX_STEPS:
+        while at is not None and len(steps) < 5_000:
             if at >= 0 and (instead := self.mistaken(at)) is not None:
                 elsewhere.setdefault(at, instead)
             steps.append(self.advance(at))

@@ -6,17 +6,14 @@ from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.autopilot.returning import HOME
-from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
-from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
+from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, entry_is_unsure, radius_of, reads_as_here
 from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, is_passed, next_navigated, program_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.world.frame import LocalFrame
 
-NEVER_REACHED = "never-reached"
-# Limits of the forecast's accuracy: docs/lab/flight-time.md.
-MAX_TURN_DEG, MAX_RADIUS = 150.0, 150.0  # [deg], [m]
+MAX_TURN_DEG = 150.0  # limit of the forecast's accuracy: docs/lab/flight-time.md
 NO_PLACE = (math.nan, math.nan, math.nan)
 
 
@@ -40,8 +37,8 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
         place, before = program.place(n, here or NO_PLACE), here
         if circles and item.command == Command.NAV_LOITER_TURNS:
-            if radius_of(item) > MAX_RADIUS:
-                why = f"circles beyond {MAX_RADIUS:g} m are flown up to 1.0 m off their forecast"
+            if radius_of(item) > 150.0:
+                why = "circles beyond 150 m are flown up to 1.0 m off their forecast"
                 yield Unknown(n + 1, why, "fly it as waypoints")
             if here is not None and entry_is_unsure(here, place, radius_of(item)):
                 why = "it begins near the circle's center: the side of its entry is random"
@@ -83,7 +80,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
         if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
             name = command_name(items[after].command)
             why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
-            yield Unknown(n + 1, why, "put a waypoint between them", NEVER_REACHED)
+            yield Unknown(n + 1, why, "put a waypoint between them", "never-reached")
 
 
 def _braking_lengths(mission: Mission) -> list[float]:
@@ -133,4 +130,4 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, following: in
     radius = parameters[autopilot.parameter_table.meanings["acceptance radius"]] / 100
     if abs(program.place(following, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
-        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", NEVER_REACHED)
+        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", "never-reached")

@@ -1,1 +1,4 @@
-"""Predict the time of a mission on each autopilot, offline."""
+"""Predict the time of a mission offline; `estimate` has it by item.
+
+`flight_model` is the interface of each autopilot. `bound` is the least time on a path.
+"""

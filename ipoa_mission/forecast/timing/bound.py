@@ -13,9 +13,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.timing.cubic import derivatives
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 
-PLACE_STEP = 0.25  # [m]
-MAX_PLACES = 40_000
-
 
 @dataclass(frozen=True)
 class Kinematics:
@@ -72,7 +69,7 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
 def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
     """Return lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m]."""
     chords = arc_lengths(points)
-    count = min(max(int(np.ceil(chords[-1] / PLACE_STEP)), 40), MAX_PLACES) + 1
+    count = min(max(int(np.ceil(chords[-1] / 0.25)), 40), 40_000) + 1  # [m]
     even = np.linspace(0.0, 1.0, count)
     near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3
     at = chords[-1] * np.sort(np.concatenate([even, near, 1.0 - near]))

@@ -1,17 +1,94 @@
-"""Estimate the time of a mission by item."""
+"""Estimate the time of a mission by item, of its route, and as QGroundControl shows it."""
 
+import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import WAYPOINTS, Command
+from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary, flying_already
-from ipoa_mission.forecast.timing.prediction import NEVER_MISSED, Missed, Prediction
-from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.forecast.timing.route_time import RouteTime, route_time
+from ipoa_mission.forecast.timing.bound import Kinematics, least_time
+from ipoa_mission.forecast.timing.flight_model import NEVER_MISSED, FlightModel, Missed, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 from ipoa_mission.mission.items import Mission
+
+COUNTED_TERMS = (
+    "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
+)
+
+
+@dataclass(frozen=True)
+class RouteTime:
+    """`seconds` of the route, and the `least` within the same limits [s]; NaN without a route.
+
+    An autopilot may exceed its own limits; then its time is the least.
+    """
+
+    seconds: float
+    path: Points = field(repr=False, compare=False)
+    limits: Kinematics | None = field(repr=False, compare=False)
+
+    @cached_property
+    def least(self) -> float:
+        return math.nan if self.limits is None else min(least_time(self.path, self.limits).seconds, self.seconds)
+
+    @property
+    def ratio(self) -> float:
+        return self.seconds / self.least
+
+
+NO_ROUTE = RouteTime(math.nan, np.zeros((0, 3)), None)
+
+
+def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
+    return autopilot.part(FlightModel).kinematics(parameters, speed)
+
+
+def route_time(
+    route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
+) -> RouteTime:
+    ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
+    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS | {Command.NAV_TAKEOFF}]
+    if not ends or starts[0] == ends[-1]:
+        return NO_ROUTE
+    begin, end = float(done[starts[0]]), float(done[ends[-1]])
+    standard = kinematics(autopilot, parameters).speed
+    limits = kinematics(autopilot, parameters, _most_asked(route, ends[0], ends[-1], standard))
+    path = _smoothed(track.between(begin, end).points)
+    return NO_ROUTE if len(path) < 2 else RouteTime(end - begin, path, limits)
+
+
+def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
+    """Return the highest level speed in force between two visits [m/s]; the one before counts as well."""
+    asked = [
+        (n, visit.item.params[1])
+        for n, visit in enumerate(route.visits[:last])
+        if visit.item.command == Command.DO_CHANGE_SPEED and visit.item.params[0] < 2 and visit.item.params[1] > 0
+    ]
+    begun = standard if not asked or asked[0][0] > first else 0.0
+    return max([begun, *(speed for _, speed in asked)])
+
+
+def _smoothed(path: Points) -> Points:
+    """Return places 1 m apart, each the mean of five."""
+    steps, most = 5, 10_000
+    path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
+    if len(path) < 2:
+        return path
+    traveled = arc_lengths(path)
+    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / 1.0) + 1), most))
+    even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
+    if len(even) <= steps:
+        return even[[0, -1]]
+    wide = np.pad(even, ((steps // 2, steps // 2), (0, 0)), mode="edge")
+    middle = np.column_stack([np.convolve(axis, np.full(steps, 1 / steps), "valid") for axis in wide.T])
+    middle[[0, -1]] = even[[0, -1]]
+    return middle
 
 
 @dataclass(frozen=True)
@@ -113,8 +190,8 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
 
 
 def _items(seqs: Iterable[int]) -> str:
-    once = dict.fromkeys(seqs)
-    return f"item{'s' if len(once) > 1 else ''} {', '.join(map(str, once))}"
+    unique = dict.fromkeys(seqs)
+    return f"item{'s' if len(unique) > 1 else ''} {', '.join(map(str, unique))}"
 
 
 def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...]:
@@ -128,8 +205,8 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
         lasted = done - begun
         items.append(
             ItemTime(
-                seq=visit.seq,
-                command=visit.item.command,
+                visit.seq,
+                visit.item.command,
                 done_s=done,
                 low_s=max(low, 0.0),
                 high_s=high,
@@ -153,3 +230,39 @@ def _flown(clock: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, 
     points = np.column_stack([np.interp(times, clock, axis) for axis in axes])
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     return length, float(np.interp(times, clock, speeds).max())
+
+
+def qgroundcontrol_time(mission: Mission) -> float:
+    """Return the mission time [s] that QGroundControl shows: distance over speed.
+
+    Legs are great circles; DO_CHANGE_SPEED counts from the next item. RTL adds the height over the descent speed (4.4
+    has these swapped), a structure scan its height as distance.
+    """
+    hover_speed, ascent_speed, descent_speed = 5.0, 3.0, 1.0  # its settings without a vehicle [m/s]
+    delays = {Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_DELAY}
+    speed = mission.cruise_speed or hover_speed
+    here, height, total = (mission.home.latitude_deg, mission.home.longitude_deg), 0.0, 0.0
+    taken_off, scanned = False, dict(mission.scanned)
+    for index, item in enumerate(mission.items):
+        total += scanned.get(index, 0.0) / speed
+        if item.command == Command.NAV_RETURN_TO_LAUNCH:
+            way_home = _great_circle(here, (mission.home.latitude_deg, mission.home.longitude_deg))
+            return total + way_home / speed + abs(height) / descent_speed
+        if item.command == Command.NAV_TAKEOFF and not taken_off:
+            total += abs(item.height(mission.home)) / ascent_speed
+            taken_off = True
+        if item.command in delays and item.params[0] > 0:
+            total += item.params[0]
+        if item.has_position:
+            there = (item.latitude_deg, item.longitude_deg)
+            total += _great_circle(here, there) / speed
+            here, height = there, item.height(mission.home)
+        if item.command == Command.DO_CHANGE_SPEED and item.params[1] > 0:
+            speed = item.params[1]
+    return total
+
+
+def _great_circle(begin: tuple[float, float], end: tuple[float, float]) -> float:
+    (lat1, lon1), (lat2, lon2) = (tuple(map(math.radians, place)) for place in (begin, end))
+    half = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2
+    return 2 * 6_371_007.0 * math.asin(math.sqrt(half))  # Earth's radius [m] of QGeoCoordinate::distanceTo

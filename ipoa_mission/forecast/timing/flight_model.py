@@ -1,3 +1,6 @@
+"""The interface of an autopilot's flight model, and what it predicts."""
+
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +14,81 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.prediction import Prediction
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM, Wind
+
+
+@dataclass(frozen=True)
+class Missed:
+    """A waypoint that PX4 misses by height in this `share` of flights; turning back takes `cost_s`."""
+
+    share: float
+    cost_s: float
+
+
+NEVER_MISSED = Missed(0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Time of each visit (n,) [s], reason of its slowness, path, and remarks.
+
+    Nine flights in ten are from `low` to `high` (n,) [s]. `missed`: by visit. `touched`: touchdown of an aborted
+    flight, at the earliest, in the mean and at the latest [s].
+    """
+
+    done: Vector
+    low: Vector
+    high: Vector
+    reasons: tuple[str, ...]
+    track: Track
+    remarks: tuple[str, ...] = ()
+    missed: tuple[Missed, ...] = ()
+    touched: tuple[float, float, float] | None = None
+
+
+Place = tuple[float, float, float]
+
+
+def corner_deg(before: Place, at: Place, after: Place) -> float:
+    """Return the level course change [deg]; 0 at a vertical side."""
+    x1, y1, x2, y2 = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
+    if math.hypot(x1, y1) < 0.1 or math.hypot(x2, y2) < 0.1:
+        return 0.0
+    return abs(math.degrees(math.atan2(x1 * y2 - y1 * x2, x1 * x2 + y1 * y2)))
+
+
+@dataclass(frozen=True)
+class LegSpeeds:
+    """Speeds of a leg [m/s], which say why it is slow."""
+
+    planned: float | None  # peak; None where `curved`
+    allowed: float  # the requested one as limited by its slope
+    asked: float  # the requested one
+    top: float  # as limited by drag and wind
+    flown: float  # the greatest horizontal one
+    corner: float  # [deg]
+    stops: bool
+    curved: bool = False
+
+    def why_slow(self) -> str:
+        reasons, planned, least = [], self.planned, 0.95
+        wanted = min(self.asked if planned is None else planned, self.allowed, self.asked)
+        if planned is not None and planned < least * min(self.allowed, self.asked):
+            reasons.append("leg shorter than its braking distance")
+        elif self.allowed < least * self.asked:
+            reasons.append("climb or descent rate")
+        if self.curved and self.flown < least * min(self.top, wanted):
+            reasons.append("acceleration on the curve")
+        elif self.top < least * wanted:
+            reasons.append("drag at the greatest lean")
+        elif planned is not None and not reasons and self.flown < least * wanted:
+            reasons.append("lag behind the path")
+        if self.corner >= 10.0:
+            reasons.append(f"corner {self.corner:.0f} deg")
+        return ", ".join([*reasons, "stop"] if self.stops else reasons)
 
 
 class SlowedByAir(Protocol):
@@ -29,8 +103,6 @@ class Abort:
 
 
 class FlightModel(ABC):
-    """The interface of an autopilot's flight model."""
-
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of an ending."""
     simulated: ClassVar[Mapping[str, float]]
@@ -52,7 +124,7 @@ class FlightModel(ABC):
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
-    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
+    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
         """Predict the flight to an abort, and its contingency; the only time is of its end.
 
         Raises:

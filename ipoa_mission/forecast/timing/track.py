@@ -1,4 +1,4 @@
-"""A path with its times, predicted or flown."""
+"""A path with its times, predicted or flown; thinned, or cut into short straight pieces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,10 +9,6 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.ground import EARTH_RADIUS
 
-BATCH_SIZE = 20_000  # points, limited by memory
-TIME_TOLERANCE_S = 1e-9  # [s]
-MIN_SQUARED_LENGTH = 1e-12  # [m^2]
-BOTH_VIEWS_FACTOR = 1.5  # of the tolerance of one view
 THINNING_TOLERANCE = 0.02  # [m]
 
 
@@ -32,9 +28,9 @@ class Track:
 
     @classmethod
     def joined(cls, tracks: "Sequence[Track]") -> "Track":
-        times = np.concatenate([one.times for one in tracks])
-        later = np.concatenate([[True], np.diff(times) > TIME_TOLERANCE_S])
-        points, speeds = (np.concatenate([getattr(one, name) for one in tracks]) for name in ("points", "speeds"))
+        times = np.concatenate([track.times for track in tracks])
+        later = np.concatenate([[True], np.diff(times) > 1e-9])
+        points, speeds = (np.concatenate([getattr(track, name) for track in tracks]) for name in ("points", "speeds"))
         return cls(times[later], points[later], speeds[later])
 
     def at(self, times: Vector) -> Points:
@@ -44,8 +40,7 @@ class Track:
         return int(np.argmin(np.abs(self.times - time)))
 
     def between(self, begin: float, end: float) -> "Track":
-        first, last = np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right")
-        taken = slice(first, last)
+        taken = slice(np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right"))
         return Track(self.times[taken], self.points[taken], self.speeds[taken])
 
     def local(self) -> "Track":
@@ -64,15 +59,16 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
     traveled = arc_lengths(path[:, :2])
     is_kept = np.zeros(len(path), dtype=bool)
     is_kept[0] = True
-    for first in range(0, len(path) - 1, BATCH_SIZE):
-        some = slice(first, first + BATCH_SIZE + 1)
+    batch_size = 20_000  # points, limited by memory
+    for first in range(0, len(path) - 1, batch_size):
+        some = slice(first, first + batch_size + 1)
         numbers = np.arange(len(path))[some]
         top_view, side_view = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
         for view in (top_view, side_view):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
             few = shapely.simplify(numbered, stray, preserve_topology=False)  # checked by `_folded`
             is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
-        is_kept[some] |= _folded(path[some], np.flatnonzero(is_kept[some]), BOTH_VIEWS_FACTOR * stray)
+        is_kept[some] |= _folded(path[some], np.flatnonzero(is_kept[some]), 1.5 * stray)
     return np.asarray(path[is_kept])
 
 
@@ -80,10 +76,55 @@ def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.boo
     """Return the points between two kept ones whose leg folds beyond `most` [m]."""
     gap = np.clip(np.searchsorted(kept, np.arange(len(path)), "right") - 1, 0, len(kept) - 2)
     begins, ways = path[kept], np.diff(path[kept], axis=0)
-    lengths = np.maximum((ways**2).sum(axis=1), MIN_SQUARED_LENGTH)
+    lengths = np.maximum((ways**2).sum(axis=1), 1e-12)
     offset = path - begins[gap]
     share = np.clip((offset * ways[gap]).sum(axis=1) / lengths[gap], 0.0, 1.0)
     offset -= share[:, None] * ways[gap]
     far = np.zeros(len(ways), dtype=bool)
     far[gap[np.linalg.norm(offset, axis=1) > most]] = True
     return np.asarray(far[gap])
+
+
+@dataclass(frozen=True, eq=False)
+class Pieces(Track):
+    """Short straight pieces, with the lateral acceleration `across` of each, (n-1,) [m/s^2]."""
+
+    across: Vector
+
+    def part(self, begin: float, end: float) -> "Pieces":
+        first = max(int(np.searchsorted(self.times, begin, side="right")) - 1, 0)
+        last = min(int(np.searchsorted(self.times, end, side="left")), len(self.times) - 1)
+        first = min(first, len(self.times) - 2)
+        last = max(last, first + 1)
+        flown = slice(first, last + 1)
+        return Pieces(self.times[flown], self.points[flown], self.speeds[flown], self.across[first:last])
+
+
+def pieces_of(track: Track) -> Pieces:
+    shortest = 0.05  # [m]
+    is_kept = np.concatenate([[True], np.diff(np.floor(arc_lengths(track.points) / shortest)) > 0.0])
+    is_kept[-1] = True
+    kept = np.flatnonzero(is_kept) if is_kept.sum() > 1 else np.zeros(2, dtype=int)
+    times = track.times[kept]
+    across = np.interp((times[:-1] + times[1:]) / 2, *_bends(track))
+    return Pieces(times, track.points[kept], track.speeds[kept], across)
+
+
+def _bends(track: Track) -> tuple[Vector, Vector]:
+    begin, end, step_s, smoothed, reach_s = float(track.times[0]), float(track.times[-1]), 0.1, 5, 2.0
+    times = np.arange(begin, max(end, begin + smoothed * step_s) + step_s, step_s)
+    level = track.at(times)[:, :2]
+    mean = np.full(smoothed, 1 / smoothed)
+    speeds = [np.gradient(axis, step_s) for axis in level.T]
+    gains = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
+    cross = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0])
+    across = cross / np.maximum(np.hypot(*speeds), 0.5)
+    return times, _greatest_near(across, round(reach_s / step_s))
+
+
+def _greatest_near(values: Vector, reach: int) -> Vector:
+    greatest, seen, width = np.pad(values, reach), 1, 2 * reach + 1
+    while seen < width:
+        more = min(seen, width - seen)
+        greatest, seen = np.maximum(greatest[:-more], greatest[more:]), seen + more
+    return greatest

@@ -10,10 +10,10 @@ from ipoa_mission.forecast.contingency.contingencies import (
     Contingencies,
     ContingencyBar,
     ContingencyRow,
+    Grade,
     bars_of,
     contingencies_of,
 )
-from ipoa_mission.forecast.contingency.grades import Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
 from ipoa_mission.report.drawn_flight import SampledTrack
@@ -47,16 +47,16 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
     contingencies = forecast.cached(Contingencies)
     if contingencies.ways.why_unknown() is not None:
         return []
-    assessments = contingencies.assessments(Contingency.RTL)
-    count = len(assessments.times)
+    samples = contingencies.samples(Contingency.RTL)
+    count = len(samples.times)
     return [
         {
-            "from": round(float(assessments.times[n]), 2),
-            "clear": bool(assessments.clear[n]),
-            "points": assessments.ways[n][assessments.taken[n]][0].round(2).tolist(),
+            "from": round(float(samples.times[n]), 2),
+            "clear": bool(samples.clear[n]),
+            "points": samples.ways[n][samples.taken[n]][0].round(2).tolist(),
         }
         for n in np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
-        if assessments.taken[n].any()
+        if samples.taken[n].any()
     ]
 
 

@@ -9,7 +9,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
+from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import Danger

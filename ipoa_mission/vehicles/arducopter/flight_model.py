@@ -15,8 +15,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
-from ipoa_mission.forecast.timing.prediction import Prediction, corner_deg, slow_because
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
@@ -113,9 +112,9 @@ class ArduCopterModel(FlightModel):
         low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
         return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
-    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
+    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
         """Predict the time with an abort and its contingency; the track has a sample at the abort."""
-        flight = _Flight(route, mission, wind, fast)
+        flight = _Flight(route, mission, wind, None)
         flight.until = order.time
         for n in range(len(route.visits)):
             if flight.is_broken_off:
@@ -206,7 +205,7 @@ class _Flight:
         if self.is_broken_off:
             return ""
         is_straight = this.kind == STRAIGHT
-        why = slow_because(
+        why = LegSpeeds(
             planned=this.profile.peak if is_straight and this.length > 1.0 else None,
             allowed=limits_along(this.origin, this.target, copter.speeds, self.limits).speed,
             asked=copter.speeds.level,

@@ -20,8 +20,15 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
-from ipoa_mission.forecast.timing.prediction import Missed, Prediction, corner_deg, slow_because
+from ipoa_mission.forecast.timing.flight_model import (
+    Abort,
+    FlightModel,
+    LegSpeeds,
+    Missed,
+    Prediction,
+    SlowedByAir,
+    corner_deg,
+)
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
@@ -122,7 +129,7 @@ class Px4Model(FlightModel):
         low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(route, runs))
 
-    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
+    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
         flights = Flights(route, mission, wind)
         if order.contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
@@ -130,19 +137,19 @@ class Px4Model(FlightModel):
                 raise MissionError(words, code="endless-flight")
             if (by := route.returns_by) is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
-        quiet = flights.flown(False, fast)(0).done
+        quiet = flights.flown(False, None)(0).done
         steps = np.diff(quiet)
         lasted, stood, when = list[float](), list[float](), list[float]()
         for seed in range(1, RUNS.most + 1):
             if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
                 break
             with suppress(MissionError):
-                run, begun = flights.broken_off(order.contingency, order.time, seed, fast)
+                run, begun = flights.broken_off(order.contingency, order.time, seed, None)
                 lasted.append(float(run.done[-1]) - order.time)
                 stood.append(float(run.done[-1]) - run.touched)
                 when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
         then = float(np.mean(when)) if when else order.time
-        last, _ = flights.broken_off(order.contingency, then, None, fast)
+        last, _ = flights.broken_off(order.contingency, then, None, None)
         lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
         mean = float(np.mean(lasted))
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
@@ -278,7 +285,7 @@ class Flights:
         length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits
         stop = speed_to(length / 2, 0.0, limits.accel, limits.jerk)
         wind = self.wind.along(order.goal.east - order.start.east, order.goal.north - order.start.north)
-        return slow_because(
+        return LegSpeeds(
             planned=min(stop, order.cruise) if length > 1.0 else None,
             allowed=self.allowed(order),
             asked=order.cruise,
@@ -286,7 +293,7 @@ class Flights:
             flown=float(np.hypot(samples[rows, 4], samples[rows, 5]).max(initial=0.0)),
             corner=corner_deg(order.start, order.goal, order.beyond),
             stops=order.beyond == order.goal,
-        )
+        ).why_slow()
 
     def allowed(self, order: Order) -> float:
         """Return the level speed that climb or descent allows [m/s]."""

@@ -9,9 +9,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.itinerary.copter_arc import turn_of
-from ipoa_mission.forecast.itinerary.copter_circle import bearing_from
-from ipoa_mission.forecast.itinerary.copter_spline import place_after
+from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
 from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Item

@@ -4,8 +4,15 @@ import math
 from dataclasses import replace
 from functools import lru_cache
 
-from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
-from ipoa_mission.forecast.itinerary.copter_spline import cubic, minus, spline_tangents
+from ipoa_mission.forecast.itinerary.copter_curves import (
+    arc_center,
+    arc_length,
+    arc_radius,
+    cubic,
+    is_arc,
+    minus,
+    spline_tangents,
+)
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.vehicles.arducopter.braking import circle_spin
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
