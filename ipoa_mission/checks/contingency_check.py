@@ -64,16 +64,16 @@ def _why_not(forecast: Forecast, wind: Wind) -> str | None:
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     if not forecast.mission.items:
         return
-    ways = forecast.cached(ContingencyPaths)
-    if len(ways.stops().times) < 2:
+    paths = forecast.cached(ContingencyPaths)
+    if len(paths.stops().times) < 2:
         return
-    if (why := ways.why_unknown()) is not None:
+    if (why := paths.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
         return
-    samples = ways.samples(Contingency.RTL)
+    samples = paths.samples(Contingency.RTL)
     begin, end = forecast.promise.flight.way
     checked = ~samples.clear & (samples.times >= begin) & (samples.times <= end)
-    near = np.where(samples.taken[..., None] & checked[:, None, None], samples.near - ways.required, 0.0)
+    near = np.where(samples.possible[..., None] & checked[:, None, None], samples.near - paths.required, 0.0)
     braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
     near[:, :, ReturnLeg.RETURNS :][near[:, :, ReturnLeg.RETURNS :] >= braking - 0.02] = 0.0  # [m], rounding
     for legs, verb, order in (  # the descent is a leg of the mission
@@ -82,26 +82,26 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     ):
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
-            seqs = np.unique(ways.stops().seqs_at(samples.times[short < 0.0]))
-            worst = _check(ways, samples, int(np.argmin(short)), legs)
+            seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
+            worst = _check(paths, samples, int(np.argmin(short)), legs)
             words = f"{in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
-            hint = _remedy(ways) if legs.start == ReturnLeg.RETURNS else None
+            hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _check(ways: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
-    some = [way[legs.start : legs.stop + 1] for way in samples.ways[n][samples.taken[n]]]
+def _check(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
+    some = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
-        checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
+        checks = (check for path in some for check in prove_ground(path[:2], paths.forecast.world))
         return min(checks, key=lambda check: check.slack)
-    clearances = (ways.roomy.airspace.obstacle_clearance(way) for way in some)
-    return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), ways.required)
+    clearances = (paths.roomy.airspace.obstacle_clearance(path) for path in some)
+    return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)
 
 
-def _remedy(ways: ContingencyPaths) -> str | None:
-    by = ways.mission.autopilot.parameter_table.return_height
-    short = list(find_shortfalls(ways, Contingency.RTL))
-    higher, left = change_return_altitude(ways, ways.forecast, short)
+def _remedy(paths: ContingencyPaths) -> str | None:
+    by = paths.mission.autopilot.parameter_table.return_height
+    short = list(find_shortfalls(paths, Contingency.RTL))
+    higher, left = change_return_altitude(paths, paths.forecast, short)
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
         return None
     value = higher.given.parameters[by.name]
@@ -119,14 +119,14 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     """Warn where such a landing would come down on something."""
     if not forecast.mission.items or not lands_by_choice(forecast):
         return
-    ways = forecast.cached(ContingencyPaths)
-    if len(ways.stops().times) < 2:
+    paths = forecast.cached(ContingencyPaths)
+    if len(paths.stops().times) < 2:
         return
-    samples = ways.samples(Contingency.LAND)
-    unclear = np.flatnonzero(((samples.near < ways.required) & (samples.which != GROUND)).any(axis=(1, 2)))
+    samples = paths.samples(Contingency.LAND)
+    unclear = np.flatnonzero(((samples.near < paths.required) & (samples.which != GROUND)).any(axis=(1, 2)))
     if len(unclear):
-        seqs = np.unique(ways.stops().seqs_at(samples.times[unclear]))
-        worst = unclear[np.argmin(samples.spare[unclear])]
-        kept = Check("obstacles", ways.exactly(Contingency.LAND, samples, int(worst)), ways.required)
+        seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
+        worst = unclear[np.argmin(samples.slack[unclear])]
+        kept = Check("obstacles", paths.exactly(Contingency.LAND, samples, int(worst)), paths.required)
         words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -1,4 +1,4 @@
-"""Compare samples of a flight with its forecast: beside its corridor, past an item, or late."""
+"""Compare samples of a flight with its forecast: outside its corridor, past an item, or late."""
 
 import math
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from ipoa_mission.world.frame import Geodetic
 
 @dataclass(frozen=True)
 class ConformanceLimits:
-    """What a deviation exceeds, beyond the deviation bound, and for how long."""
+    """The limits of a deviation, beyond the deviation bound, and how long it lasts."""
 
     margin_factor: float = 2.0  # of the bound, added to it
     min_margin: float = 5.0  # [m]

@@ -117,14 +117,14 @@ def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
 
 
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
-    from ipoa_mission.logs.vehicle_file import NUMBERS, UNITS
+    from ipoa_mission.logs.vehicle_file import QUANTITIES
 
-    for name in NUMBERS:
+    for name, quantity in QUANTITIES.items():
         learned = getattr(vehicle, name)
         if learned is None:
             yield "; ".join([f"{name}: as simulated, or undetermined", *_reasons(name, flights)])
         else:
-            yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {UNITS[name]}"
+            yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {quantity.meaning}"
 
 
 def _as_json(vehicle: "LearnedVehicle", judged: "tuple[LeftOut, ...]", errors: tuple[float, float]) -> dict[str, Any]:

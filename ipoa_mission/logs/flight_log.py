@@ -16,22 +16,13 @@ from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
-from ipoa_mission.logs.logged import Begun, Held, Log, log_format, messages_of
-from ipoa_mission.logs.logged_measurements import Measured
+from ipoa_mission.logs.logged import Begun, Held, Log, Measured, log_format, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
 from ipoa_mission.world.frame import Geodetic
 
-#: A rise that counts as flight [m].
-AIRBORNE_HEIGHT = 1.0
-#: From arming to the message of home [s].
-HOME_SET_S = 2.0
-#: Between positions: in a `.tlog` [s]; on board, in median steps (recorded: 1.7 at most).
-GAP_S, GAP_STEPS = 3.0, 3.0
-#: Between positions [m], plus for each second [m/s].
-MAX_JUMP, MAX_SPEED = 20.0, 100.0
-EARTH_RADIUS = 6.371e6
+AIRBORNE_HEIGHT = 1.0  # a rise that counts as flight [m]
 
 
 @dataclass(frozen=True)
@@ -127,28 +118,24 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
         MissionError: nothing was flown, or a package to read it is missing.
     """
     path = Path(path)
-    written = log_format(path.suffix)
-    if written is not None and system is not None:
-        words = f"expected a .tlog with --system {system}: a log from on board holds one vehicle"
-        raise BadInput(words, code="other-vehicle", place=path)
-    if written is not None:
+    if (written := log_format(path.suffix)) is not None:
+        if system is not None:
+            words = f"expected a .tlog with --system {system}: a log from on board holds one vehicle"
+            raise BadInput(words, code="other-vehicle", place=path)
         log = written.read(path)
     elif path.suffix.lower() == ".tlog":
         log = read_telemetry_log(path, system)
     else:
         raise WrongSuffix("expected a log whose name ends in .tlog, .bin or .ulg", place=path)
-    mode = log.autopilot.modes.mission
-    stretches = list(_stretches(log))
-    flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
+    stretches, remarks = list(_stretches(log)), [*log.remarks]
+    flights = [stretch for stretch in stretches if stretch.flew_in(log.autopilot.modes.mission) or stretch.rose]
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
-    remarks = [*log.remarks]
     if len(whole) < len(flights):
         remarks.append("the log begins in flight: the time of arming is unknown, and this flight is left out")
     if flights and flights[-1].is_open:
         remarks.append("the log ends in flight: the rest of the flight is unknown")
     remarks += _gaps(log, written is not None)
-    if len(flights) < len(stretches):
-        others = len(stretches) - len(flights)
+    if others := len(stretches) - len(flights):
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
     if any(flight.in_mission and not flight.tells_items for flight in whole):
         remarks.append("the log does not report when an item began or was done")
@@ -167,23 +154,25 @@ def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
         since = np.array([*(time for time, _ in beats), max(beats[-1][0], times[-1])])
         armed_s = np.concatenate([[0.0], np.cumsum(np.diff(since) * [armed for _, armed in beats])])
         steps = np.diff(np.interp(times, since, armed_s))
-        gaps = steps[steps > (GAP_STEPS * np.median(np.diff(times)) if is_on_board else GAP_S)]
+        gap_s = 3.0 * np.median(np.diff(times)) if is_on_board else 3.0  # recorded on board: 1.7 steps at most
+        gaps = steps[steps > gap_s]
     else:
         gaps = np.empty(0)
     if gaps.size:
         yield f"positions are missing {gaps.size} times in flight, for {gaps.max():.1f} s at most"
-    degree = np.radians(1.0) * EARTH_RADIUS
+    degree = np.radians(1.0) * 6.371e6  # [m]
     with np.errstate(invalid="ignore", over="ignore"):
         places = np.column_stack([fixes.latitude_deg * degree, fixes.longitude_deg * degree, fixes.height])
         places[:, 1] *= np.cos(np.radians(fixes.latitude_deg))
-        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= MAX_JUMP + MAX_SPEED * np.diff(fixes.times))
+        most = 20.0 + 100.0 * np.diff(fixes.times)  # [m]
+        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= most)
     if jumps.any():
         yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
-    words = [f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks]
-    return MissionError(f"{'; '.join(words)}", hint="is it the log of this flight?", code="nothing-flown", place=path)
+    words = "; ".join([f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks])
+    return MissionError(words, hint="is it the log of this flight?", code="nothing-flown", place=path)
 
 
 @dataclass
@@ -218,17 +207,15 @@ class _Stretch:
     def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
         self.ends_s = now
-        set_by_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
+        set_by_arming = self.later.home is None and now - self.armed_s < 2.0  # [s]
         if set_by_arming or not isinstance(message, HomePosition):
             self.later.note(message)
         if isinstance(message, Begun):
             self.begun[message.seq] = message
 
     def flew_in(self, mode: int) -> bool:
-        return any(
-            isinstance(message, Heartbeat) and message.armed and message.custom_mode == mode
-            for message in self.messages
-        )
+        beats = (message for message in self.messages if isinstance(message, Heartbeat))
+        return any(beat.armed and beat.custom_mode == mode for beat in beats)
 
     @property
     def rose(self) -> bool:
@@ -251,10 +238,8 @@ class _Stretch:
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())
-            agrees = len(items) == total and all(
-                seq < total and items[seq] == begun.item for seq, begun in self.begun.items()
-            )
-            if not agrees:
+            begun = self.begun.items()
+            if len(items) != total or any(seq >= total or items[seq] != each.item for seq, each in begun):
                 flown = [self.begun[seq].item for seq in range(first, total) if seq in self.begun]
                 before = (home_item(home),) * first if home else ()
                 items = (*before, *flown) if len(flown) == total - first else ()
@@ -270,10 +255,9 @@ class _Stretch:
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:
-    known = _Known()
+    known, seen, now = _Known(), False, 0.0
     current: Current | None = None
     stretch: _Stretch | None = None
-    seen, now = False, 0.0
     clock: Message | None = None
     for message in messages_of(log):
         if isinstance(message, Position | SystemTime):

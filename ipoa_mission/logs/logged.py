@@ -1,5 +1,7 @@
+"""The content of a log, of whatever format: positions, events, batteries and attitude."""
+
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,14 +10,67 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
-from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.mission.items import Item
 
-#: ArduPilot's text: "Mission: 4 WP".
-ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
+Battery = tuple[float, float, float]  # [s, V, A]; NaN or negative: not measured
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """Batteries: s, V, A, each (n, 3); attitude: s, roll, pitch, yaw [rad] (m, 4). Times increase."""
+
+    batteries: tuple[Points, ...] = ()
+    attitude: Points = field(default_factory=lambda: np.empty((0, 4)))
+
+    @classmethod
+    def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Points) -> "Measured":
+        """Make measurements of rows in any order; without voltage left out."""
+        read = (_sorted(battery, 3) for battery in batteries)
+        leaned = _sorted(attitude, 4)
+        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be up to 360 degrees
+        return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
+
+    def between(self, begin: float, end: float) -> "Measured":
+        batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
+        return Measured(batteries, _cut(self.attitude, begin, end))
+
+    def power(self) -> Points:
+        """Return all batteries' power (n, 2) [s, W], at the first one's times.
+
+        Raises:
+            MissionError: no current was measured.
+        """
+        given, reasons = [], []
+        for battery in self.batteries:
+            volts, current, most = battery[:, 1], battery[:, 2], 10_000.0  # [V, A]
+            sound = battery[(volts > 0) & (volts < most) & (current >= 0) & (current < most)]
+            amperes = sound[:, 2]
+            if len(sound) < 2 or amperes.max() <= 0:
+                reasons.append("its battery has no current sensor: the current is always 0 A or -1")
+            elif np.ptp(amperes) <= 1e-3 * amperes.mean():  # a measured current varies more
+                reasons.append(f"the current of its battery is a constant, {amperes[0]:.3g} A, and not measured")
+            else:
+                given.append((sound[:, 0], sound[:, 1] * amperes))
+        if not given:
+            raise LogUseless(reasons[0] if reasons else "it has no battery's voltage and current")
+        times = given[0][0]
+        return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in given)])
+
+
+def _sorted(rows: Iterable[tuple[float, ...]] | Points, columns: int) -> Points:
+    table = np.asarray(list(rows), float).reshape(-1, columns)
+    table = table[np.isfinite(table[:, :2]).all(axis=1)]
+    return np.asarray(table[np.unique(table[:, 0], return_index=True)[1]])
+
+
+def _cut(rows: Points, begin: float, end: float) -> Points:
+    cut = rows[(rows[:, 0] >= begin) & (rows[:, 0] <= end)].copy()
+    cut[:, 0] -= begin
+    return cut
 
 
 @dataclass(frozen=True)
@@ -65,18 +120,17 @@ class Log:
     fixes: Fixes
     events: tuple[tuple[float, Message], ...]
     version: str = ""
-    remarks: tuple[str, ...] = field(default=())
+    remarks: tuple[str, ...] = ()
     measured: Measured = field(default_factory=Measured)
 
 
 def messages_of(log: Log) -> Iterator[Message]:
-    events = sorted(log.events, key=lambda event: event[0])
-    fixes = log.fixes
+    """Return positions and events in order, each after the clock at its time."""
+    events, fixes = sorted(log.events, key=lambda event: event[0]), log.fixes
     at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
     order = np.argsort(at, kind="stable")
-    clock = _clock(fixes, at[order])
     last = None
-    for n, now in zip(order, clock, strict=True):
+    for n, now in zip(order, _clock(fixes, at[order]), strict=True):
         if at[n] != last:
             yield now
             last = at[n]
@@ -98,7 +152,8 @@ def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
 
 
 def item_begun(text: str) -> Current | None:
-    match = ITEM_BEGINS.match(text)
+    """Return the item of ArduPilot's text, as "Mission: 4 WP"."""
+    match = re.match(r"Mission: (\d+)\b", text)
     return Current(int(match[1])) if match else None
 
 
@@ -115,5 +170,5 @@ class LogFormat:
 
 
 def log_format(suffix: str) -> LogFormat | None:
-    formats = (one.part(LogFormat) for one in registered() if one.has(LogFormat))
-    return next((one for one in formats if one.suffix == suffix.lower()), None)
+    formats = (autopilot.part(LogFormat) for autopilot in registered() if autopilot.has(LogFormat))
+    return next((each for each in formats if each.suffix == suffix.lower()), None)

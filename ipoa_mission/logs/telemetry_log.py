@@ -5,6 +5,7 @@ Heartbeats come once a second. The first report since the last one in the old st
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -47,19 +48,7 @@ from ipoa_mission.link.telemetry import (
 )
 from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.link.transfers import Transfers
-from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
-from ipoa_mission.logs.logged_measurements import Battery, Measured
-
-
-@dataclass(frozen=True)
-class ClockReading:
-    restarted_s: float = 10.0  # a greater step back is a restart
-    pace_s: float = 2.0  # span at each end that gives the rate
-    torn_s: float = 60.0  # from its neighbors: damaged
-    longest_s: float = 1e8  # a greater TIMESYNC is no boot time
-
-
-READING = ClockReading()
+from ipoa_mission.logs.logged import Battery, Fixes, Held, Log, Measured, item_begun, presence, version_name
 
 
 def vehicle_time(message: Message) -> float | None:
@@ -69,14 +58,14 @@ def vehicle_time(message: Message) -> float | None:
             return message.time_s
         case SystemTime():
             return message.boot_s
-        case TimeSync(0, nanoseconds) if 0 < nanoseconds < READING.longest_s * 1e9:
+        case TimeSync(0, nanoseconds) if 0 < nanoseconds < 1e17:  # a greater one is no boot time
             return nanoseconds / 1e9
     return None
 
 
 def unwrapped(stamps: Vector, times: Vector) -> Vector:
     times = times.copy()
-    for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
+    for n in np.flatnonzero(np.diff(times) < -10.0):  # [s]: it restarted
         times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
     return np.asarray(np.maximum.accumulate(times))
 
@@ -97,7 +86,7 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
 
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
     at, times = clock_at[order], clock[order]
-    near = np.abs(at - at[0]) <= READING.pace_s
+    near = np.abs(at - at[0]) <= 2.0  # [s], the span that gives the rate
     span = at[near][-1] - at[0]
     if not span:
         near = np.ones(len(at), bool)
@@ -106,19 +95,23 @@ def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
 
 
 def growing(stamps: Sequence[float]) -> Vector:
-    """Return increasing stamps from the first; damaged ones get their neighbors' median."""
+    """Return increasing stamps from the first; those over 60 s off get their neighbors' median."""
     given = np.asarray(stamps, float)
     around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
-    since = np.where(np.abs(given - around) > READING.torn_s, around, given)
+    since = np.where(np.abs(given - around) > 60.0, around, given)
     return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))
 
 
 ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
 DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
-#: Events commander_armed_by, commander_disarmed_by: component 1, FNV-1a of the name.
-ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
-KEPT_MESSAGES = (Position, Reached, Current, HomePosition, ParamValue, Text)
 NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
+
+
+class PX4Event(IntEnum):
+    """Events commander_armed_by, commander_disarmed_by: component 1, FNV-1a of the name."""
+
+    ARMED_BY = 0x190CAF3
+    DISARMED_BY = 0x1F46777
 
 
 @dataclass
@@ -140,12 +133,9 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     Raises:
         BadInput: the file cannot be read, or holds no such multicopter.
     """
-    codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
-    gathered = _Gathered()
-    stamps: list[float] = []
-    kinds = dict[int, VehicleKind]()
+    codec, gathered, missing = Codec(STATION_SYSTEM, STATION_COMPONENT), _Gathered(), LostFrames()
+    stamps, kinds = list[float](), dict[int, VehicleKind]()
     chosen = None
-    missing = LostFrames()
     for record in read_tlog(path, missing):
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
@@ -194,19 +184,14 @@ def _not_in(path: Path, kinds: Mapping[int, VehicleKind], system: int | None) ->
     if system is not None and system not in kinds:
         return BadInput(f"expected system {system}, but it holds {_listed(kinds)}", code="other-vehicle", place=path)
     kind = str(kinds[system] if system is not None else next(iter(kinds.values())))
-    held = f": it holds {_listed(kinds)}" if len(kinds) > 1 else ""
-    return BadInput(
-        f"expected the log of a multicopter, not of {with_article(kind)}{held}", code="other-vehicle", place=path
-    )
+    words = f"expected the log of a multicopter, not of {with_article(kind)}"
+    words += f": it holds {_listed(kinds)}" if len(kinds) > 1 else ""
+    return BadInput(words, code="other-vehicle", place=path)
 
 
 def _is_autopilot(heard: Heard) -> bool:
-    beat = heard.message
-    return (
-        isinstance(beat, Heartbeat)
-        and heard.component == AUTOPILOT_COMPONENT
-        and beat.autopilot != MavAutopilot.INVALID
-    )
+    is_beat = isinstance(heard.message, Heartbeat) and heard.message.autopilot != MavAutopilot.INVALID
+    return is_beat and heard.component == AUTOPILOT_COMPONENT
 
 
 def _note_station(gathered: _Gathered, number: int, message: Message) -> None:
@@ -224,8 +209,8 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
             _beat(gathered, number, message, autopilot)
         case CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.ACCEPTED):
             _note_arming(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
-        case Event(event) if event in (ARMED_BY, DISARMED_BY):
-            _note_arming(gathered, number, event == ARMED_BY)
+        case Event(PX4Event.ARMED_BY | PX4Event.DISARMED_BY as event):
+            _note_arming(gathered, number, event == PX4Event.ARMED_BY)
         case Text(_, text):
             if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not gathered.changes:  # else an echo
                 _note_arming(gathered, number, text.startswith(ARMING_TEXTS))
@@ -237,15 +222,14 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
             gathered.measured.append((number, message))
         case ParamValue():
             message = replace(message, param_value=parameter_value(message, autopilot))
-    if isinstance(message, KEPT_MESSAGES):
+    if isinstance(message, Position | Reached | Current | HomePosition | ParamValue | Text):
         gathered.said.append((number, message))
     _note_transfer(gathered, number, message, by_vehicle=True)
 
 
 def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
-    held = gathered.transfers.note(message, by_vehicle)
-    if held is not None:
-        gathered.said.append((number, Held(held)))
+    if (items := gathered.transfers.note(message, by_vehicle)) is not None:
+        gathered.said.append((number, Held(items)))
 
 
 def _is_armed(gathered: _Gathered) -> bool:

@@ -1,32 +1,38 @@
+"""Write and read the file of a learned vehicle: numbers with their bounds, in TOML."""
+
 import tomllib
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import read_bytes
 
-POWERS = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power", "airspeed", "energy_ratio")
-NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", *POWERS)
-PLAIN = {"autopilot", "version", "flights"}
-UNITS = {
-    "drag": "times that of the simulated vehicle",
-    "lag": "of rotors and rate loop [s]",
-    "lift_delay": "how much later it lifts off [s]",
-    "landing_delay": "how much later it disarms after landing [s]",
-    "hover_power": "out of the batteries in hover [W]",
-    "square_power": "more by the square of the airspeed [W/(m/s)^2]",
-    "cube_power": "more by its cube [W/(m/s)^3]",
-    "climb_power": "more for climbing [W/(m/s)]",
-    "descent_power": "more for coming down [W/(m/s)]",
-    "airspeed": "up to which that was seen [m/s]",
-    "energy_ratio": "of a flight to what these powers come to",
+
+class LearnedQuantity(NamedTuple):
+    """A learned number: its meaning and unit, its greatest amount, and whether it is above zero."""
+
+    meaning: str
+    most: float = 100_000.0
+    is_positive: bool = False
+
+
+QUANTITIES = {
+    "drag": LearnedQuantity("times that of the simulated vehicle", 50.0, is_positive=True),
+    "lag": LearnedQuantity("of rotors and rate loop [s]", 2.0, is_positive=True),
+    "lift_delay": LearnedQuantity("how much later it lifts off [s]", 120.0),
+    "landing_delay": LearnedQuantity("how much later it disarms after landing [s]", 120.0),
+    "hover_power": LearnedQuantity("out of the batteries in hover [W]", is_positive=True),
+    "square_power": LearnedQuantity("more by the square of the airspeed [W/(m/s)^2]"),
+    "cube_power": LearnedQuantity("more by its cube [W/(m/s)^3]"),
+    "climb_power": LearnedQuantity("more for climbing [W/(m/s)]"),
+    "descent_power": LearnedQuantity("more for coming down [W/(m/s)]"),
+    "airspeed": LearnedQuantity("up to which that was seen [m/s]", 100.0, is_positive=True),
+    "energy_ratio": LearnedQuantity("of a flight to what these powers come to", 5.0, is_positive=True),
 }
-POSITIVE = ("drag", "lag", "hover_power", "airspeed", "energy_ratio")
-LIMITS = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "airspeed": 100.0, "energy_ratio": 5.0}
-LIMITS |= {name: 100_000.0 for name in POWERS if name not in LIMITS}
+PLAIN = {"version": "", "flights": 0}
 MAX_BYTES = 100_000
 
 
@@ -46,10 +52,10 @@ def write_vehicle(vehicle: LearnedVehicle) -> str:
     lines = [f'autopilot = "{vehicle.autopilot}"']
     lines += [f'version = "{vehicle.version}"'] if vehicle.version else []
     lines += [f"flights = {vehicle.flights}", ""]
-    for name in NUMBERS:
+    for name, quantity in QUANTITIES.items():
         learned: Learned | None = getattr(vehicle, name)
         if learned is not None:
-            lines.append(f"[{name}]  # {UNITS[name]}")
+            lines.append(f"[{name}]  # {quantity.meaning}")
             lines += [f"{field.name} = {getattr(learned, field.name):.4g}" for field in fields(Learned)] + [""]
     return "\n".join(lines)
 
@@ -67,27 +73,26 @@ def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehic
         found = tomllib.loads(text.decode())
     except (ValueError, RecursionError) as error:
         raise WrongFormat(f"expected TOML: {error}", place=path) from error
-    for key in found.keys() - PLAIN - set(NUMBERS):
-        raise BadInput(f"expected one of {', '.join(sorted([*PLAIN, *NUMBERS]))}", place=f"{path}: {key}")
+    known = {"autopilot", *PLAIN, *QUANTITIES}
+    for key in found.keys() - known:
+        raise BadInput(f"expected one of {', '.join(sorted(known))}", place=f"{path}: {key}")
     return _vehicle(path, found, autopilot)
 
 
 def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
     name = found.get("autopilot")
-    known = {one.name: one for one in registered()}
+    known = {each.name: each for each in registered()}
     if name not in known:
-        names = " or ".join(f'"{one}"' for one in sorted(known))
+        names = " or ".join(f'"{each}"' for each in sorted(known))
         raise BadInput(f"expected {names}, not {name!r:.40}", place=f"{path}: autopilot")
     flies = known[name]
     if autopilot not in (None, flies):
         raise BadInput(f"expected a vehicle with {autopilot}, not with {name}", code="other-autopilot", place=path)
-    kinds: dict[str, tuple[type, Any]] = {"version": (str, ""), "flights": (int, 0)}
-    plain: dict[str, Any] = {}
-    for key, (kind, otherwise) in kinds.items():
-        plain[key] = found.get(key, otherwise)
-        if type(plain[key]) is not kind:
-            raise BadInput(f"expected {kind.__name__}, not {plain[key]!s:.40}", place=f"{path}: {key}")
-    numbers = {key: _learned(path, key, found[key]) for key in NUMBERS if key in found}
+    plain: dict[str, Any] = {key: found.get(key, default) for key, default in PLAIN.items()}
+    for key, value in plain.items():
+        if type(value) is not (kind := type(PLAIN[key])):
+            raise BadInput(f"expected {kind.__name__}, not {value!s:.40}", place=f"{path}: {key}")
+    numbers = {key: _learned(path, key, found[key]) for key in QUANTITIES if key in found}
     return LearnedVehicle(flies, **plain).with_numbers(numbers)
 
 
@@ -95,11 +100,12 @@ def _learned(path: Path, name: str, given: Any) -> Learned:
     keys = [field.name for field in fields(Learned)]
     if not isinstance(given, dict) or given.keys() != set(keys):
         raise BadInput(f"expected {', '.join(keys)}", place=f"{path}: {name}")
-    least, most = (0.0 if name in POSITIVE else -LIMITS[name]), LIMITS[name]
+    _, most, is_positive = QUANTITIES[name]
+    least = 0.0 if is_positive else -most
     for key in keys:
         value = given[key]
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not is_number or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
+        if not is_number or not least <= value <= most or (key == "value" and is_positive and value <= 0):
             raise BadInput(f"expected a number up to {most:g}, not {value!s:.40}", place=f"{path}: {name}.{key}")
     if not given["low"] <= given["value"] <= given["high"]:
         raise BadInput("expected low, value and high in this order", place=f"{path}: {name}")

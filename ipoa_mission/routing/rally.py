@@ -38,7 +38,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     begin, end = ways.in_air
     times = np.linspace(begin, end, SEARCH.sample_count)
     stopped = ways.stops().at(times)[1]
-    height = ways.at(Contingency.RTL, times).ways[:, 0, 3, 2]
+    height = ways.at(Contingency.RTL, times).paths[:, 0, 3, 2]
     home = np.zeros(3)
     goals = np.vstack([home, places])
     clear = _clear(ways, stopped, height, goals)
@@ -68,7 +68,7 @@ def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64],
     """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
-    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SAMPLING.max_spare)
+    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SAMPLING.max_slack)
     return np.asarray(near >= ways.required).reshape(len(stopped), len(goals))
 
 

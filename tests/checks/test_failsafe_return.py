@@ -93,14 +93,14 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
     autopilot: Autopilot, height: float
 ) -> None:
     scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
-    ways = ContingencyPaths(flight_in(scenario))
-    samples = ways.samples(Contingency.RTL)
+    paths = ContingencyPaths(flight_in(scenario))
+    samples = paths.samples(Contingency.RTL)
     single = [
         any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
-        for ways_of in samples.ways
+        for ways_of in samples.paths
     ]
-    exact = {int(seq) for seq, is_broken in zip(ways.stops().seqs_at(samples.times), single, strict=True) if is_broken}
-    told = {int(seq) for seq in ways.stops().seqs_at(samples.times[~samples.clear])}
+    exact = {int(seq) for seq, is_broken in zip(paths.stops().seqs_at(samples.times), single, strict=True) if is_broken}
+    told = {int(seq) for seq in paths.stops().seqs_at(samples.times[~samples.clear])}
     assert told == exact
 
 
@@ -121,10 +121,10 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
 @pytest.mark.parametrize("autopilot", registered())
 def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
     scenario = scene(autopilot, HALL)
-    ways = ContingencyPaths(flight_in(scenario))
+    paths = ContingencyPaths(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
-    ways._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
-    returns = ways.at(Contingency.RTL, np.arange(2.0)).near[:, :, ReturnLeg.RETURNS].min()
+    paths._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
+    returns = paths.at(Contingency.RTL, np.arange(2.0)).near[:, :, ReturnLeg.RETURNS].min()
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
 
@@ -150,10 +150,10 @@ def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
 ) -> None:
     """Both begin at one place: by the rounding of 2 cm alone the way home is no other finding."""
     forecast = flight_in(scene(Autopilot.PX4, WALL))
-    ways = forecast.cached(ContingencyPaths)
-    whole = ways.samples(Contingency.RTL)
-    near, worst = np.full_like(whole.near, np.inf), int(np.argmin(whole.spare))
-    near[worst, :, 0], near[worst, :, ReturnLeg.RETURNS] = ways.required - 1.0, ways.required - 1.0 - nearer
+    paths = forecast.cached(ContingencyPaths)
+    whole = paths.samples(Contingency.RTL)
+    near, worst = np.full_like(whole.near, np.inf), int(np.argmin(whole.slack))
+    near[worst, :, 0], near[worst, :, ReturnLeg.RETURNS] = paths.required - 1.0, paths.required - 1.0 - nearer
     found = replace(whole, near=near)
     monkeypatch.setattr(ContingencyPaths, "samples", lambda *_: found)
     findings = [finding.message for finding in check_failsafe_return(forecast)]

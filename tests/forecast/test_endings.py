@@ -110,7 +110,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
 def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
-    found = campus.ways.samples(Contingency.LAND)
+    found = campus.paths.samples(Contingency.LAND)
     samples = found.times[~found.clear]
     assert samples[0] - unclear[0].from_s >= 0.6
     assert unclear[-1].to_s - samples[-1] >= 0.6
@@ -120,11 +120,11 @@ def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(camp
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
     """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
     autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
-    ways = [
+    paths = [
         autopilot.braking_way({}, level, 0.0 * level, one)[0, 0]
         for one in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
     ]
-    assert ways == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
+    assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
 
 
 @settings(max_examples=examples(20))
@@ -132,10 +132,10 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
 def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
     campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], share: float, contingency: Contingency
 ) -> None:
-    times = campus.ways.stops(contingency).times
+    times = campus.paths.stops(contingency).times
     time = float(times[0] + share * (times[-1] - times[0]))
     row = next(row for row in rows[contingency] if row.from_s <= time <= row.to_s)
-    place, stand = (point[0] for point in campus.ways.stops(contingency).at(np.array([time])))
+    place, stand = (point[0] for point in campus.paths.stops(contingency).at(np.array([time])))
     way = {Contingency.HOLD: [place, stand], Contingency.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
         contingency, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
     )
@@ -222,36 +222,36 @@ def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencie
 def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> None:
     """By dense points of the way, which the forecast does not look at."""
     back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
-    begin, end = back.ways.in_air
+    begin, end = back.paths.in_air
     time = begin + share * (end - begin)
-    samples = back.ways.at(Contingency.RTL, np.array([time]))
-    way = samples.ways[0][samples.taken[0]][0]
+    samples = back.paths.at(Contingency.RTL, np.array([time]))
+    way = samples.paths[0][samples.possible[0]][0]
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
-    nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
-    noted = samples.near[0][samples.taken[0]].min()
-    assert noted <= nearest + 1e-6 or nearest > back.ways.required + SAMPLING.max_spare
+    nearest = back.paths.roomy.airspace.obstacle_distance(dense).min()
+    noted = samples.near[0][samples.possible[0]].min()
+    assert noted <= nearest + 1e-6 or nearest > back.paths.required + SAMPLING.max_slack
     assert np.linalg.norm(way[-1] - way[-2]) > 1.0
 
 
 def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     over = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0))
-    samples = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
-    ways = samples.ways[0][samples.taken[0]][:, 3:-1]
-    ground = over.forecast.world.airspace.ground(ways.reshape(-1, 3)).reshape(ways.shape[:2])
+    samples = over.paths.at(Contingency.RTL, np.array([sum(over.paths.in_air) / 2]))
+    paths = samples.paths[0][samples.possible[0]][:, 3:-1]
+    ground = over.forecast.world.airspace.ground(paths.reshape(-1, 3)).reshape(paths.shape[:2])
     assert np.ptp(ground[0]) > 1.0
-    above = ways[..., 2] - ground
+    above = paths[..., 2] - ground
     assert np.ptp(above, axis=1).max() < 0.01  # each way keeps its own,
     assert np.ptp(above[:, 0]) == pytest.approx(20.0)  # as far as WPNAV_TER_MARGIN allows
-    assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
-    sunk = samples.ways.copy()
-    sunk[0, ~samples.taken[0], :, 2] -= 100.0
+    assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.paths.required
+    sunk = samples.paths.copy()
+    sunk[0, ~samples.possible[0], :, 2] -= 100.0
     low, same = (
-        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance for one in (samples, replace(samples, ways=sunk))
+        over.paths.lowest(Contingency.RTL, one, 0).nearest.distance for one in (samples, replace(samples, paths=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home
     seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
-    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == samples.taken.sum() + 1
+    assert seeing.paths.at(Contingency.RTL, np.array([20.0])).possible.sum() == samples.possible.sum() + 1
 
 
 def test_who_waits_for_ever_lands_at_no_time() -> None:
@@ -333,8 +333,8 @@ def test_endings_depend_on_a_world() -> None:
 def test_looks_at_a_few_times_at_once_are_those_at_all(
     sitl: Contingencies, contingency: Contingency, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    times = np.linspace(*sitl.ways.in_air, 50)
-    whole = sitl.ways.at(contingency, times)
+    times = np.linspace(*sitl.paths.in_air, 50)
+    whole = sitl.paths.at(contingency, times)
     monkeypatch.setattr("ipoa_mission.forecast.contingency.contingency_paths.BATCH_SIZE", 7)
     parts = ContingencyPaths(sitl.forecast).at(contingency, times)
     for name in ("times", "ways", "taken", "near", "which", "spare"):

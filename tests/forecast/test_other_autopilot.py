@@ -22,4 +22,4 @@ def test_a_return_keeps_the_same_whichever_autopilot_the_scenario_names(flies: A
         for one in (Autopilot.PX4, Autopilot.ARDUPILOT)
     ]
     one, other = (Forecast(mission, world).cached(ContingencyPaths).samples(Contingency.RTL) for world in worlds)
-    assert np.array_equal(one.spare, other.spare)
+    assert np.array_equal(one.slack, other.slack)

@@ -16,7 +16,7 @@ from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import BatteryStatus, SystemStatus
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
-from ipoa_mission.logs.logged_measurements import Measured
+from ipoa_mission.logs.logged import Measured
 from tests.refused import refuses
 
 LOGS = Path(__file__).parent.parent / "logs"

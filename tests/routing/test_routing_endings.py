@@ -62,10 +62,12 @@ def towers(autopilot: Autopilot, seed: int) -> Scenario:
 
 def kept_by_dense_sampling(flight: Flight) -> float:
     """Return the least clearance of returns from many seconds, every few centimeters."""
-    ways = Contingencies(flight.forecast).ways
-    begin, end = ways.in_air
-    samples = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
-    legs = [np.linspace(a, b, 150) for n, k in np.argwhere(samples.taken) for a, b in pairwise(samples.ways[n, k, :5])]
+    paths = Contingencies(flight.forecast).paths
+    begin, end = paths.in_air
+    samples = paths.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
+    legs = [
+        np.linspace(a, b, 150) for n, k in np.argwhere(samples.possible) for a, b in pairwise(samples.paths[n, k, :5])
+    ]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 
@@ -128,8 +130,8 @@ def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> N
     flight = plan_flight(scenario, seed=0)
     samples = ContingencyPaths(flight.forecast).samples(Contingency.RTL)
     keep_out = shapely.Polygon(fence["polygon"])
-    for n, k in np.argwhere(samples.taken):
-        way = samples.ways[n, k]
+    for n, k in np.argwhere(samples.possible):
+        way = samples.paths[n, k]
         assert not shapely.LineString(way[:, :2]).intersects(keep_out)
         assert way[:, 2].max() <= 70.0
     assert not [finding for finding in flight.findings if finding.code == "return-too-near"]
@@ -167,7 +169,7 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
-        np.where(samples.taken[..., None], samples.near, np.inf)[:, :, : ReturnLeg.RETURNS].min()
+        np.where(samples.possible[..., None], samples.near, np.inf)[:, :, : ReturnLeg.RETURNS].min()
         for samples in (ContingencyPaths(flight.forecast).samples(Contingency.RTL) for flight in (warned, planned))
     )
     assert brakes < warned.scenario.limits.obstacle_distance <= stays

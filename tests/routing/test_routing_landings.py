@@ -48,9 +48,9 @@ def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, retur
 
 def least_of_landings(flight: Flight) -> float:
     """Return the least clearance of landings from many seconds, every few centimeters."""
-    ways = Contingencies(flight.forecast).ways
-    samples = ways.at(Contingency.LAND, np.linspace(*ways.in_air, 60))
-    legs = [np.linspace(a, b, 200) for way in samples.ways[:, 0] for a, b in pairwise(way)]
+    paths = Contingencies(flight.forecast).paths
+    samples = paths.at(Contingency.LAND, np.linspace(*paths.in_air, 60))
+    legs = [np.linspace(a, b, 200) for way in samples.paths[:, 0] for a, b in pairwise(way)]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 

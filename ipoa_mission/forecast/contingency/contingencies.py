@@ -166,10 +166,8 @@ def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
     own: dict[Contingency, list[ContingencyRow]] = {}
     for row in rows:
         own.setdefault(row.contingency, []).append(row)
-    return tuple(
-        ContingencyBar(contingency, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
-        for contingency, mine in own.items()
-    )
+    leads = {contingency: ", ".join(dict.fromkeys(row.leads for row in mine)) for contingency, mine in own.items()}
+    return tuple(ContingencyBar(contingency, leads[contingency], tuple(mine)) for contingency, mine in own.items())
 
 
 class Contingencies:
@@ -177,7 +175,7 @@ class Contingencies:
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
-        self.ways = forecast.cached(ContingencyPaths)
+        self.paths = forecast.cached(ContingencyPaths)
         self._rows = dict[Contingency, list[tuple[ContingencyRow, range]]]()
 
     @cached_property
@@ -196,15 +194,15 @@ class Contingencies:
 
     @property
     def in_air(self) -> tuple[float, float]:
-        begin, end = self._in_mean(np.array(self.ways.in_air))
+        begin, end = self._in_mean(np.array(self.paths.in_air))
         return float(begin), float(end)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        return replace(stops := self.ways.stops(contingency), times=self._in_mean(stops.times))
+        return replace(stops := self.paths.stops(contingency), times=self._in_mean(stops.times))
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         sure = None if between is None else tuple(self._if_sure(np.array(between)).tolist())
-        return replace(samples := self.ways.samples(contingency, sure), times=self._in_mean(samples.times))
+        return replace(samples := self.paths.samples(contingency, sure), times=self._in_mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
@@ -216,7 +214,7 @@ class Contingencies:
         samples = self.samples(contingency)
         if contingency not in self._rows:
             grades = self._grades(contingency, samples)
-            runs = _runs(samples.taken, grades)
+            runs = _runs(samples.possible, grades)
             self._rows[contingency] = [(self._row(contingency, samples, run, grades[run.start]), run) for run in runs]
         return tuple(self._timed(row, samples, run) if timed else row for row, run in self._rows[contingency])
 
@@ -225,19 +223,19 @@ class Contingencies:
             return unknown
         tolerance = float(self._tolerances(np.array([time]))[0])
         begin, end = np.clip([time - tolerance, time + tolerance], *self.in_air)
-        now = self.ways.at(contingency, self._if_sure(np.clip([time], begin, end)))
+        now = self.paths.at(contingency, self._if_sure(np.clip([time], begin, end)))
         both = [self.samples(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
         samples = ContingencySamples.merged(both)
         middle = int(np.searchsorted(samples.times, np.clip(time, begin, end)))
         grade = self._grades(contingency, samples)[middle]
         row = self._row(contingency, samples, range(len(samples.times)), grade)
-        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(contingency, samples, middle))
+        row = replace(row, from_s=time, to_s=time, goal=self.paths.goal(contingency, samples, middle))
         return self._timed(row, samples, range(middle, middle + 1)) if timed else row
 
     def _unknown(self, contingency: Contingency, begin: float, end: float) -> ContingencyRow | None:
-        if contingency is not Contingency.RTL or (why := self.ways.why_unknown()) is None:
+        if contingency is not Contingency.RTL or (why := self.paths.why_unknown()) is None:
             return None
-        return ContingencyRow(contingency, begin, end, Grade.UNKNOWN, math.nan, self.ways.required, why, NO_GOAL)
+        return ContingencyRow(contingency, begin, end, Grade.UNKNOWN, math.nan, self.paths.required, why, NO_GOAL)
 
     def _tolerances(self, times: Vector) -> Vector:
         prediction, begin_s = self.forecast.expected, 0.6  # ArduCopter 4.8-dev is 0.5 s early after its take-off
@@ -247,8 +245,7 @@ class Contingencies:
         times, tolerances = samples.times, self._tolerances(samples.times)
         clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
         if not clear.all():
-            evenly, nearer = self._nearer(contingency, samples)
-            shares[~clear] = share_nearer(times[~clear], tolerances[~clear], evenly, nearer)
+            shares[~clear] = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
         return graded(clear, shares)
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
@@ -258,27 +255,25 @@ class Contingencies:
         unclear = ~(samples.clear[after - 1] & samples.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if unclear.any():
-            predicted = self.ways.as_flown.at(contingency, self._if_sure(evenly[unclear]))
-            nearer[unclear] = predicted.all_nearer(self.ways.required)
+            predicted = self.paths.as_flown.at(contingency, self._if_sure(evenly[unclear]))
+            nearer[unclear] = predicted.all_nearer(self.paths.required)
         return evenly, nearer
 
     def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
         seen = run if grade is Grade.CLEAR else self._seen(samples, run)
-        worst, near = min(self._nearest(contingency, samples, seen), key=lambda pair: pair[1].distance)
-        least, required, to = near.distance, self.ways.required, near.what
+        near = min(self._nearest(contingency, samples, seen), key=lambda clearance: clearance.distance)
+        least, required, to = near.distance, self.paths.required, near.what
         if GROUND in samples.which[seen.start : seen.stop]:
-            on_ground = [n for n in seen if GROUND in samples.which[n]]
-            worst = min(on_ground, key=lambda n: float(samples.spare[n]))
-            low = self.ways.lowest(contingency, samples, worst)
+            on_ground = (n for n in seen if GROUND in samples.which[n])
+            worst = min(on_ground, key=lambda n: float(samples.slack[n]))
+            low = self.paths.lowest(contingency, samples, worst)
             least, required, to = low.nearest.distance, low.required, GROUND_NAME
-        goal, lands = self.ways.goal(contingency, samples, run.start), None
+        goal, lands = self.paths.goal(contingency, samples, run.start), None
         if goal != "here":
-            east, north, _ = samples.ways[run.start][samples.taken[run.start]][0, -1]
+            east, north, _ = samples.paths[run.start][samples.possible[run.start]][0, -1]
             lands = float(east), float(north)
-        until = float(samples.times[min(run.stop, len(samples.times) - 1)])
-        return ContingencyRow(
-            contingency, float(samples.times[run.start]), until, grade, least, required, to, goal, lands
-        )
+        begin, end = (float(samples.times[n]) for n in (run.start, min(run.stop, len(samples.times) - 1)))
+        return ContingencyRow(contingency, begin, end, grade, least, required, to, goal, lands)
 
     def _seen(self, samples: ContingencySamples, run: range) -> range:
         edges = samples.times[[run.start, run.stop - 1]]
@@ -286,15 +281,13 @@ class Contingencies:
         begin, end = np.searchsorted(samples.times, early), np.searchsorted(samples.times, late, side="right")
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
-    def _nearest(
-        self, contingency: Contingency, samples: ContingencySamples, run: range
-    ) -> list[tuple[int, Clearance]]:
-        spare = samples.spare[run.start : run.stop]
-        inside = np.flatnonzero(spare <= -self.ways.required)  # their depth is not yet known
+    def _nearest(self, contingency: Contingency, samples: ContingencySamples, run: range) -> list[Clearance]:
+        slack = samples.slack[run.start : run.stop]
+        inside = np.flatnonzero(slack <= -self.paths.required)  # their depth is not yet known
         most = 6  # are measured exactly
         few = np.linspace(0, len(inside) - 1, min(len(inside), most)).astype(int)
-        picked = {*np.argsort(spare, kind="stable")[:most].tolist(), *inside[few].tolist()}
-        return [(run[n], self.ways.exactly(contingency, samples, run[n])) for n in sorted(picked)]
+        picked = {*np.argsort(slack, kind="stable")[:most].tolist(), *inside[few].tolist()}
+        return [self.paths.exactly(contingency, samples, run[n]) for n in sorted(picked)]
 
     def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
         if row.contingency not in (Contingency.RTL, Contingency.LAND):
@@ -322,8 +315,8 @@ class Contingencies:
             return None
 
 
-def _runs(taken: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
-    same = (taken[1:] == taken[:-1]).all(axis=1) & [grade is after for grade, after in pairwise(grades)]
+def _runs(possible: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
+    same = (possible[1:] == possible[:-1]).all(axis=1) & [grade is after for grade, after in pairwise(grades)]
     begin = 0
     for end in [*(np.flatnonzero(~same) + 1).tolist(), len(grades)]:
         yield range(begin, end)

@@ -51,16 +51,18 @@ class ContingenciesNow:
         return reached, float(apart[best])
 
     def from_here(self, contingency: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
-        forecast, ways = self._contingencies.forecast, self._contingencies.ways
+        forecast, paths = self._contingencies.forecast, self._contingencies.paths
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
         stop = place.copy()
         stop[:2] += autopilot.flies_on(contingency) * velocity
         stop[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
-        ground = np.array([stop[0], stop[1], float(ways.roomy.airspace.ground(stop[None, :])[0])])
+        ground = np.array([stop[0], stop[1], float(paths.roomy.airspace.ground(stop[None, :])[0])])
         path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
-        near = ways.roomy.airspace.obstacle_clearance(path, within=ways.required + 8.0)  # [m]: farther is nothing near
-        grade = Grade.CLEAR if near.distance >= ways.required else Grade.WOULD
-        return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
+        near = paths.roomy.airspace.obstacle_clearance(
+            path, within=paths.required + 8.0
+        )  # [m]: farther is nothing near
+        grade = Grade.CLEAR if near.distance >= paths.required else Grade.WOULD
+        return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")
 
     def words(self, time: float) -> str:
         """For example: "rtl clear, 2.13 m from mast, 62 s"."""
@@ -76,7 +78,7 @@ class ContingenciesNow:
         begin = DURATIONS.step_s * math.floor(time / DURATIONS.step_s)
         end = begin + DURATIONS.step_s
         while True:
-            times = np.clip([begin, end], *self._contingencies.ways.in_air)
+            times = np.clip([begin, end], *self._contingencies.paths.in_air)
             lasts = {t: sum(both) / 2 for t in times.tolist() if (both := self._lasts(row.contingency, t)) is not None}
             middle, took, step_s = (begin + end) / 2, list(lasts.values()), end - begin
             if step_s <= DURATIONS.min_step_s or len(took) < 2 or abs(took[1] - took[0]) < DURATIONS.max_slope * step_s:

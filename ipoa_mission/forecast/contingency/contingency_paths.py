@@ -30,12 +30,12 @@ from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 @dataclass(frozen=True)
 class Sampling:
-    """Where a contingency is computed: each second of the order, and finer where a shortfall may hide."""
+    """The times of an order: each second, and finer where a shortfall may hide."""
 
     step_s: float = 1.0
     min_step_s: float = 0.05
     batch_size: int = 5_000  # limited by memory
-    max_spare: float = 8.0  # greater slack is not distinguished [m]
+    max_slack: float = 8.0  # greater slack is not distinguished [m]
     position_error: float = 10.0  # of the vehicle as it chooses its goal [m]
 
 
@@ -85,13 +85,12 @@ def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency
     del before, after
     accel += along * (gains - (accel * along).sum(axis=1))[:, None]
     if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
-        way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
-        stops[:, 2] += velocity[:, 2] * way / speed
+        path = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
+        stops[:, 2] += velocity[:, 2] * path / speed
     stops[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
     seqs = np.array([visit.seq for visit in flight.route.visits])
-    return StoppingPoints(
-        times, places, stops, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]
-    )
+    ahead = np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)
+    return StoppingPoints(times, places, stops, seqs[ahead])
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,47 +98,47 @@ class ContingencySamples:
     """One contingency, ordered at each of `times` (n,) [s after arming].
 
     Attributes:
-        ways: the possible paths, (n, k, p, 3) [m].
-        taken: whether a path is possible, (n, k).
+        paths: (n, k, p, 3) [m].
+        possible: whether a path may be flown, (n, k).
         near: the distance of their legs to the nearest thing, (n, k, p - 1) [m]; infinite with nothing near.
         which: its index, (n, k, p - 1).
-        spare: the slack to the required distance, (n,) [m].
+        slack: to the required distance, (n,) [m].
     """
 
     times: Vector
-    ways: NDArray[np.float64]
-    taken: NDArray[np.bool_]
+    paths: NDArray[np.float64]
+    possible: NDArray[np.bool_]
     near: NDArray[np.float64]
     which: NDArray[np.intp]
-    spare: Vector
+    slack: Vector
 
     @property
     def clear(self) -> NDArray[np.bool_]:
-        return np.asarray(self.spare >= 0.0)
+        return np.asarray(self.slack >= 0.0)
 
     @property
     def same_as_next(self) -> NDArray[np.bool_]:
-        taken, clear = self.taken, self.clear
-        return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
+        possible, clear = self.possible, self.clear
+        return np.asarray((possible[1:] == possible[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
 
     def gaps(self) -> Vector:
         """Return the middle of each interval that may hide a shortfall."""
-        places = np.moveaxis(self.ways, 2, 0)  # limits the memory
+        places = np.moveaxis(self.paths, 2, 0)  # limits the memory
         moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
-        moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
-        hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
+        moved = np.where(self.possible[1:] | self.possible[:-1], moved, 0.0).max(axis=1)
+        hidden = self.clear[:-1] & (self.slack[1:] + self.slack[:-1] < moved)
         asked = (hidden | ~self.same_as_next | self._next_to_nearest()) & (np.diff(self.times) > SAMPLING.min_step_s)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
     def _next_to_nearest(self) -> NDArray[np.bool_]:
-        found = np.zeros(len(self.times), dtype=bool)
+        near = np.zeros(len(self.times), dtype=bool)
         for equal in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
-            least = equal[np.argmin(self.spare[equal])]
-            found[max(least - 1, 0) : least + 1] = self.spare[least] < SAMPLING.max_spare
-        return found[:-1]
+            least = equal[np.argmin(self.slack[equal])]
+            near[max(least - 1, 0) : least + 1] = self.slack[least] < SAMPLING.max_slack
+        return near[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
-        return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
+        return np.asarray(((self.near.min(axis=2) < required) | ~self.possible).all(axis=1))
 
     @classmethod
     def following(cls, parts: "Iterable[ContingencySamples]", count: int) -> "ContingencySamples":
@@ -155,8 +154,7 @@ class ContingencySamples:
     @classmethod
     def merged(cls, samples: "Sequence[ContingencySamples]") -> "ContingencySamples":
         order = np.argsort(np.concatenate([some.times for some in samples]), kind="stable")
-        taken = slice(None) if (np.diff(order) == 1).all() else order
-        return cls(**{f.name: np.concatenate([getattr(one, f.name) for one in samples])[taken] for f in fields(cls)})
+        return cls(**{f.name: np.concatenate([getattr(some, f.name) for some in samples])[order] for f in fields(cls)})
 
 
 class ContingencyPaths:
@@ -177,11 +175,7 @@ class ContingencyPaths:
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
             other.__dict__["in_air"], other._stops = self.in_air, self._stops
-            other._samples = {
-                contingency: samples
-                for contingency, samples in self._samples.items()
-                if contingency is not Contingency.RTL
-            }
+            other._samples = {by: samples for by, samples in self._samples.items() if by is not Contingency.RTL}
         return other
 
     @cached_property
@@ -233,38 +227,38 @@ class ContingencyPaths:
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
         places, stops = self.stops(contingency).at(times)
-        ways, taken = np.stack([places, stops], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
+        paths, possible = np.stack([places, stops], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
-            ways = np.concatenate([ways, self._ground_below(stops)[:, None, None]], axis=2)
+            paths = np.concatenate([paths, self._ground_below(stops)[:, None, None]], axis=2)
         elif contingency is Contingency.RTL:
-            ways, taken = self._returns(places, stops, self.stops(contingency).seqs_at(times))
+            paths, possible = self._returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
             home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
-            ways = np.concatenate([ways, home], axis=2)
-        near, which = self._near(ways)
+            paths = np.concatenate([paths, home], axis=2)
+        near, which = self._near(paths)
         if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-        spare = np.where(taken, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_spare)
-        samples = ContingencySamples(times, ways, taken, near, which, spare)
+        slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
+        samples = ContingencySamples(times, paths, possible, near, which, slack)
         return self._with_ground(samples, -1 if contingency is Contingency.RTL else 2)
 
     def exactly(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
         if contingency is Contingency.SMART_RTL:
             leg = int(np.argmin(samples.near[n, 0]))
-            number, (x, y, z) = int(samples.which[n, 0, leg]), samples.ways[n, 0, leg].tolist()
+            number, (x, y, z) = int(samples.which[n, 0, leg]), samples.paths[n, 0, leg].tolist()
             name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
             return Clearance(float(samples.near[n, 0, leg]), (x, y, z), name, leg)
         least = NOTHING_NEAR
-        for way in samples.ways[n][samples.taken[n]]:
-            found = self.roomy.airspace.obstacle_clearance(way, within=least.distance)
-            least = min(least, found, key=lambda clearance: clearance.distance)
+        for path in samples.paths[n][samples.possible[n]]:
+            nearer = self.roomy.airspace.obstacle_clearance(path, within=least.distance)
+            least = min(least, nearer, key=lambda clearance: clearance.distance)
         return least
 
     def lowest(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
-        ways = samples.ways[n, samples.taken[n], : -1 if contingency is Contingency.RTL else 2]
-        checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
+        paths = samples.paths[n, samples.possible[n], : -1 if contingency is Contingency.RTL else 2]
+        checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
 
     def goal(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
@@ -272,13 +266,13 @@ class ContingencyPaths:
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
-        goals = sorted({int(way) // self._variants for way in np.flatnonzero(samples.taken[n])})
+        goals = sorted({int(path) // self._variants for path in np.flatnonzero(samples.possible[n])})
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
-    def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        air, shape = self.roomy.airspace, (*ways.shape[:2], ways.shape[2] - 1)
-        starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
-        near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_spare)
+    def _near(self, paths: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+        air, shape = self.roomy.airspace, (*paths.shape[:2], paths.shape[2] - 1)
+        starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
+        near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
         is_braking = np.arange(len(starts)) % shape[2] == ReturnLeg.BRAKES
         slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > 0.5)  # [m]
@@ -287,9 +281,7 @@ class ContingencyPaths:
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
-        near, which = (legs[:, 0, 0] for legs in self._flown)
-        turned = slice(None, None, -1) if ahead else slice(None)
-        near, which = near[turned], which[turned]
+        near, which = (legs[:: -1 if ahead else 1, 0, 0] for legs in self._flown)
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
         until = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
         until = nearest[len(near) - 1 - until if ahead else until]
@@ -313,20 +305,20 @@ class ContingencyPaths:
 
     def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
         begin, last = self.forecast.promise.flight.way
-        near, which, spare = samples.near.copy(), samples.which.copy(), samples.spare.copy()
+        near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         on_the_way = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
-        ways, terrain = samples.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
-        heights = terrain.legs_height(ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3))
-        least = heights.reshape(*ways.shape[:2], ways.shape[2] - 1).min(axis=2)
-        low = samples.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
+        paths, terrain = samples.paths[on_the_way, :, :end], self.forecast.world.airspace.terrain
+        heights = terrain.legs_height(paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3))
+        least = heights.reshape(*paths.shape[:2], paths.shape[2] - 1).min(axis=2)
+        low = samples.possible[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
         for at, k in np.argwhere(low).tolist():
             n = on_the_way[at]
-            for check in prove_ground(samples.ways[n, k, :end], self.forecast.world):
-                if check.slack < min(spare[n], 0.0):
+            for check in prove_ground(samples.paths[n, k, :end], self.forecast.world):
+                if check.slack < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
-                    spare[n] = check.slack
-        return replace(samples, near=near, which=which, spare=spare)
+                    slack[n] = check.slack
+        return replace(samples, near=near, which=which, slack=slack)
 
     @property
     def _shares(self) -> tuple[float, ...]:
@@ -344,24 +336,22 @@ class ContingencyPaths:
         to_goals, kinds = self.forecast.returns_from(stops), self.routes.kinds
         back = places - stops
         back[:, 2] = 0.0
-        ways, ups = [], (0.0, *(up for _, _, up in self.rally))
-        for way, up in zip(to_goals, ups, strict=True):
-            over, beyond, ground = way[:, 1], way[:, 2], self._ground_below(way[:, 2])
-            ways += [
-                np.stack([places, stops, stops + share * back, over + share * back, beyond, ground], axis=1)
-                for share in self._shares
-            ]
-            ways += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
+        paths, ups = [], (0.0, *(up for _, _, up in self.rally))
+        for path, up in zip(to_goals, ups, strict=True):
+            over, beyond, ground = path[:, 1], path[:, 2], self._ground_below(path[:, 2])
+            backs = [share * back for share in self._shares]
+            paths += [np.stack([places, stops, stops + by, over + by, beyond, ground], axis=1) for by in backs]
+            paths += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
         for by, _ in product(kinds, self._shares):
-            ways.append(self.routes.ways(by, np.stack([places, stops, stops, stops], axis=1), seqs))
-        if len({way.shape[1] for way in ways}) > 1:
-            ways = [_padded(way, max(other.shape[1] for other in ways)) for way in ways]
+            paths.append(self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs))
+        if len({path.shape[1] for path in paths}) > 1:
+            paths = [_padded(path, max(other.shape[1] for other in paths)) for path in paths]
         goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
         chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
-        taken = np.repeat(chosen, self._variants, axis=1)
+        possible = np.repeat(chosen, self._variants, axis=1)
         if self.routes.surely_over_terrain:
-            taken &= np.arange(taken.shape[1]) % self._variants >= len(self._shares)
-        return np.stack(ways, axis=1), taken
+            possible &= np.arange(possible.shape[1]) % self._variants >= len(self._shares)
+        return np.stack(paths, axis=1), possible
 
     def _goals(self, stop: Vector, seq: int) -> set[int]:
         if not self.rally and not self.routes.kinds:
@@ -380,6 +370,6 @@ class ContingencyPaths:
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 
-def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:
-    stays = np.repeat(ways[:, -2:-1], places - ways.shape[1], axis=1)
-    return np.concatenate([ways[:, :-1], stays, ways[:, -1:]], axis=1)
+def _padded(paths: NDArray[np.float64], places: int) -> NDArray[np.float64]:
+    stays = np.repeat(paths[:, -2:-1], places - paths.shape[1], axis=1)
+    return np.concatenate([paths[:, :-1], stays, paths[:, -1:]], axis=1)

@@ -48,7 +48,7 @@ class ReturnRoutes:
         starts = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
         return frozenset(self.route(here, seq).by for here, seq in starts)
 
-    def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
+    def paths(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from starts (n, k, 3)."""
         most, paths = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
@@ -82,10 +82,10 @@ class ReturnRoutes:
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
         along = np.linspace(0.0, 1.0, 60 + 1)  # legs[None, :, None]
-        ways = stops[:, None] + along * (beyond - stops)[:, None]
-        ways[..., 2] = ground(ways.reshape(-1, 3)).reshape(ways.shape[:2]) + (np.array(above) + off)[:, None]
-        down = np.column_stack([beyond[:, :2], np.minimum(lower, ways[:, -1, 2])])
-        return np.concatenate([np.stack([places, stops, stops], axis=1), ways, down[:, None]], axis=1)
+        paths = stops[:, None] + along * (beyond - stops)[:, None]
+        paths[..., 2] = ground(paths.reshape(-1, 3)).reshape(paths.shape[:2]) + (np.array(above) + off)[:, None]
+        down = np.column_stack([beyond[:, :2], np.minimum(lower, paths[:, -1, 2])])
+        return np.concatenate([np.stack([places, stops, stops], axis=1), paths, down[:, None]], axis=1)
 
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
         if by is ReturnBy.BACK:

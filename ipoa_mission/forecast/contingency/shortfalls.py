@@ -40,10 +40,10 @@ class Shortfall:
         return self.contingency is Contingency.LAND and self.part > ReturnLeg.BRAKES
 
 
-def find_return_shortfalls(ways: ContingencyPaths) -> list[Shortfall]:
-    begin, end = ways.in_air
-    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s)))))
-    return [*find_shortfalls(ways, Contingency.RTL, few)] or [*find_shortfalls(ways, Contingency.RTL)]
+def find_return_shortfalls(paths: ContingencyPaths) -> list[Shortfall]:
+    begin, end = paths.in_air
+    few = paths.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * SAMPLING.step_s)))))
+    return [*find_shortfalls(paths, Contingency.RTL, few)] or [*find_shortfalls(paths, Contingency.RTL)]
 
 
 def highest_return(forecast: Forecast) -> float:
@@ -71,7 +71,7 @@ def return_altitude(forecast: Forecast) -> float:
 
 
 def change_return_altitude(
-    ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
+    paths: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the lowest clear return altitude that was tried, else the one with the smallest shortfall."""
 
@@ -82,7 +82,7 @@ def change_return_altitude(
     by = forecast.mission.autopilot.parameter_table.return_height
     now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
     highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
-    best, tried, heights = (forecast, short), {now}, list(_heights(ways, short, now))
+    best, tried, heights = (forecast, short), {now}, list(_heights(paths, short, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(8):
@@ -92,18 +92,18 @@ def change_return_altitude(
         tried.add(height := heights.pop(0))
         raised = forecast.given.with_parameters({by.name: by.spelled(height)})
         other = Forecast(raised, forecast.scenario, forecast.wind)
-        if not (left := find_return_shortfalls(ways.returning(other))):
+        if not (left := find_return_shortfalls(paths.returning(other))):
             return other, []
         too_high = return_altitude(best[0]) > highest_return(forecast)
         best = (other, left) if too_high else min(best, (other, left), key=merit)
-        heights += _heights(ways, left, height)
+        heights += _heights(paths, left, height)
     return best
 
 
-def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
+def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
-    bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
-    required = ways.required + SAG
+    bodies = {body.name: body.bounds[:, 2] for body in paths.roomy.airspace.obstacles}
+    required = paths.required + SAG
     over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
     for each in short:
         if each.body and each.part >= ReturnLeg.CLIMBS:
@@ -116,19 +116,19 @@ def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iter
 
 
 def find_shortfalls(
-    ways: ContingencyPaths, contingency: Contingency, samples: ContingencySamples | None = None
+    paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples | None = None
 ) -> Iterator[Shortfall]:
     """Return the worst shortfall to each body by leg, the greatest first; `samples`: by default at all times."""
-    samples = ways.samples(contingency) if samples is None else samples
-    short = np.where(samples.taken[..., None] & ~samples.clear[:, None, None], samples.near - ways.required, 0.0)
+    samples = paths.samples(contingency) if samples is None else samples
+    short = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
     where = np.argwhere(short < 0.0)
     seen = set[tuple[int, int]]()
-    bodies = ways.roomy.airspace.obstacles
+    bodies = paths.roomy.airspace.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
         number = int(samples.which[n, k, leg])
         if (number, leg) not in seen:
             seen.add((number, leg))
             name = "" if number == GROUND else bodies[number].name
             climbs = number >= 0 and leg == ReturnLeg.CLIMBS
-            over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.ways[n, k, 1, 2])
+            over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
             yield Shortfall(contingency, float(samples.times[n]), name, -float(short[n, k, leg]), leg, over)

@@ -45,7 +45,7 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
     if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
     contingencies = forecast.cached(Contingencies)
-    if contingencies.ways.why_unknown() is not None:
+    if contingencies.paths.why_unknown() is not None:
         return []
     samples = contingencies.samples(Contingency.RTL)
     count = len(samples.times)
@@ -53,10 +53,10 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
         {
             "from": round(float(samples.times[n]), 2),
             "clear": bool(samples.clear[n]),
-            "points": samples.ways[n][samples.taken[n]][0].round(2).tolist(),
+            "points": samples.paths[n][samples.possible[n]][0].round(2).tolist(),
         }
         for n in np.unique(np.linspace(0, count - 1, min(most, count)).round().astype(int))
-        if samples.taken[n].any()
+        if samples.possible[n].any()
     ]
 
 

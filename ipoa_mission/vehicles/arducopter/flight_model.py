@@ -214,7 +214,7 @@ class _Flight:
             corner=corner_deg(this.origin, this.target, following.target) if following.kind == STRAIGHT else 0.0,
             stops=onward is None,
             curved=not is_straight,
-        )
+        ).why_slow()
         if onward is None and (seconds := copter.wait_at(visit.item)) > 0:
             self.hold(seconds)
             return "hold"

@@ -23,8 +23,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.telemetry import HomePosition
-from ipoa_mission.logs.logged import Begun, Fixes, Log, LogFormat, presence, version_name
-from ipoa_mission.logs.logged_measurements import Battery, Measured
+from ipoa_mission.logs.logged import Battery, Begun, Fixes, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.frame import SphericalPlane
