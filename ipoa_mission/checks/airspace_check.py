@@ -1,5 +1,6 @@
 """Check the distances of legs, and of the flights that deviate from them, to obstacles, ground and bounds."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import takewhile
 from typing import Any
@@ -80,7 +81,8 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
                 continue
             reported |= {words} if leg.phase is Phase.CRUISE else set()
             item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
-            if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
+            contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
+            if leg.phase is not Phase.CRUISE and not check.nearest.distance < contact:
                 yield item.warning("leg-too-near", message)
             else:
                 hint, remedies = remedy(forecast) if leg.phase is Phase.RETURN else (None, ())
@@ -95,11 +97,6 @@ def broken_limits(leg: Leg, scenario: Scenario) -> list[Check]:
         limits |= {"climb", "descent"}
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
-
-
-def _touches(check: Check, scenario: Scenario) -> bool:
-    solid = check.limit in ("obstacles", "ground")
-    return solid and check.nearest.distance < scenario.vehicle.radius - ROUNDING["m"]
 
 
 def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> Iterator[Finding]:

@@ -48,7 +48,9 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     yield from _refused(mission, firmware, wire)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
-    yield from _ending(mission)
+    flown = _flown(mission)
+    if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
+        yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
     yield from _terrain(mission)
 
 
@@ -201,12 +203,6 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
             f"station sends or its card holds, or with a range finder ({sensor})"
         )
         yield Finding("terrain-data", Severity.WARNING, over[0], message)
-
-
-def _ending(mission: Mission) -> Iterator[Finding]:
-    flown = _flown(mission)
-    if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
-        yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
 
 
 def _waits(mission: Mission) -> Iterator[Finding]:

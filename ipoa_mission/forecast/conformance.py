@@ -259,13 +259,10 @@ class ConformanceMonitor:
             comes_back = LIMITS.overshoot + braking
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
-        is_compared = all(self._is_modeled(n) for n in near)
+        modeled = [self._visits[n] for n in near if self._visits[n].seq not in self._unknown]
+        waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in modeled)
+        is_compared = len(modeled) == len(near) and not waits
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, target is None, is_compared)
-
-    def _is_modeled(self, visit: int) -> bool:
-        item = self._visits[visit].item
-        waits = item.command == Command.NAV_DELAY and not item.params[0] > 0.0
-        return not waits and self._visits[visit].seq not in self._unknown
 
     def _direct(self, place: Vector) -> Points | None:
         if (goal := self._leg(self._visit).goal) is None:

@@ -233,8 +233,10 @@ class _Stretch:
 
         PX4 does not log its list, nor ArduPilot one uploaded as a file.
         """
-        home = self.later.home or self.at_arming.home or self._first_place()
-        first = autopilot.counts_home
+        home, first = self.later.home or self.at_arming.home, autopilot.counts_home
+        place = next((message for message in self.messages if isinstance(message, Position)), None)
+        if home is None and place is not None:
+            home = Geodetic(place.latitude_deg, place.longitude_deg, place.altitude - place.height)
         items = self.at_arming.items or self.later.items
         if self.begun:
             total = max(begun.total for begun in self.begun.values())
@@ -246,12 +248,6 @@ class _Stretch:
         if len(items) <= first or home is None:
             return None
         return from_wire(items, autopilot, home)
-
-    def _first_place(self) -> Geodetic | None:
-        first = next((message for message in self.messages if isinstance(message, Position)), None)
-        if first is None:
-            return None
-        return Geodetic(first.latitude_deg, first.longitude_deg, first.altitude - first.height)
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:

@@ -16,7 +16,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind, with_article
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
-from ipoa_mission.link.codec import Codec, Heard
+from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.messages import (
     AUTOPILOT_COMPONENT,
     STATION_COMPONENT,
@@ -140,9 +140,9 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
             continue
-        if heard.system not in kinds and _is_autopilot(heard):
-            assert isinstance(heard.message, Heartbeat)
-            kind = kinds[heard.system] = VehicleKind(heard.message.autopilot, heard.message.type)
+        beat = heard.message if heard.component == AUTOPILOT_COMPONENT else None
+        if heard.system not in kinds and isinstance(beat, Heartbeat) and beat.autopilot != MavAutopilot.INVALID:
+            kind = kinds[heard.system] = VehicleKind(beat.autopilot, beat.type)
             if chosen is None and _is_flown(kind) and system in (None, heard.system):
                 chosen = heard.system
         if chosen is None:
@@ -187,11 +187,6 @@ def _not_in(path: Path, kinds: Mapping[int, VehicleKind], system: int | None) ->
     words = f"expected the log of a multicopter, not of {with_article(kind)}"
     words += f": it holds {_listed(kinds)}" if len(kinds) > 1 else ""
     return BadInput(words, code="other-vehicle", place=path)
-
-
-def _is_autopilot(heard: Heard) -> bool:
-    is_beat = isinstance(heard.message, Heartbeat) and heard.message.autopilot != MavAutopilot.INVALID
-    return is_beat and heard.component == AUTOPILOT_COMPONENT
 
 
 def _note_station(gathered: _Gathered, number: int, message: Message) -> None:

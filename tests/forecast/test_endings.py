@@ -335,9 +335,9 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 ) -> None:
     times = np.linspace(*sitl.paths.in_air, 50)
     whole = sitl.paths.at(contingency, times)
-    monkeypatch.setattr("ipoa_mission.forecast.contingency.contingency_paths.BATCH_SIZE", 7)
+    monkeypatch.setattr("ipoa_mission.forecast.contingency.contingency_paths.SAMPLING", replace(SAMPLING, batch_size=7))
     parts = ContingencyPaths(sitl.forecast).at(contingency, times)
-    for name in ("times", "ways", "taken", "near", "which", "spare"):
+    for name in ("times", "paths", "possible", "near", "which", "slack"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))
 
 

@@ -63,13 +63,6 @@ def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDAr
     return np.asarray((weights * nearer).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-12))
 
 
-def graded(clear: NDArray[np.bool_], shares: Vector) -> list[Grade]:
-    return [
-        Grade.CLEAR if is_clear else Grade.WOULD if share >= 0.5 else Grade.MAY
-        for is_clear, share in zip(clear, shares, strict=True)
-    ]
-
-
 def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
     mission = forecast.mission
     return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
@@ -246,7 +239,8 @@ class Contingencies:
         clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
         if not clear.all():
             shares[~clear] = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
-        return graded(clear, shares)
+        grades = np.where(clear, Grade.CLEAR, np.where(shares >= 0.5, Grade.WOULD, Grade.MAY))
+        return [Grade(grade) for grade in grades]
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
         begin, end = samples.times[0], samples.times[-1]

@@ -168,6 +168,7 @@ class ContingencyPaths:
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
+        """Return the paths of a forecast whose RTL alone differs: all else is taken over."""
         return forecast.cached(ContingencyPaths, self._of_another)
 
     def _of_another(self, forecast: Forecast) -> "ContingencyPaths":

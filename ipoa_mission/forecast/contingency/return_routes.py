@@ -81,7 +81,7 @@ class ReturnRoutes:
         under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
         above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
-        along = np.linspace(0.0, 1.0, 60 + 1)  # legs[None, :, None]
+        along = np.linspace(0.0, 1.0, 61)[None, :, None]  # 60 legs
         paths = stops[:, None] + along * (beyond - stops)[:, None]
         paths[..., 2] = ground(paths.reshape(-1, 3)).reshape(paths.shape[:2]) + (np.array(above) + off)[:, None]
         down = np.column_stack([beyond[:, :2], np.minimum(lower, paths[:, -1, 2])])
@@ -111,12 +111,8 @@ class ReturnRoutes:
                 break
         return found
 
-    @cached_property
-    def _land_start(self) -> int:
-        starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)
-        return next(starts, self._places[-1][0])
-
     def _landing(self, seq: int) -> MissionLanding | None:
         if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
             return None
-        return MissionLanding(triple(self._places[-1][1]), self._land_start - seq, seq - 1)
+        starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)
+        return MissionLanding(triple(self._places[-1][1]), next(starts, self._places[-1][0]) - seq, seq - 1)

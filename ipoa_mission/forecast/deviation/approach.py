@@ -122,14 +122,14 @@ class Approaches:
         return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
 
     @cached_property
-    def _lateral(self) -> "_Draws":
+    def _lateral(self) -> _Draws:
         return self._draws(~self.by_height, self.law.memory)
 
     @cached_property
-    def _high(self) -> "_Draws":
+    def _high(self) -> _Draws:
         return self._draws(self.by_height, self.law.height_memory)
 
-    def _draws(self, taken: NDArray[np.bool_], memory: float) -> "_Draws":
+    def _draws(self, taken: NDArray[np.bool_], memory: float) -> _Draws:
         during = self.seconds[taken] // memory
         during = (during - during.min(initial=np.inf)).astype(np.intp)
         count = int(self.obstacle.max()) + 1

@@ -96,7 +96,7 @@ def circle_entry(here: Place, center: Place, radius: float, heading: float) -> t
     bearing = bearing_from(center, here)
     if math.dist(here, center) < CENTER_RADIUS:
         bearing = heading + math.pi
-    edge = on_circle(center, radius, bearing)
+    edge = center[0] + radius * math.sin(bearing), center[1] + radius * math.cos(bearing), center[2]
     return edge, math.dist(here, edge)
 
 
@@ -110,10 +110,6 @@ def entry_is_unsure(here: Place, center: Place, radius: float) -> bool:
 
 def bearing_from(center: Place, place: Place) -> float:
     return math.atan2(place[0] - center[0], place[1] - center[1])
-
-
-def on_circle(center: Place, radius: float, bearing: float) -> Place:
-    return center[0] + radius * math.sin(bearing), center[1] + radius * math.cos(bearing), center[2]
 
 
 def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, stray: float) -> Points:
