@@ -130,7 +130,7 @@ def test_no_room_names_an_autopilot() -> None:
     assert found == set()
 
 
-@pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "return_ways", "promise_of"])
+@pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "trace_returns", "promise_of"])
 def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
     """A forecast keeps legs, times and promises."""
     callers = {

@@ -132,11 +132,11 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
     if len(high) and high[-1] > high[0]:
         over = points[high[0] : high[-1] + 1]
         ground = world.terrain_clearance(over)
-        way = over[_in_column(over) : len(over) - _in_column(over[::-1])]
+        path = over[_in_column(over) : len(over) - _in_column(over[::-1])]
         if falls_short(ground.distance, limits.height_above_ground):
             clearances.append((ground, limits.height_above_ground))
-        elif len(way) > 1:  # a climb or descent passes every height
-            clearances.append((world.terrain_clearance(way), limits.height_above_ground))
+        elif len(path) > 1:  # a climb or descent passes every height
+            clearances.append((world.terrain_clearance(path), limits.height_above_ground))
     return min(clearances, key=lambda pair: pair[0].distance - pair[1])
 
 

@@ -222,7 +222,7 @@ class ConformanceMonitor:
         across = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.across)
         bound = np.tile(self._width(law), (len(times), 1))
         goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
-        bound[times > max(goals, default=math.inf)] = self._width(law.after_the_way())
+        bound[times > max(goals, default=math.inf)] = self._width(law.after_cruise())
         bound[:, 0] *= law.stretch(across)
         return times, track.at(times), bound
 

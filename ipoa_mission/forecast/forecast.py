@@ -12,9 +12,9 @@ from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, return_ways
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
-from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
+from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
@@ -140,7 +140,7 @@ class Forecast:
 
     def returns_from(self, places: Points) -> NDArray[np.float64]:
         """Return paths of returns, (goals, n, 3, 3) [m]."""
-        return return_ways(self.mission, self.frame, places)
+        return trace_returns(self.mission, self.frame, places)
 
     @cached_property
     def itinerary(self) -> Itinerary:
@@ -148,7 +148,7 @@ class Forecast:
 
     @cached_property
     def unknown(self) -> tuple[Unknown, ...]:
-        return tuple(unknown_ways(self.given))
+        return tuple(find_unknown(self.given))
 
     def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
         """Predict times and places; not `sure` of its position, as PX4, in the mean of its flights.

@@ -77,7 +77,7 @@ class Attempt:
     @property
     def slack(self) -> float:
         """Return the least margin over all limits and planned contingencies [m]."""
-        kept = min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
+        kept = min((kept.slack for kept in self.promise.limits if kept.in_cruise), default=0.0)
         return min([kept, *(-one.missing for one in self.short)])
 
     @property

@@ -23,7 +23,7 @@ def expect_way_home(attempt: "Attempt") -> None:
         return
     if not attempt.is_promised:
         return
-    after = attempt.promise.flight.way[1]
+    after = attempt.promise.flight.cruise_span[1]
     lands = any(one.comes_down and one.time > after for one in attempt.short)
     ways = attempt.forecast.ways_home
     if lands or not clear_in(scenario)(ways) or any(broken_limits(way, scenario) for way in ways):

@@ -38,8 +38,8 @@ class Needs:
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
         promise, curve = attempt.promise, attempt.plan.curve
-        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.on_the_way}
-        wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.on_the_way and one.limit == "obstacles"]
+        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.in_cruise}
+        wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.in_cruise and one.limit == "obstacles"]
         aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
         wanted += [(one.body, one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
         growth = self.growth

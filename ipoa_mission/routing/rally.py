@@ -43,7 +43,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     goals = np.vstack([home, places])
     clear = _clear(ways, stopped, height, goals)
     if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
-        own = int(np.searchsorted(times, forecast.promise.flight.way[1]))
+        own = int(np.searchsorted(times, forecast.promise.flight.cruise_span[1]))
         keep = clear[min(own, len(times) - 1)]
         keep[0] = True
         goals, clear = goals[keep], clear[:, keep]

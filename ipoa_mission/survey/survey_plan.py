@@ -145,7 +145,8 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
 def _missing(kept: Kept, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
     flight, lost, min_slack = promise.flight, kept.nominal - kept.kept, 0.25  # [m]
-    path = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
+    points = flight.prediction.track.between(*flight.cruise_span).points[:, :2]
+    path = shapely.LineString(points).simplify(THINNING_TOLERANCE)
     slack = shapely.distance(path, [body.plan for body in bodies]) - lost - kept.required
     missing = {body.name: min_slack - float(each) for body, each in zip(bodies, slack, strict=True) if each < min_slack}
     return missing | {kept.to: -kept.slack}

@@ -71,7 +71,7 @@ def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
 def way(flight: Flight) -> np.ndarray:
     """Return places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
     predicted = Forecast(flight.mission, flight.scenario).promise.flight
-    points = predicted.pieces.part(*predicted.way).points
+    points = predicted.pieces.part(*predicted.cruise_span).points
     legs = [np.linspace(a, b, max(2, int(np.linalg.norm(b - a) / STEP) + 1)) for a, b in pairwise(points)]
     return np.vstack(legs)
 

@@ -257,7 +257,7 @@ def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed:
 def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     air = forecast.world.airspace
     found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
-    held = [kept for kept in forecast.promise.limits if kept.on_the_way and kept.limit in found]
+    held = [kept for kept in forecast.promise.limits if kept.in_cruise and kept.limit in found]
     if not held or len(way) < 2:
         return row
     surplus = min(found[kept.limit].distance - kept.required for kept in held)

@@ -305,15 +305,15 @@ class ContingencyPaths:
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
-        begin, last = self.forecast.promise.flight.way
+        begin, last = self.forecast.promise.flight.cruise_span
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
-        on_the_way = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
-        paths, terrain = samples.paths[on_the_way, :, :end], self.forecast.world.airspace.terrain
+        in_cruise = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
+        paths, terrain = samples.paths[in_cruise, :, :end], self.forecast.world.airspace.terrain
         heights = terrain.legs_height(paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3))
         least = heights.reshape(*paths.shape[:2], paths.shape[2] - 1).min(axis=2)
-        low = samples.possible[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
+        low = samples.possible[in_cruise] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
         for at, k in np.argwhere(low).tolist():
-            n = on_the_way[at]
+            n = in_cruise[at]
             for check in prove_ground(samples.paths[n, k, :end], self.forecast.world):
                 if check.slack < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)

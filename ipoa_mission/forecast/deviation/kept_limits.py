@@ -130,17 +130,17 @@ def _bounds_kept(path: Points, task: PathTask, bound: DeviationBound) -> Check |
     spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
     place = path[away][spot]
     sides = ("west", "south", "lower", "east", "north", "upper")
-    least, what = float(margins[spot, side]), f"the {sides[side]} bound"
+    least, nearest = float(margins[spot, side]), f"the {sides[side]} bound"
     if bounds.footprint is not None:
         edge = shapely.boundary(bounds.footprint.shape)
-        way = shapely.LineString(path[:, :2])
-        way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
-        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - bound.level) < least:
-            near = np.array(shapely.shortest_line(way, edge).coords[0])
-            least, what = margin, "the flight area"
+        line = shapely.LineString(path[:, :2])
+        line = line.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
+        if not line.is_empty and (margin := float(shapely.distance(line, edge)) - bound.level) < least:
+            near = np.array(shapely.shortest_line(line, edge).coords[0])
+            least, nearest = margin, "the flight area"
             place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
     east, north, up = (float(x) for x in place)
-    return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
+    return Check("bounds", Clearance(least, (east, north, up), nearest), 0.0)
 
 
 def _inside(points: Points, task: PathTask, bound: DeviationBound) -> Points:

@@ -99,7 +99,7 @@ class DeviationLaw:
             farthest=self.farthest and longer(self.farthest, level),
         )
 
-    def after_the_way(self) -> "DeviationLaw":
+    def after_cruise(self) -> "DeviationLaw":
         def wider(spread: Quantiles) -> Quantiles:
             return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
 

@@ -48,7 +48,7 @@ class Kept:
     part: str = ""
 
     @property
-    def on_the_way(self) -> bool:
+    def in_cruise(self) -> bool:
         return not self.part
 
     @property
@@ -56,7 +56,7 @@ class Kept:
         """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted."""
         if self.part in (TAKEOFF_PART, ENDING_PART):
             return False
-        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * THINNING_TOLERANCE)
+        return self.falls_short and (self.in_cruise or self.nominal < self.required - 2 * THINNING_TOLERANCE)
 
     @property
     def slack(self) -> float:
@@ -95,12 +95,12 @@ class Promise:
     @property
     def clearance(self) -> Kept | None:
         """Return the least clearance on the way, shortfalls first."""
-        solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
+        solid = [k for k in self.limits if k.in_cruise and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
         return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
 
     @property
     def elsewhere(self) -> tuple[Kept, ...]:
-        return tuple(kept for kept in self.broken if not kept.on_the_way)
+        return tuple(kept for kept in self.broken if not kept.in_cruise)
 
 
 def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
@@ -155,7 +155,7 @@ class PredictedFlight:
         return pieces_of(self.prediction.track.local())
 
     @cached_property
-    def way(self) -> tuple[float, float]:
+    def cruise_span(self) -> tuple[float, float]:
         """Return the end of the take-off and of the last waypoint [s]."""
         done, visits = self.prediction.done, self.route.visits
         begins = [float(at) for at, visit in zip(done, visits, strict=True) if visit.item.command in TAKEOFFS]
@@ -168,13 +168,13 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[Kept]:
-        begin, end = self.way
+        begin, end = self.cruise_span
         last = float(self.pieces.times[-1])
         law = self.task.law
         if self.task.path.airspace.obstacles:
             for first, then, its_law, name in (
                 (0.0, begin, law, TAKEOFF_PART),
-                (end, last, law.after_the_way(), ENDING_PART),
+                (end, last, law.after_cruise(), ENDING_PART),
             ):
                 if then > first:
                     part = self.pieces.part(first, then)

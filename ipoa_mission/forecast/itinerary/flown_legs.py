@@ -72,9 +72,9 @@ def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None
     return tuple(_LegBuilder(as_flown(mission), frame, ground).legs())
 
 
-def return_ways(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
+def trace_returns(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
     """Return paths of returns from places (n, 3), (goals, n, 3, 3) [m]."""
-    return np.array([ways for _, ways in _LegBuilder(as_flown(mission), frame, None).return_ways(places)])
+    return np.array([paths for _, paths in _LegBuilder(as_flown(mission), frame, None).trace_returns(places)])
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
@@ -252,26 +252,26 @@ class _LegBuilder:
         if route.by is ReturnBy.BACK:
             yield from self._back(seq)
             return
-        ways = list(self.return_ways(self.at[None]))
-        ways.insert(0, ways.pop(0 if route.rally is None else route.rally + 1))
+        paths = list(self.trace_returns(self.at[None]))
+        paths.insert(0, paths.pop(0 if route.rally is None else route.rally + 1))
         landed = self.at
-        for n, (goal, (way,)) in enumerate(ways):
-            self.at = way[-1]
+        for n, (goal, (path,)) in enumerate(paths):
+            self.at = path[-1]
             down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
-            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, way), down))
+            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, path), down))
             landed = self.at if n == 0 else landed
         self.at = landed
 
     def _back(self, seq: int) -> Iterator[Leg]:
         flown = zip(self.mission.items[: seq - 1], self.places, strict=False)
         places = [place for item, place in flown if item.command in FLOWN_TO and place is not None]
-        way = np.array([self.at, *reversed(places)])
-        over_home = np.array([self.home[0], self.home[1], way[-1, 2]])
-        yield Leg(seq, Phase.RETURN, np.vstack([way, over_home]))
+        path = np.array([self.at, *reversed(places)])
+        over_home = np.array([self.home[0], self.home[1], path[-1, 2]])
+        yield Leg(seq, Phase.RETURN, np.vstack([path, over_home]))
         self.at = over_home
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
 
-    def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
+    def trace_returns(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
         """Return each goal, and the paths from places (n, 3) to over it, (n, 3, 3).
 
         Its height above home is constant: 10 km away it is 8 m lower.
@@ -284,11 +284,11 @@ class _LegBuilder:
             distances = np.hypot(*(goal - places)[:, :2].T)
             both = zip((altitude - amsl).tolist(), distances.tolist(), strict=True)
             heights = np.array([autopilot.return_height(self.parameters, *pair, up) for pair in both])
-            ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
-            ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
+            paths = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
+            paths[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
             beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)
-            ways[:, 2, 2] = self.frame.to_local(*beyond, amsl + heights)[:, 2]
-            yield goal, ways
+            paths[:, 2, 2] = self.frame.to_local(*beyond, amsl + heights)[:, 2]
+            yield goal, paths
 
     def _rally_points(self) -> list[Vector]:
         amsl, local = self.mission.home.altitude, self.frame.local

@@ -24,7 +24,7 @@ class Unknown(NamedTuple):
     code: str = "way-unknown"
 
 
-def unknown_ways(mission: Mission) -> Iterator[Unknown]:
+def find_unknown(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown, autopilot.guidance.flies_splines

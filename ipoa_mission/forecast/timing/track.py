@@ -75,12 +75,12 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
 def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.bool_]:
     """Return the points between two kept ones whose leg folds beyond `most` [m]."""
     gap = np.clip(np.searchsorted(kept, np.arange(len(path)), "right") - 1, 0, len(kept) - 2)
-    begins, ways = path[kept], np.diff(path[kept], axis=0)
-    lengths = np.maximum((ways**2).sum(axis=1), 1e-12)
+    begins, steps = path[kept], np.diff(path[kept], axis=0)
+    lengths = np.maximum((steps**2).sum(axis=1), 1e-12)
     offset = path - begins[gap]
-    share = np.clip((offset * ways[gap]).sum(axis=1) / lengths[gap], 0.0, 1.0)
-    offset -= share[:, None] * ways[gap]
-    far = np.zeros(len(ways), dtype=bool)
+    share = np.clip((offset * steps[gap]).sum(axis=1) / lengths[gap], 0.0, 1.0)
+    offset -= share[:, None] * steps[gap]
+    far = np.zeros(len(steps), dtype=bool)
     far[gap[np.linalg.norm(offset, axis=1) > most]] = True
     return np.asarray(far[gap])
 
