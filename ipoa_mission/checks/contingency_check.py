@@ -84,7 +84,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         if (short < 0.0).any():
             seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
             worst = _check(paths, samples, int(np.argmin(short)), legs)
-            words = f"{in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
+            words = f"{name_items(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
             hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
@@ -108,7 +108,7 @@ def _remedy(paths: ContingencyPaths) -> str | None:
     return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
 
 
-def in_words(seqs: Sequence[int]) -> str:
+def name_items(seqs: Sequence[int]) -> str:
     """3, 4, 5 and 7 are "items 3 to 5, 7"."""
     runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
     words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
@@ -128,5 +128,5 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
         seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
         worst = unclear[np.argmin(samples.slack[unclear])]
         kept = Check("obstacles", paths.exactly(Contingency.LAND, samples, int(worst)), paths.required)
-        words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
+        words = f"{name_items(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -24,10 +24,10 @@ from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered
+from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered_items
 from ipoa_mission.checks.positions import out_of_range
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.itinerary.program import Steps, jump_target, program_of, tagged
+from ipoa_mission.forecast.itinerary.program import Steps, items_tagged, jump_target, program_of
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import to_wire, values_of
@@ -40,7 +40,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == "dev"
     wire = to_wire(mission)
     yield from _limits(mission, firmware, len(wire))
-    for at in numbered(mission):
+    for at in numbered_items(mission):
         yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
         yield from _params(at, firmware, mission)
     yield from _jumps(mission)
@@ -81,8 +81,10 @@ def _command_and_frame(
     if not placed and not plain:
         is_of_a_fence = item.command in firmware.fence or item.command in firmware.rally
         where = " in a mission: it belongs into the fence or rally list" if is_of_a_fence else ""
-        words = f"{firmware} does not take {name}{where}"
-        yield at.error("command-not-taken", words, _taken_later(item, autopilot, firmware))
+        newer = (series for series in autopilot.tables.series if series > firmware.version.series)
+        takers = (series for series in newer if autopilot.firmware(Version(*series)).takes(item.command))
+        hint = next((f"{firmware.name} {major}.{minor} takes it" for major, minor in takers), None)
+        yield at.error("command-not-taken", f"{firmware} does not take {name}{where}", hint)
     elif item.command in firmware.never_flown:
         yield at.error("command-never-flown", f"{firmware} stores {name}, and flies no mission that has it")
     elif is_development and not _before(autopilot, firmware).takes(item.command):
@@ -103,16 +105,9 @@ def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
     return autopilot.firmware(Version(*older[-1])) if older else firmware
 
 
-def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | None:
-    for series in autopilot.tables.series:
-        if series > firmware.version.series and autopilot.firmware(Version(*series)).takes(item.command):
-            return f"{firmware.name} {series[0]}.{series[1]} takes it"
-    return None
-
-
 def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iterator[Finding]:
     first = len(wire) - len(mission.items)
-    for at, spoken in zip(numbered(mission), wire[first:], strict=True):
+    for at, spoken in zip(numbered_items(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # reported elsewhere
@@ -170,7 +165,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
             yield first.warning("takeoff-missing", words)
     if name := guidance.waits_armed:
         disarm_time = {**mission.autopilot.parameter_table.moving, **mission.parameters}[name]
-        for at in numbered(mission)[: first.seq - 1]:
+        for at in numbered_items(mission)[: first.seq - 1]:
             if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
                 words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
                 yield at.warning("disarms-waiting", words)
@@ -190,7 +185,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
 
 
 def _flown(mission: Mission) -> list[Numbered]:
-    return [at for at in numbered(mission) if at.item.command < Command.CONDITION_DELAY]
+    return [at for at in numbered_items(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
 def _terrain(mission: Mission) -> Iterator[Finding]:
@@ -206,8 +201,8 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
 
 
 def _waits(mission: Mission) -> Iterator[Finding]:
-    last = max((at.seq for at in numbered(mission) if at.item.command <= LAST_NAV), default=0)
-    for at in numbered(mission):
+    last = max((at.seq for at in numbered_items(mission) if at.item.command <= LAST_NAV), default=0)
+    for at in numbered_items(mission):
         if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
             words = "stays here until an operator ends it: the time and the clearance of its flights are unknown"
             yield at.warning("waits-for-someone", words)
@@ -248,7 +243,7 @@ def _finding(why: str, unmeasured: bool) -> Finding:
 
 
 def _jumps(mission: Mission) -> Iterator[Finding]:
-    jumps = [at for at in numbered(mission) if at.item.command in JUMPS]
+    jumps = [at for at in numbered_items(mission) if at.item.command in JUMPS]
     profile = mission.autopilot.firmware(mission.firmware_version).jumps
     found = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
     yield from found
@@ -292,9 +287,9 @@ def _repeats(mission: Mission, at: Numbered, profile: JumpProfile) -> Iterator[F
 
 
 def _tags(mission: Mission) -> Iterator[Finding]:
-    for at in numbered(mission):
+    for at in numbered_items(mission):
         if at.item.command == Command.JUMP_TAG and math.isfinite(tag := at.item.params[0]):
-            first = next(tagged(mission.items, tag)) + 1
+            first = next(items_tagged(mission.items, tag)) + 1
             if first != at.seq:
                 yield at.warning("jump-tag-twice", f"item {first} has the tag {tag:g} too: jumps lead there")
 

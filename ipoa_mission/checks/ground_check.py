@@ -44,13 +44,13 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
         height = forecast.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
         if (leg.seq, round(height, 1)) not in reported:
             reported.add((leg.seq, round(height, 1)))
-            numbered = item_of(mission, leg.seq)
-            item = numbered.item
+            at = item_of(mission, leg.seq)
+            item = at.item
             lands_at = item.command == Command.NAV_LAND and item.has_position
             below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
             counted = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
             east, north = (float(value) for value in leg.points[-1, :2])
-            yield Landing(numbered, east, north, height, counted)
+            yield Landing(at, east, north, height, counted)
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
@@ -75,7 +75,7 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
         return
     for landing in landings(forecast):
         if stretch.is_fast(landing.counted):
-            wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
+            wanted = name_values(mission.autopilot.slowed(mission.parameters, landing.counted))
             hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
             message = f"{landing.where}: {touches_down(stretch, landing)}"
             yield landing.item.warning("fast-touchdown", message, hint)
@@ -94,7 +94,7 @@ def touches_down(stretch: SlowStretch, landing: Landing) -> str:
     )
 
 
-def in_words(parameters: Parameters) -> str:
+def name_values(parameters: Parameters) -> str:
     return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
 
 

@@ -21,7 +21,7 @@ class Numbered(NamedTuple):
         return Finding(code, Severity.WARNING, self.seq, f"{self}: {message}", hint)
 
 
-def numbered(mission: Mission) -> list[Numbered]:
+def numbered_items(mission: Mission) -> list[Numbered]:
     return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
 
 

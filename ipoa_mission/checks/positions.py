@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, plain_frame
-from ipoa_mission.checks.numbered_finding import Numbered, numbered
+from ipoa_mission.checks.numbered_finding import Numbered, numbered_items
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
@@ -21,7 +21,7 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     if elsewhere:
         yield Finding("home-elsewhere", Severity.WARNING, 0, elsewhere)
     placed = FLOWN_TO | mission.autopilot.firmware(mission.firmware_version).placed.keys()
-    for at in numbered(mission):
+    for at in numbered_items(mission):
         if at.item.command in placed and at.item.frame != Frame.MISSION:
             findings = list(_position(at, mission))
             yield from findings

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
-from ipoa_mission.checks.numbered_finding import item_of, numbered
+from ipoa_mission.checks.numbered_finding import item_of, numbered_items
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -27,7 +27,7 @@ def check_way(forecast: Forecast) -> Iterator[Finding]:
             case _:
                 yield at.error("way-unknown", words, unknown.hint)
     parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
-    for at in numbered(mission):
+    for at in numbered_items(mission):
         radius = at.item.params[2]
         if at.item.command != Command.NAV_LOITER_TURNS or radius == 0.0 or not math.isfinite(radius):
             continue

@@ -6,7 +6,7 @@ from dataclasses import replace
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.checks.airspace_check import clear_in, heights_above
-from ipoa_mission.checks.ground_check import in_words, landings, touches_down
+from ipoa_mission.checks.ground_check import landings, name_values, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
@@ -51,7 +51,7 @@ def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
-            f"{highest.words}: {in_words(wanted)} in the vehicle would slow it down as high above it as otherwise "
+            f"{highest.words}: {name_values(wanted)} in the vehicle would slow it down as high above it as otherwise "
             f"above home ({scenario.name}.params; `fly --set-params` writes it)"
         )
 

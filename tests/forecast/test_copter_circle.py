@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.copter_curves import circle_entry, circle_turn, radius_of
+from ipoa_mission.forecast.itinerary.copter_curves import circle_entry, circle_radius, circle_turn
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
@@ -57,7 +57,7 @@ def test_the_board_keeps_a_circle_as_its_source_has_it(
 ) -> None:
     item = circle(turns, radius)
     assert circle_turn(item) == pytest.approx(math.tau * kept_turns)
-    assert radius_of(item) == kept_radius
+    assert circle_radius(item) == kept_radius
 
 
 def test_the_entry_is_the_nearest_point_and_from_the_center_the_one_behind_the_nose() -> None:

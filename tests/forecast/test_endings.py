@@ -26,7 +26,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
     contingencies_of,
 )
 from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
-from ipoa_mission.forecast.contingency.energy_budget import flown_from
+from ipoa_mission.forecast.contingency.energy_budget import predict_contingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from tests.examples import examples
@@ -158,16 +158,17 @@ def test_without_a_landing_of_the_mission_a_return_takes_as_long_as_one_straight
     away = replace(landed.given, items=landed.given.items[:-1])
     typed, home = (Forecast(away.with_parameters({"RTL_TYPE": one}), landed.scenario) for one in (kind, 0.0))
     time = home.estimate.total_s / 2
-    assert flown_from(typed, Contingency.RTL, time).lasts == flown_from(home, Contingency.RTL, time).lasts
+    lasts = [predict_contingency(each, Contingency.RTL, time).lasts for each in (typed, home)]
+    assert lasts[0] == lasts[1]
     with refuses("not-modeled", "", "returns to the mission's landing"):
-        flown_from(landed, Contingency.RTL, time)
+        predict_contingency(landed, Contingency.RTL, time)
 
 
 def test_a_return_that_lands_in_place_has_no_duration() -> None:
     """RTL_TYPE 5 without a rally point, since 1.18."""
     newer = replace(forecast_of("sitl", RTL_TYPE=5.0).given, firmware_version=Version(1, 18))
     with refuses("not-modeled", "", "returns here"):
-        flown_from(Forecast(newer, forecast_of("sitl").scenario), Contingency.RTL, 30.0)
+        predict_contingency(Forecast(newer, forecast_of("sitl").scenario), Contingency.RTL, 30.0)
 
 
 @pytest.mark.parametrize("parameters", [{"RTL_TYPE": 0.0}, {"RTL_TYPE": 2.0}])

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, flown_from
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, predict_contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
@@ -104,7 +104,7 @@ def test_a_return_takes_what_remains_of_a_flight_and_no_return_is_where_it_does_
 
 
 def _return(time: float) -> float:
-    used = flown_from(budget().forecast, Contingency.RTL, time).used
+    used = predict_contingency(budget().forecast, Contingency.RTL, time).used
     assert used is not None
     return used.energy_wh
 

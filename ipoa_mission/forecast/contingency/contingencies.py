@@ -21,7 +21,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import (
     ContingencySamples,
     StoppingPoints,
 )
-from ipoa_mission.forecast.contingency.energy_budget import Taken, flown_from
+from ipoa_mission.forecast.contingency.energy_budget import Taken, predict_contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
@@ -288,7 +288,8 @@ class Contingencies:
             return row
         picked = {run[round(share * (len(run) - 1))] for share in (0.0, 0.5, 1.0)}
         try:
-            flown = [flown_from(self.forecast, row.contingency, float(samples.times[n])) for n in sorted(picked)]
+            times = [float(samples.times[n]) for n in sorted(picked)]
+            flown = [predict_contingency(self.forecast, row.contingency, time) for time in times]
         except MissionError as error:
             return replace(row, why_untimed=str(error))
         used = [each.used.between for each in flown if each.used is not None]
@@ -304,7 +305,7 @@ class Contingencies:
 
     def takes(self, contingency: Contingency, time: float) -> Taken | None:
         try:
-            return flown_from(self.forecast, contingency, float(np.clip(time, *self.in_air)))
+            return predict_contingency(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:
             return None
 

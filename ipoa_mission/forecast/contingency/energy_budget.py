@@ -169,7 +169,7 @@ class Budget:
     def _short_from(self, time: float) -> NoReturn | None:
         seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
         try:
-            ended = flown_from(self.forecast, Contingency.RTL, time).used
+            ended = predict_contingency(self.forecast, Contingency.RTL, time).used
         except MissionError as error:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
@@ -193,7 +193,7 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-def flown_from(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
+def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
     """Return duration and energy of an RTL or LAND ordered at a time [s]."""
     mission = forecast.mission
     model, order = mission.autopilot.part(FlightModel), Abort(time, contingency)

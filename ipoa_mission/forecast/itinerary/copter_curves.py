@@ -69,7 +69,7 @@ def _wrapped(angle: float) -> float:
     return math.remainder(angle, math.tau)
 
 
-def radius_of(item: Item) -> float:
+def circle_radius(item: Item) -> float:
     """Return the radius [m] as stored in a byte: whole meters, or tens of meters above 255."""
     radius = abs(item.params[2])
     if not math.isfinite(radius):

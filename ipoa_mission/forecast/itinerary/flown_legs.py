@@ -18,10 +18,10 @@ from ipoa_mission.forecast.itinerary.copter_curves import (
     arc_chords,
     circle_chords,
     circle_entry,
+    circle_radius,
     circle_turn,
     is_arc,
     place_after,
-    radius_of,
     spline_chords,
     spline_tangents,
     turn_of,
@@ -188,7 +188,7 @@ class _LegBuilder:
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
         if (center := self.places[seq - 1]) is None:
             return
-        radius = radius_of(item)
+        radius = circle_radius(item)
         edge, apart = circle_entry(triple(self.at), triple(center), radius, self.heading)
         if radius <= 0.0:
             yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)

@@ -45,12 +45,12 @@ def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None
     if not math.isfinite(asked):
         return None
     if items[index].command == Command.DO_JUMP_TAG:
-        return next(tagged(items, asked), None)
+        return next(items_tagged(items, asked), None)
     target = int(asked) - first
     return target if 0 <= target < len(items) else None
 
 
-def tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
+def items_tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
     tags = (n for n, item in enumerate(items) if item.command == Command.JUMP_TAG)
     return (n for n in tags if math.isfinite(items[n].params[0]) and int(items[n].params[0]) == int(tag))
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.autopilot.returning import HOME
-from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, entry_is_unsure, radius_of, reads_as_here
+from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_radius, entry_is_unsure, reads_as_here
 from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, is_passed, next_navigated, program_of
 from ipoa_mission.geometry import Vector
@@ -37,10 +37,10 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
         place, before = program.place(n, here or NO_PLACE), here
         if circles and item.command == Command.NAV_LOITER_TURNS:
-            if radius_of(item) > 150.0:
+            if circle_radius(item) > 150.0:
                 why = "circles beyond 150 m are flown up to 1.0 m off their forecast"
                 yield Unknown(n + 1, why, "fly it as waypoints")
-            if here is not None and entry_is_unsure(here, place, radius_of(item)):
+            if here is not None and entry_is_unsure(here, place, circle_radius(item)):
                 why = "it begins near the circle's center: the side of its entry is random"
                 yield Unknown(n + 1, why, "begin it farther from the center")
             here = None

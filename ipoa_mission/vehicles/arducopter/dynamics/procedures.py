@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import HOME
-from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_entry, circle_turn, radius_of
+from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_entry, circle_radius, circle_turn
 from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
@@ -65,7 +65,7 @@ def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
 
 def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
     """LOITER_TURNS: at the height of the circle's nearest point."""
-    radius = radius_of(item)
+    radius = circle_radius(item)
     edge, apart = circle_entry(copter.stopping_place(), center, radius, copter.state.yaw)
     if apart > NEAR_CIRCLE:
         copter.fly_to(Stop(edge))
