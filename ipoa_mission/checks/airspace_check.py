@@ -1,4 +1,4 @@
-"""Check the distances of legs, and of the flights that deviate from them, to obstacles, ground and bounds."""
+"""Check the distances of legs and flights to obstacles, ground and bounds."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence

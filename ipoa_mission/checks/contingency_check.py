@@ -1,4 +1,4 @@
-"""Check that the battery lasts, that the vehicle makes progress in the wind, and RTL and LAND at each second."""
+"""Check the battery, progress in wind, and RTL and LAND at each second."""
 
 from collections.abc import Iterator, Sequence
 

@@ -1,4 +1,4 @@
-"""Compare a flight with its plan: the clearance that it kept, and the place where it landed."""
+"""Compare a flight with its plan: clearance, and landing place."""
 
 import math
 from dataclasses import dataclass

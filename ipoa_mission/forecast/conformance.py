@@ -259,9 +259,9 @@ class ConformanceMonitor:
             comes_back = LIMITS.overshoot + braking
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
-        modeled = [self._visits[n] for n in near if self._visits[n].seq not in self._unknown]
-        waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in modeled)
-        is_compared = len(modeled) == len(near) and not waits
+        visits = self._visits[near.start : near.stop]
+        waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in visits)
+        is_compared = not waits and self._unknown.isdisjoint(each.seq for each in visits)
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, target is None, is_compared)
 
     def _direct(self, place: Vector) -> Points | None:

@@ -1,4 +1,4 @@
-"""Compute how a flight can end at each second: path, clearance and its certainty, duration and energy."""
+"""Compute each contingency by second: clearance and its certainty, duration, energy."""
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
@@ -239,8 +239,8 @@ class Contingencies:
         clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
         if not clear.all():
             shares[~clear] = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
-        grades = np.where(clear, Grade.CLEAR, np.where(shares >= 0.5, Grade.WOULD, Grade.MAY))
-        return [Grade(grade) for grade in grades]
+        unclear = [Grade.WOULD if share >= 0.5 else Grade.MAY for share in shares]
+        return [Grade.CLEAR if is_clear else grade for is_clear, grade in zip(clear, unclear, strict=True)]
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
         begin, end = samples.times[0], samples.times[-1]

@@ -1,4 +1,4 @@
-"""Tell the contingencies at the present place of a flight, fast enough for each second."""
+"""Look up the contingencies at the present place of a flight, each second."""
 
 import math
 from dataclasses import dataclass

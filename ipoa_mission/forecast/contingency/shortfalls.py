@@ -1,4 +1,4 @@
-"""Find the contingencies that are too near to something, and a return altitude at which none is."""
+"""Find contingencies too near to something, and a return altitude without one."""
 
 import math
 from collections.abc import Iterator

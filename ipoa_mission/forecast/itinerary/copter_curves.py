@@ -1,11 +1,7 @@
-"""Compute the arcs, circles and splines that ArduCopter flies.
+"""Compute the arcs, circles and splines that ArduCopter flies (4.8.0-dev; docs/lab/flight-time.md).
 
-Arc (NAV_ARC_WAYPOINT, 4.7): its height changes linearly; below one degree, or of a whole circle, it is a straight leg.
-
-Circle (NAV_LOITER_TURNS): it flies straight to the nearest point; within `NEAR_CIRCLE` of it it begins in place.
-
-Spline: a cubic Hermite segment whose tangents are differences of places; a stop has no tangent. Sources: 4.8.0-dev
-(AC_Circle, ModeAuto), docs/lab/flight-time.md.
+The height changes linearly on an arc. A circle is entered at its nearest point, within `NEAR_CIRCLE` in place. A
+spline is a cubic Hermite segment whose tangents are differences of places; a stop has no tangent.
 """
 
 import math
@@ -24,7 +20,7 @@ CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards
 
 
 def turn_of(item: Item) -> float:
-    """Return the turn [rad], in whole degrees, clockwise positive; 0: straight."""
+    """Return the turn [rad], in whole degrees, clockwise positive; 0 (below one degree, or a circle): straight."""
     if item.command != Command.NAV_ARC_WAYPOINT or not math.isfinite(item.params[0]):
         return 0.0
     turn = math.radians(math.trunc(item.params[0]))
