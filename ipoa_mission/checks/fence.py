@@ -1,17 +1,14 @@
-"""Check a mission against its own geofence, and against the fence of the vehicle's parameters."""
+"""Check a mission against its own geofence."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 import shapely
 
-from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.polygon import union_of
@@ -75,34 +72,3 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
             continue
         reported.add(leg.seq)
         yield item_of(forecast.mission, leg.seq).error("outside-fence", message)
-
-
-def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
-    """Report each limit that a flight from home `there` would reach, with the furthest place.
-
-    The way home is among the legs. One flight in a hundred deviates farther from them than counted.
-    """
-    law, share, forecast = law_of(mission.autopilot), 0.01, Forecast(mission)
-    center, legs = forecast.frame.local(there)[:2], forecast.legs
-    heights = [forecast.frame.to_geodetic(leg.points)[2] - mission.home.altitude for leg in legs]
-    away = [(leg, float(np.hypot(*(leg.points[:, :2] - center).T).max())) for leg in legs]
-    highest = [(leg, float(up.max())) for leg, up in zip(legs, heights, strict=True)]
-    lowest = [(leg, float(up.min())) for leg, up in zip(legs, heights, strict=True) if leg.phase is Phase.CRUISE]
-    return (
-        *_beyond(mission, fence.radius, away, "away from home", law.lateral(share)),
-        *_beyond(mission, fence.ceiling, highest, "above home", law.highest.distance(share)),
-        *_beyond(mission, fence.floor, lowest, "above home", -law.lowest.distance(share)),
-    )
-
-
-def _beyond(
-    mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
-) -> Iterator[str]:
-    sign = math.copysign(1.0, stray)
-    leg, value = max(reached, key=lambda place: sign * place[1], default=(None, 0.0))
-    if leg is None or sign * (value + stray - limit.value) < 0.0:
-        return
-    allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
-    flown = f"{value:.1f} m {where} ({value + stray:.1f} m with the deviation of flights)"
-    after = f" on {leg_name(leg)}" if leg.jumped_from >= 0 else ""
-    yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

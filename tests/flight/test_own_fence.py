@@ -7,8 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.checks.fence import breaches
-from ipoa_mission.flight.preflight import expect_fit
+from ipoa_mission.flight.preflight import breaches, expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
