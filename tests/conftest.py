@@ -38,17 +38,17 @@ LONGEST = (
     "link/test_link_mavproxy.py",
     "planning/test_planning_planner.py",
     "studio/test_studio_survey.py",
-    "routing/test_routing_endings.py",
-    "link/test_link_reunion.py",
+    "routing/test_routing_returns.py",
+    "link/test_link_reconnect.py",
     "cli/test_cli_surveying.py",
     "cli/test_cli_linking.py",
     "cli/test_cli_flags.py",
     "routing/test_fastest.py",
-    "cli/test_cli_speaking.py",
+    "cli/test_cli_output.py",
     "cli/test_cli_bombs.py",
     "forecast/test_flight_times.py",
     "cli/test_cli_both_doors.py",
-    "forecast/test_endings.py",
+    "forecast/test_contingencies.py",
 )
 
 #: CI's machines are noisy. `--hypothesis-profile thorough`, as in .ci/run, tries four times as many examples.

@@ -13,7 +13,7 @@ from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.report.page import report_html
 from ipoa_mission.studio.answers import StripCost, StripOfEndings
 from ipoa_mission.studio.plan_answers import course_of, strips_of
-from tests.forecast.test_endings_now import BATTERY
+from tests.forecast.test_contingencies_now import BATTERY
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 

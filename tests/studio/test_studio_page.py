@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade, contingencies_of
 from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS
 from ipoa_mission.scenario import parse_scenario
-from tests.forecast.test_endings_now import BATTERY
+from tests.forecast.test_contingencies_now import BATTERY
 from tests.studio.chromium import (
     REPOSITORY,
     USUAL,
