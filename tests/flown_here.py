@@ -8,8 +8,8 @@ from tests.recorded_flights import Recorded
 def fly_here(flight: Recorded, seed: int) -> tuple[dict[int, float], float]:
     """Return the time at which each item was first done, by number, and motors stopped [s]."""
     mission = flight.mission
-    conditions = Conditions(version=mission.firmware_version)
-    here = SimulatedFlight(mission.autopilot, mission.home, flight.parameters, seed=seed, conditions=conditions)
+    conditions = Conditions(version=mission.firmware_version, seed=seed)
+    here = SimulatedFlight(mission.autopilot, mission.home, flight.parameters, conditions)
     here.load(mission.items)
     here.arm()
     here.start()

@@ -1,5 +1,5 @@
 from collections.abc import Mapping
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -69,9 +69,10 @@ def mock(worse: FaultOptions, options: MockOptions, as_json: JsonOption = False)
     """
     from ipoa_mission.autopilot.known_parameters import expect_own
     from ipoa_mission.autopilot.version import Version
-    from ipoa_mission.link.channel import parse_address
+    from ipoa_mission.link.channel import open_channel, parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-    from ipoa_mission.simulator.mock_server import serve
+    from ipoa_mission.simulator.mock_server import Server
+    from ipoa_mission.simulator.station import Station
 
     address, system, speedup = parse_address(options.link), options.system or 1, options.speedup
     parameters, remarks = read_parameter_options(options.param, options.param_file)
@@ -103,9 +104,11 @@ def mock(worse: FaultOptions, options: MockOptions, as_json: JsonOption = False)
             print_lines(words, *notes(remarks))
         return False
 
-    mock = Mock(setup.autopilot, home, setup.parameters, cold=True, conditions=setup.conditions)
-    with suppress(KeyboardInterrupt):
-        serve(options.link, mock, speedup, worse.faults(), system, options.seed, signer, until=print_address)
+    conditions = replace(setup.conditions, cold=True)
+    autopilot = Mock(setup.autopilot, home, setup.parameters, conditions=conditions)
+    with suppress(KeyboardInterrupt), closing(open_channel(options.link)) as channel:
+        station = Station(autopilot, system, signer, channel.datagrams)
+        Server(channel, station, speedup, worse.faults(), options.seed).run(print_address)
 
 
 @dataclass(frozen=True)

@@ -48,19 +48,14 @@ class BuiltInAutopilot:
         family: Autopilot,
         home: Geodetic,
         parameters: Parameters | None = None,
-        cold: bool = False,
         nak_at: int | None = None,
-        seed: int = 0,
         conditions: Conditions = STANDARD_CONDITIONS,
     ) -> None:
-        """Create a vehicle at `home`.
-
-        `cold`: powered up now, without a position. `nak_at`: an item that it refuses; it takes no mission as a file.
-        """
+        """`nak_at`: an item that it refuses; it then takes no mission as a file."""
         self.profile = profile = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
-        self.flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
-        powered_s = 0.0 if cold else -math.inf
+        self.flight = SimulatedFlight(family, home, self.table.values, conditions)
+        powered_s = 0.0 if conditions.cold else -math.inf
         self.vehicle = MockVehicle(profile, self.flight, self.table.values, powered_s, nak_at)
         self.transfers = transfers = self.vehicle.transfers
         self._reporter = Reporter(self.vehicle)

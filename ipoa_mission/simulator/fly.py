@@ -61,7 +61,8 @@ def fly(
     """
     expect_known(parameters, mission.autopilot)
     forecast = Forecast(mission.with_parameters(parameters), wind=wind)
-    return fly_forecast(forecast, seed, faults, log, uploading, flying)
+    with board(forecast, seed, faults, log) as vehicle:
+        return _fly(vehicle, forecast.mission, uploading, flying)
 
 
 def fly_forecast(
@@ -69,15 +70,18 @@ def fly_forecast(
     seed: int = 0,
     faults: Faults = PERFECT,
     log: str | Path | None = None,
-    uploading: Progress = silent,
     flying: Progress = silent,
 ) -> FlightRecord:
     """Fly in the forecast's wind and over its ground."""
     with board(forecast, seed, faults, log) as vehicle:
-        vehicle.upload(forecast.mission, uploading, checked=False)
-        vehicle.prepare()
-        vehicle.start()
-        return vehicle.watch(flying)
+        return _fly(vehicle, forecast.mission, silent, flying)
+
+
+def _fly(vehicle: Vehicle, mission: Mission, uploading: Progress, flying: Progress) -> FlightRecord:
+    vehicle.upload(mission, uploading, checked=False)
+    vehicle.prepare()
+    vehicle.start()
+    return vehicle.watch(flying)
 
 
 def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
@@ -87,8 +91,7 @@ def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str 
         mission.home,
         mission.parameters,
         nak_at=faults.nak_at,
-        seed=seed,
-        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle, mission.firmware_version),
+        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle, mission.firmware_version, seed),
     )
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))

@@ -6,9 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.channel import Channel, Peer, open_channel
-from ipoa_mission.link.signing import Signer
-from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 
@@ -29,27 +27,6 @@ class ServerLimits:
 LIMITS = ServerLimits()
 
 
-def serve(
-    url: str,
-    autopilot: BuiltInAutopilot,
-    speedup: float = 1.0,
-    faults: Faults = PERFECT,
-    system: int = 1,
-    seed: int = 0,
-    signer: Signer | None = None,
-    until: Callable[[], bool] = lambda: False,
-) -> None:
-    """Run until `until` returns true (asked ten times a second), or Ctrl-C; raise BadInput or LinkDown."""
-    if not 0.01 <= speedup <= 1000.0:
-        raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
-    channel = open_channel(url)
-    try:
-        station = Station(autopilot, system, signer, channel.datagrams)
-        Server(channel, station, speedup, faults, seed).run(until)
-    finally:
-        channel.close()
-
-
 class Server:
     """Serve one station with a clock up to `speedup` times as fast as real time.
 
@@ -59,6 +36,8 @@ class Server:
     def __init__(
         self, channel: Channel, station: Station, speedup: float = 1.0, faults: Faults = PERFECT, seed: int = 0
     ) -> None:
+        if not 0.01 <= speedup <= 1000.0:
+            raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
         self._channel = channel
         self._station = station
         self._speedup = speedup
@@ -72,6 +51,7 @@ class Server:
         self._outward: dict[Peer | None, BadPipe] = {}
 
     def run(self, until: Callable[[], bool]) -> None:
+        """Run until `until` returns true (asked ten times a second), or Ctrl-C."""
         while not until():
             self.step()
 

@@ -63,16 +63,15 @@ class SimulatedFlight:
         home: Geodetic,
         parameters: Parameters,
         conditions: Conditions = STANDARD_CONDITIONS,
-        seed: int = 0,
     ) -> None:
-        """`parameters` are read again at each arming; `seed`: of sensor errors."""
+        """`parameters` are read again at each arming."""
         self.autopilot = autopilot
         self.home = home
         self.frame = LocalFrame(home)
         self._parameters = parameters
         self._body = SimulatedVehicle(conditions)
         self._now = Situation(self._program(()))
-        self._chance = random.Random(seed)
+        self._chance = random.Random(conditions.seed)
         self._last_position: tuple[object, Geodetic] = None, home
         self._pilot = self._new_pilot()
 

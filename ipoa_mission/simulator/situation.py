@@ -21,13 +21,16 @@ STEP_S = 0.02  # [s]
 class Conditions:
     """Ground is the height above home [m].
 
-    `vehicle`: properties learned from logs. `version`: None: the newest measured.
+    `vehicle`: properties learned from logs. `version`: None: the newest measured. `seed`: of sensor errors. `cold`:
+    powered up now, without a position.
     """
 
     wind: Wind = CALM
     ground: Ground = LEVEL
     vehicle: LearnedVehicle | None = None
     version: Version | None = None
+    seed: int = 0
+    cold: bool = False
 
 
 STANDARD_CONDITIONS = Conditions()

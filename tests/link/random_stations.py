@@ -24,6 +24,7 @@ from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -232,7 +233,7 @@ def schedule(seed: int) -> tuple[Outcome, str]:
     autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
     radio = radio_of(chance)
     sent = wire_list(autopilot, count, 0)
-    world = World(chance, Mock(autopilot, HOME, seed=seed), sent)
+    world = World(chance, Mock(autopilot, HOME, conditions=Conditions(seed=seed)), sent)
     job = Upload(sent, autopilot, numbers=_numbers(autopilot, 0))
     by_file = job.has_checksum and chance.random() < 0.3
     ours = Speaker(US, radio, lambda: (upload_by_file if by_file else upload)(job), chance.uniform(0.0, 1.0))

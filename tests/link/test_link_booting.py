@@ -21,6 +21,7 @@ from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypo
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
@@ -37,7 +38,7 @@ class Booting(BuiltInAutopilot):
     """Reports passed checks before it can be armed, as real ones do."""
 
     def __init__(self, autopilot: Autopilot, hinders: str = "", placed_s: float = 0.0) -> None:
-        super().__init__(autopilot, HOME, cold=True)
+        super().__init__(autopilot, HOME, conditions=Conditions(cold=True))
         self.armings_s: list[float] = []
         start_up = replace(self.profile.start_up, steady_s=5.0, position_s=placed_s or PLACED_S[autopilot])
         profile = replace(self.profile, start_up=replace(start_up, unplaced=hinders or start_up.unplaced))

@@ -21,6 +21,7 @@ from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
@@ -207,7 +208,7 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
 
 
 def test_ardupilot_is_given_time_to_start_up() -> None:
-    station = Station(Mock(Autopilot.ARDUPILOT, HOME, cold=True))
+    station = Station(Mock(Autopilot.ARDUPILOT, HOME, conditions=Conditions(cold=True)))
     vehicle = meet(Line(Loopback(station), Codec(245, 190)))
     vehicle.upload(suited(vehicle, MISSION))
     assert line_of(vehicle).channel.now() >= 3.0

@@ -10,6 +10,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 
@@ -67,7 +68,7 @@ def by_built_in(
     autopilot: Autopilot, items: tuple[Item, ...], parameters: Mapping[str, float], seed: int
 ) -> tuple[dict[int, float], float]:
     """When each item was done and when the motors stopped [s]."""
-    flight = SimulatedFlight(autopilot, HOME, parameters, seed=seed)
+    flight = SimulatedFlight(autopilot, HOME, parameters, Conditions(seed=seed))
     flight.load(items)
     flight.arm()
     flight.start()

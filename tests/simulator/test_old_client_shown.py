@@ -29,6 +29,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER
 
@@ -41,7 +42,7 @@ class Session:
     """A vehicle, and whatever it says to a ground station."""
 
     def __init__(self, autopilot: Autopilot, cold: bool = False) -> None:
-        self.vehicle = BuiltIn(autopilot, HOME, cold=cold)
+        self.vehicle = BuiltIn(autopilot, HOME, conditions=Conditions(cold=cold))
         self.now = 1.0
         self.first = int(autopilot is ARDUPILOT)
 

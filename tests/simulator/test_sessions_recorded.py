@@ -188,7 +188,7 @@ def answers(name: str) -> list[tuple[float, Message]]:
     autopilot = autopilot_of(name)
     recorded = said(name)
     home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
-    mock = BuiltIn(autopilot, home, cold=True, conditions=Conditions(version=PX4_117.get(autopilot)))
+    mock = BuiltIn(autopilot, home, conditions=Conditions(version=PX4_117.get(autopilot), cold=True))
     told: list[tuple[float, Message]] = []
 
     def live(until: float) -> None:

@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.simulator.situation import Conditions, FlightMode
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown
@@ -85,7 +85,7 @@ def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: 
 
 
 def test_ardupilot_takes_a_mission_before_it_can_be_armed_and_has_a_position_last() -> None:
-    flown = Flown(ARDUPILOT, [], Mock(ARDUPILOT, HOME, cold=True))
+    flown = Flown(ARDUPILOT, [], Mock(ARDUPILOT, HOME, conditions=Conditions(cold=True)))
     assert Ack(Result.NO_SPACE) in flown.hear(Count(3))
     flown.now = 4.0
     assert Request(0, legacy=True) in flown.hear(Count(3))
