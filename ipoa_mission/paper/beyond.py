@@ -68,11 +68,7 @@ def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
 
 
 def _ablation(
-    rows: Sequence[TrialRow],
-    caption: str,
-    cases: Sequence[str],
-    columns: Mapping[str, Callable[[str], str]],
-    note: str,
+    rows: Sequence[TrialRow], caption: str, cases: Sequence[str], columns: Mapping[str, Callable[[str], str]], note: str
 ) -> Table:
     first = [results(rows, case, "ipoa") for case in cases]
     lines = []

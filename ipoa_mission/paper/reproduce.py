@@ -104,11 +104,7 @@ ITEMS: dict[str, Artifact] = {
 
 
 def reproduce(
-    what: str,
-    runs: int | None,
-    out: Path,
-    pool: AbstractContextManager[Executor],
-    progress: Progress = silent,
+    what: str, runs: int | None, out: Path, pool: AbstractContextManager[Executor], progress: Progress = silent
 ) -> list[Path]:
     """Measure and write one of `ITEMS`, or "all" with a page.
 

@@ -10,16 +10,6 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import (
-    CRITICAL,
-    CommandResult,
-    Message,
-    MissionType,
-    ParamRequestList,
-    ParamRequestRead,
-    ParamSet,
-    ParamValue,
-)
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.link.wire import degrees
 from ipoa_mission.simulator import streams
@@ -61,11 +51,11 @@ class BuiltInAutopilot:
         self._reporter = Reporter(self.vehicle)
         self._commander = Commander(self.vehicle, self._reporter)
         takes_file = profile.autopilot.protocol_profile.takes_mission_file and nak_at is None
-        limit = profile.limits[MissionType.MISSION]
+        limit = profile.limits[m.MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = streams.Schedule(profile.streams, profile.fixed_streams)
 
-    def receive(self, message: Message, source: Target, now: float) -> None:
+    def receive(self, message: m.Message, source: Target, now: float) -> None:
         self.tick(now)
         self._schedule.hear(source)
         if not self.transfers.receive(message, source, now):
@@ -77,7 +67,7 @@ class BuiltInAutopilot:
             self._answer(message, source, now)
         self._reporter.report_changes()
 
-    def _answer(self, message: Message, source: Target, now: float) -> None:
+    def _answer(self, message: m.Message, source: Target, now: float) -> None:
         send = self.vehicle.send
         match message:
             case m.CommandLong(number, params):
@@ -88,7 +78,7 @@ class BuiltInAutopilot:
                 self._commander.set_mode(custom_mode)
             case m.SetCurrent(seq):
                 if not self._commander.set_current(seq) and self.profile.no_item_text:
-                    self.vehicle.send_text(CRITICAL, self.profile.no_item_text)
+                    self.vehicle.send_text(m.CRITICAL, self.profile.no_item_text)
             case m.RequestDataStream(group, rate, start) if start in (0, 1):
                 groups = self.profile.stream_groups
                 names = groups.get(group, frozenset()) if group else frozenset[str]().union(*groups.values())  # 0: all
@@ -117,7 +107,7 @@ class BuiltInAutopilot:
             if (message := self._reporter.message(name)) is not None:
                 vehicle.send(message)
 
-    def outgoing(self) -> list[tuple[Message, Target]]:
+    def outgoing(self) -> list[tuple[m.Message, Target]]:
         """Return and forget the messages to send."""
         messages, self.vehicle.outbox = self.vehicle.outbox, []
         return messages
@@ -140,19 +130,19 @@ class BuiltInAutopilot:
         requested = OLD_REQUESTS.get(number)
         if number == VehicleCommand.REQUEST_MESSAGE:
             requested = message_name(whole(params[0]))
-        answer = self._reporter.message(requested) if result == CommandResult.ACCEPTED and requested else None
+        answer = self._reporter.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
         answers = [] if answer is None else [answer]
-        acks: list[Message] = [m.CommandAck(number, result)]
+        acks: list[m.Message] = [m.CommandAck(number, result)]
         if number == VehicleCommand.SET_MESSAGE_INTERVAL:
             accepted = self._schedule.set_interval(whole(params[0]), params[1], vehicle.now, source)
-            acks = [m.CommandAck(number, CommandResult.ACCEPTED if accepted else profile.no_such_stream)]
+            acks = [m.CommandAck(number, m.CommandResult.ACCEPTED if accepted else profile.no_such_stream)]
         elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
             interval = self._schedule.interval_us(whole(params[0]), source)
-            reported_us, ack = profile.no_such_interval if interval is None else (interval, CommandResult.ACCEPTED)
+            reported_us, ack = profile.no_such_interval if interval is None else (interval, m.CommandResult.ACCEPTED)
             vehicle.send(m.MessageInterval(whole(params[0]) & 0xFFFF, reported_us), source)
             acks = [m.CommandAck(number, ack)]
         elif number == VehicleCommand.DO_SET_MODE and profile.mode_acks > 1:
-            acks = [m.CommandAck(number, CommandResult.ACCEPTED), *acks]
+            acks = [m.CommandAck(number, m.CommandResult.ACCEPTED), *acks]
         for message in (*acks, *answers) if profile.acks_first else (*answers, *acks):
             vehicle.send(message, source)
         vehicle.outbox += caused
@@ -171,19 +161,19 @@ class ParameterServer:
         own = {**autopilot.parameter_table.moving, **autopilot.defaults_of(version)}
         self.values = {**declared, **own, **autopilot.parameter_table.others, **overrides}
 
-    def answers(self, message: Message) -> list[ParamValue] | None:
+    def answers(self, message: m.Message) -> list[m.ParamValue] | None:
         names = sorted(self.values)
         match message:
-            case ParamRequestList():
+            case m.ParamRequestList():
                 return [self._value(name, index, len(names)) for index, name in enumerate(names)]
-            case ParamRequestRead(_, index) if 0 <= index < len(names):
+            case m.ParamRequestRead(_, index) if 0 <= index < len(names):
                 return [self._value(names[index], index, len(names))]
-            case ParamRequestRead(name, -1):
+            case m.ParamRequestRead(name, -1):
                 return self._named(name, names)
-            case ParamSet(name, value, kind):
+            case m.ParamSet(name, value, kind):
                 self._set(name, value, kind)
                 return self._named(name, names)
-            case ParamRequestRead():
+            case m.ParamRequestRead():
                 return []
         return None
 
@@ -192,16 +182,16 @@ class ParameterServer:
         own = self._types.get(name, REAL32)
         if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
             return
-        number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
+        number = parameter_value(m.ParamValue(name, value, own, 0, 0), self._autopilot)
         if math.isfinite(number):
             self.values[name] = number if own == REAL32 else float(round(number))
 
-    def _named(self, name: str, names: list[str]) -> list[ParamValue]:
+    def _named(self, name: str, names: list[str]) -> list[m.ParamValue]:
         if name not in self.values:
             return []
         index = BY_NAME if self._autopilot.protocol_profile.parameters_by_name else names.index(name)
         return [self._value(name, index, len(names))]
 
-    def _value(self, name: str, index: int, count: int) -> ParamValue:
+    def _value(self, name: str, index: int, count: int) -> m.ParamValue:
         kind = self._types.get(name, REAL32)
-        return ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)
+        return m.ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)

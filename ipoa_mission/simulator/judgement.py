@@ -15,15 +15,12 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
 def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:
-    about = firmware, item.command, item.frame, values_of(item)
-    match kind:
-        case MissionType.FENCE:
-            wrong = autopilot.refusals.fence(*about)
-        case MissionType.RALLY:
-            wrong = autopilot.refusals.rally(*about)
-        case _:
-            wrong = autopilot.refusals.mission(*about, count)
-    return Result.ACCEPTED if wrong is None else Result[wrong.result]
+    refusals, about = autopilot.refusals, (firmware, item.command, item.frame, values_of(item))
+    if kind == MissionType.MISSION:
+        refusal = refusals.mission(*about, count)
+    else:
+        refusal = (refusals.fence if kind == MissionType.FENCE else refusals.rally)(*about)
+    return Result.ACCEPTED if refusal is None else Result[refusal.result]
 
 
 @dataclass(frozen=True)

@@ -4,28 +4,15 @@ import math
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead
-from ipoa_mission.link.messages import (
-    INFO,
-    WARNING,
-    Ack,
-    ClearAll,
-    Count,
-    ItemAt,
-    Message,
-    MissionType,
-    Request,
-    RequestList,
-    Result,
-    Text,
-    WritePartialList,
-)
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, home_item
@@ -33,10 +20,10 @@ from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 from ipoa_mission.world.frame import Geodetic
 
-KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
+KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
 MAX_READERS = 16
 #: Orders in `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
-ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
+ORDERS: Mapping[int, int] = {2: m.Result.ERROR, 3: m.Result.ACCEPTED}
 
 
 class Store:
@@ -90,7 +77,7 @@ class MissionService:
         self,
         profile: MockProfile,
         home: Callable[[], Geodetic],
-        say: Callable[[Message, Target], None],
+        say: Callable[[m.Message, Target], None],
         changed: Callable[[int], None],
         nak_at: int | None = None,
     ) -> None:
@@ -106,22 +93,22 @@ class MissionService:
         self._last_done: tuple[Target, int, int] | None = None
         self._list_ids: dict[int, tuple[tuple[Item, ...], int]] = {}  # by kind
 
-    def receive(self, message: Message, client: Target, now: float) -> bool:
+    def receive(self, message: m.Message, client: Target, now: float) -> bool:
         """Return whether a message belongs to the mission protocol."""
         match message:
-            case Count(count, kind):
+            case m.Count(count, kind):
                 self._begin(count, kind, client, now)
-            case ItemAt():
+            case m.ItemAt():
                 self._take(message, client, now)
-            case RequestList(kind):
+            case m.RequestList(kind):
                 self._list(kind, client, now)
-            case Request():
+            case m.Request():
                 self._read(message, client, now)
-            case Ack():
+            case m.Ack():
                 self._acknowledge(message, client)
-            case ClearAll(kind):
+            case m.ClearAll(kind):
                 self._clear(kind, client)
-            case WritePartialList(first, last, kind):
+            case m.WritePartialList(first, last, kind):
                 self._begin_partial(first, last, kind, client, now)
             case _:
                 return False
@@ -129,7 +116,7 @@ class MissionService:
 
     def tick(self, now: float) -> None:
         for incoming in [*self._incoming.values()]:
-            self._drive(incoming, lambda exchange: exchange.tick(now))
+            self._advance(incoming, lambda exchange: exchange.tick(now))
         for reader, exchange in [*self._readers.items()]:
             try:
                 exchange.tick(now)
@@ -148,17 +135,17 @@ class MissionService:
         return client in clients or any(reader == client for reader, _ in self._readers)
 
     def listed(self, kind: int) -> tuple[Item, ...]:
-        items = self.stores[MissionType(kind)].items
-        if kind == MissionType.MISSION and self._profile.autopilot.counts_home and items:
+        items = self.stores[m.MissionType(kind)].items
+        if kind == m.MissionType.MISSION and self._profile.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
         """Return False if an item is refused."""
-        kind = MissionType.MISSION
+        kind = m.MissionType.MISSION
         if not self.booted or self._slot(kind) in self._incoming or len(items) > self._profile.limits[kind]:
             return False
-        if any(self._judge(item, kind, len(items)) != Result.ACCEPTED for item in items):
+        if any(self._judge(item, kind, len(items)) != m.Result.ACCEPTED for item in items):
             return False
         store = self.stores[kind]
         store.begin(len(items))
@@ -170,10 +157,10 @@ class MissionService:
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
-            self._say(Ack(Result.UNSUPPORTED, kind), client)
+            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
             return
         if not self.booted:
-            self._say(Ack(Result.NO_SPACE, kind), client)
+            self._say(m.Ack(m.Result.NO_SPACE, kind), client)
             return
         busy = self._incoming.get(self._slot(kind))
         if busy:
@@ -184,18 +171,18 @@ class MissionService:
                 self._reply(answer, kind, client)
                 return
         elif not self._profile.separate_lists and self._readers:
-            self._say(Ack(Result.ERROR, kind), client)
+            self._say(m.Ack(m.Result.ERROR, kind), client)
             return
         limit = self._profile.limits[kind]
         if count > limit:
-            self._say(Ack(Result.NO_SPACE, kind), client)
-            self._say(Text(WARNING, f"Only {limit} items are supported"), client)
+            self._say(m.Ack(m.Result.NO_SPACE, kind), client)
+            self._say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
             return
         self._incoming.pop(self._slot(kind), None)
-        self.stores[MissionType(kind)].begin(count)
+        self.stores[m.MissionType(kind)].begin(count)
         if count == 0:
-            self._say(Ack(Result.ACCEPTED, kind), client)
-            self.stores[MissionType(kind)].clear()
+            self._say(m.Ack(m.Result.ACCEPTED, kind), client)
+            self.stores[m.MissionType(kind)].clear()
             self._changed(kind)
             return
         self._open(kind, client, 0, count, now)
@@ -204,91 +191,91 @@ class MissionService:
         if not self._profile.partial_lists or kind not in KINDS:
             return
         if self._slot(kind) in self._incoming:
-            self._say(Ack(Result.DENIED, kind), client)
-        elif not 0 <= first <= last < len(self.stores[MissionType(kind)].items):
-            self._say(Ack(Result.ERROR, kind), client)
-            self._say(Text(WARNING, "Flight plan update rejected"), client)
+            self._say(m.Ack(m.Result.DENIED, kind), client)
+        elif not 0 <= first <= last < len(self.stores[m.MissionType(kind)].items):
+            self._say(m.Ack(m.Result.ERROR, kind), client)
+            self._say(m.Text(m.WARNING, "Flight plan update rejected"), client)
         else:
             self._open(kind, client, first, last + 1, now)
 
     def _open(self, kind: int, client: Target, first: int, end: int, now: float) -> None:
-        def take(seq: int, heard: ItemAt) -> int:
-            result = Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, end)
-            if result == Result.ACCEPTED:
-                self.stores[MissionType(kind)].keep(seq, heard.item)
+        def take(seq: int, heard: m.ItemAt) -> int:
+            result = m.Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, end)
+            if result == m.Result.ACCEPTED:
+                self.stores[m.MissionType(kind)].keep(seq, heard.item)
                 self._incoming[self._slot(kind)].received += 1
             return result
 
         dialogue = fetch(end, kind, take, self._profile.protocol_profile, ItemsRead(kind, end, at=first))
         incoming = Incoming(client, kind, end, 0, Exchange(dialogue, now, self._profile.patience))
         self._incoming[self._slot(kind)] = incoming
-        self._flush(incoming)
+        self._flush(incoming.exchange, incoming.client)
 
-    def _judge(self, item: Item, kind: int, count: int) -> Result:
+    def _judge(self, item: Item, kind: int, count: int) -> m.Result:
         return judge(self._profile.autopilot, self._profile.firmware, item, kind, count)
 
-    def _take(self, message: ItemAt, client: Target, now: float) -> None:
+    def _take(self, message: m.ItemAt, client: Target, now: float) -> None:
         if message.current in ORDERS and self._profile.takes_orders_as_items:
-            self._say(Ack(ORDERS[message.current], message.kind), client)
+            self._say(m.Ack(ORDERS[message.current], message.kind), client)
             return
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming is None or incoming.client != client:
             if self._profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
-                self._say(Ack(Result.ACCEPTED, message.kind), client)
+                self._say(m.Ack(m.Result.ACCEPTED, message.kind), client)
             else:
                 self._reply(self._profile.stray_item, message.kind, client)
         elif incoming.kind != message.kind:
             self._reply(self._profile.wrong_list, message.kind, client)
         else:
-            self._drive(incoming, lambda exchange: exchange.receive(message, now))
+            self._advance(incoming, lambda exchange: exchange.receive(message, now))
 
-    def _drive(self, incoming: Incoming, step: Callable[[Exchange[int]], None]) -> None:
+    def _advance(self, incoming: Incoming, step: Callable[[Exchange[int]], None]) -> None:
         try:
             step(incoming.exchange)
         except (NoAnswer, MissionRefused):
             self._drop(incoming)
             if self._profile.timeout_result is not None:
-                self._say(Ack(self._profile.timeout_result, incoming.kind), incoming.client)
-            self._say(Text(WARNING, self._profile.timeout_text), incoming.client)
+                self._say(m.Ack(self._profile.timeout_result, incoming.kind), incoming.client)
+            self._say(m.Text(m.WARNING, self._profile.timeout_text), incoming.client)
             return
-        self._flush(incoming)
+        self._flush(incoming.exchange, incoming.client)
         if incoming.exchange.finished:
             self._drop(incoming)
             self._conclude(incoming, incoming.exchange.result)
 
     def _conclude(self, incoming: Incoming, result: int) -> None:
         client, kind = incoming.client, incoming.kind
-        store = self.stores[MissionType(kind)]
-        if result == Result.ACCEPTED and kind == MissionType.FENCE:
+        store = self.stores[m.MissionType(kind)]
+        if result == m.Result.ACCEPTED and kind == m.MissionType.FENCE:
             try:
                 fence_from_wire(store.staged)
             except MissionError:
-                result = Result.ERROR
-        if result != Result.ACCEPTED:
-            self._say(Ack(result, kind), client)
+                result = m.Result.ERROR
+        if result != m.Result.ACCEPTED:
+            self._say(m.Ack(result, kind), client)
             return
         store.commit()
         self._last_done = (client, kind, incoming.count - 1)
-        self._say(Ack(result, kind, self.list_id(kind)), client)
+        self._say(m.Ack(result, kind, self.list_id(kind)), client)
         if text := self._profile.stored_text.get(kind):
-            self._say(Text(INFO, text), EVERYONE)
+            self._say(m.Text(m.INFO, text), EVERYONE)
         self._changed(kind)
 
     def _drop(self, incoming: Incoming) -> None:
         if self._incoming.get(self._slot(incoming.kind)) is incoming:
             del self._incoming[self._slot(incoming.kind)]
 
-    def _flush(self, incoming: Incoming) -> None:
-        for message in incoming.exchange.outgoing():
-            self._say(message, incoming.client)
+    def _flush(self, exchange: Exchange[Any], client: Target) -> None:
+        for message in exchange.outgoing():
+            self._say(message, client)
 
     def _list(self, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
-            self._say(Ack(Result.UNSUPPORTED, kind), client)
+            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
         elif self._slot(kind) in self._incoming:
             self._reply(self._profile.read_during_upload, kind, client)
         elif self._profile.reads_item_by_item:
-            self._say(Count(len(self.listed(kind)), kind), client)
+            self._say(m.Count(len(self.listed(kind)), kind), client)
         else:
             exchange = Exchange(offer(self._read_back(kind), kind, Tell), now, self._profile.patience)
             self._readers.pop((client, kind), None)
@@ -308,14 +295,14 @@ class MissionService:
         return items
 
     def list_id(self, kind: int) -> int:
-        items = self.stores[MissionType(kind)].items
+        items = self.stores[m.MissionType(kind)].items
         if not items or not self._profile.reports_list_id:
             return 0
         if self._list_ids.get(kind, ((), 0))[0] is not items:
             self._list_ids[kind] = items, zlib.crc32(repr(items).encode())
         return self._list_ids[kind][1]
 
-    def _read(self, message: Request, client: Target, now: float) -> None:
+    def _read(self, message: m.Request, client: Target, now: float) -> None:
         seq, kind = message.seq, message.kind
         if kind not in KINDS:
             return
@@ -327,30 +314,29 @@ class MissionService:
         elif self._profile.reads_item_by_item:
             items = self._read_back(kind)  # as they are now, even if the list has changed
             if seq < len(items):
-                self._say(ItemAt(seq, items[seq], kind), client)
+                self._say(m.ItemAt(seq, items[seq], kind), client)
                 return
             if not message.legacy:
-                self._say(Count(len(items), kind), client)
-            self._say(Ack(Result.INVALID_SEQUENCE, kind), client)
+                self._say(m.Count(len(items), kind), client)
+            self._say(m.Ack(m.Result.INVALID_SEQUENCE, kind), client)
 
-    def _acknowledge(self, message: Ack, client: Target) -> None:
+    def _acknowledge(self, message: m.Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
-        if incoming and incoming.client == client and message.result == Result.OPERATION_CANCELLED:
+        if incoming and incoming.client == client and message.result == m.Result.OPERATION_CANCELLED:
             if self._profile.obeys_cancel:
                 self._drop(incoming)
             return
         self._readers.pop((client, message.kind), None)
 
     def _flush_reader(self, reader: tuple[Target, int], exchange: Exchange[int | None]) -> None:
-        for message in exchange.outgoing():
-            self._say(message, reader[0])
+        self._flush(exchange, reader[0])
         if exchange.finished:
             self._readers.pop(reader, None)
 
     def _clear(self, kind: int, client: Target) -> None:
-        kinds = KINDS if kind == MissionType.ALL else tuple(known for known in KINDS if known == kind)
+        kinds = KINDS if kind == m.MissionType.ALL else tuple(known for known in KINDS if known == kind)
         if kind not in KINDS and not self._profile.clears_all:
-            self._say(Ack(Result.UNSUPPORTED, kind), client)
+            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
             return
         busy = {self._slot(each) for each in kinds} & set(self._incoming)
         if busy and self._profile.clear_during_upload is not Answer.OBEY:
@@ -361,7 +347,7 @@ class MissionService:
         for each in kinds:
             self.stores[each].clear()
             self._changed(each)
-        self._say(Ack(Result.ACCEPTED, kind), client)
+        self._say(m.Ack(m.Result.ACCEPTED, kind), client)
 
     def _slot(self, kind: int) -> int:
         """Return the key of transfers that exclude each other."""
@@ -370,8 +356,8 @@ class MissionService:
     def _reply(self, answer: Answer, kind: int, client: Target) -> None:
         match answer:
             case Answer.TEXT:
-                self._say(Text(WARNING, "mission transfer busy"), client)
+                self._say(m.Text(m.WARNING, "mission transfer busy"), client)
             case Answer.DENIED:
-                self._say(Ack(Result.DENIED, kind), client)
+                self._say(m.Ack(m.Result.DENIED, kind), client)
             case Answer.ERROR:
-                self._say(Ack(Result.ERROR, kind), client)
+                self._say(m.Ack(m.Result.ERROR, kind), client)

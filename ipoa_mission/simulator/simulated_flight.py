@@ -58,11 +58,7 @@ class Pilots:
 
 class SimulatedFlight:
     def __init__(
-        self,
-        autopilot: Autopilot,
-        home: Geodetic,
-        parameters: Parameters,
-        conditions: Conditions = STANDARD_CONDITIONS,
+        self, autopilot: Autopilot, home: Geodetic, parameters: Parameters, conditions: Conditions = STANDARD_CONDITIONS
     ) -> None:
         """`parameters` are read again at each arming."""
         self.autopilot = autopilot

@@ -5,22 +5,10 @@ from collections.abc import Callable, Mapping, Set
 from dataclasses import astuple
 from enum import IntFlag
 
+from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.telemetry import (
-    Attitude,
-    BatteryStatus,
-    ExtendedState,
-    GlobalOrigin,
-    Gps,
-    HomePosition,
-    Hud,
-    LocalPosition,
-    Position,
-    SystemStatus,
-    SystemTime,
-)
 from ipoa_mission.link.vehicle_state import PREARM_CHECK
 from ipoa_mission.link.wire import saturated
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
@@ -109,55 +97,48 @@ class Schedule:
         return self._wishes.get(listener, {}).get(name, self._usual.get(name, math.inf))
 
 
-def position(flight: SimulatedFlight, now: float) -> Position:
+def _position(flight: SimulatedFlight, now: float) -> telemetry.Position:
     at, (east, north, up) = flight.position, flight.velocity
-    return Position(
-        now,
-        at.latitude_deg,
-        at.longitude_deg,
-        at.altitude,
-        at.altitude - flight.home.altitude,
-        (float(north), float(east), -float(up)),
-        flight.yaw,
-    )
+    height, velocity = at.altitude - flight.home.altitude, (float(north), float(east), -float(up))
+    return telemetry.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, flight.yaw)
 
 
-def _local(flight: SimulatedFlight, now: float) -> LocalPosition:
+def _local(flight: SimulatedFlight, now: float) -> telemetry.LocalPosition:
     (east, north, up), (ve, vn, vu) = flight.local, flight.velocity
-    return LocalPosition(now, (float(north), float(east), -float(up)), (float(vn), float(ve), -float(vu)))
+    return telemetry.LocalPosition(now, (float(north), float(east), -float(up)), (float(vn), float(ve), -float(vu)))
 
 
-def _gps(flight: SimulatedFlight, now: float) -> Gps:
+def _gps(flight: SimulatedFlight, now: float) -> telemetry.Gps:
     at, (east, north, _) = flight.position, flight.velocity
-    return Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
+    return telemetry.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
 
 
-def _hud(flight: SimulatedFlight, now: float) -> Hud:
+def _hud(flight: SimulatedFlight, now: float) -> telemetry.Hud:
     east, north, up = flight.velocity
     speed = math.hypot(east, north)
     heading = saturated(math.degrees(flight.yaw)) % 360
-    return Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
+    return telemetry.Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
 
 
 FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
-    "GLOBAL_POSITION_INT": position,
+    "GLOBAL_POSITION_INT": _position,
     "LOCAL_POSITION_NED": _local,
     "GPS_RAW_INT": _gps,
-    "BATTERY_STATUS": lambda flight, now: BatteryStatus(0, 12.6, -0.01, 100),
-    "ATTITUDE": lambda flight, now: Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
+    "BATTERY_STATUS": lambda flight, now: telemetry.BatteryStatus(0, 12.6, -0.01, 100),
+    "ATTITUDE": lambda flight, now: telemetry.Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
     "VFR_HUD": _hud,
-    "EXTENDED_SYS_STATE": lambda flight, now: ExtendedState(1 if flight.landed else 2),
-    "SYSTEM_TIME": lambda flight, now: SystemTime(0.0, now),
-    "HOME_POSITION": lambda flight, now: HomePosition(*astuple(flight.home)),
-    "GPS_GLOBAL_ORIGIN": lambda flight, now: GlobalOrigin(*astuple(flight.home)),
+    "EXTENDED_SYS_STATE": lambda flight, now: telemetry.ExtendedState(1 if flight.landed else 2),
+    "SYSTEM_TIME": lambda flight, now: telemetry.SystemTime(0.0, now),
+    "HOME_POSITION": lambda flight, now: telemetry.HomePosition(*astuple(flight.home)),
+    "GPS_GLOBAL_ORIGIN": lambda flight, now: telemetry.GlobalOrigin(*astuple(flight.home)),
 }
 
 
-def status(is_ready: bool, reports_prearm: bool) -> SystemStatus:
+def status(is_ready: bool, reports_prearm: bool) -> telemetry.SystemStatus:
     """A passed pre-arm check is healthy, on PX4 without being present."""
     sensors = sum(Sensor)
     bits = sensors | (PREARM_CHECK if reports_prearm else 0)
-    return SystemStatus(bits, bits, sensors | (PREARM_CHECK if is_ready else 0))
+    return telemetry.SystemStatus(bits, bits, sensors | (PREARM_CHECK if is_ready else 0))
 
 
 #: As a stream or on request.

@@ -36,15 +36,11 @@ class HHO:
             # eq. (1) of Heidari et al.
             other = x[rng.integers(n, size=n)]
             perch = np.where(
-                q < 0.5,
-                other - r1 * np.abs(other - 2 * r2 * x),
-                rabbit - mean - r3 * (box.lower + r4 * span),
+                q < 0.5, other - r1 * np.abs(other - 2 * r2 * x), rabbit - mean - r3 * (box.lower + r4 * span)
             )
             # eq. (6), or soft by (4)
             besiege = np.where(
-                hard,
-                rabbit - energy * np.abs(rabbit - x),
-                rabbit - x - energy * np.abs(jump * rabbit - x),
+                hard, rabbit - energy * np.abs(rabbit - x), rabbit - x - energy * np.abs(jump * rabbit - x)
             )
             # eqs. (7) and (12); if not better, (8) and (13) with a Levy step
             dive = rabbit - energy * np.abs(jump * rabbit - np.where(hard, mean, x))  # Y
