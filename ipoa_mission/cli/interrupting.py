@@ -74,10 +74,10 @@ def showing_stage(stage: "Stage") -> "Iterator[Progress]":
         Stage.UPLOAD: ("the mission on the vehicle may be the old or the new one", str(Stage.STORED)),
         Stage.STORED: (str(Stage.STORED), str(Stage.STORED)),
         Stage.READY: ("the vehicle was not armed", ""),
-        Stage.START: ("the start was not completed", "the vehicle was started"),
+        Stage.START: ("the start may have been completed", "the vehicle was started"),
         Stage.FLIGHT: ("the vehicle flies on, unwatched", ""),
     }[stage]
-    hint = "look at the vehicle: it may be armed" if stage is Stage.START else None
+    hint = "look at the vehicle: it may be flying" if stage is Stage.START else None
     waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
     is_long = stage not in (Stage.CHECK, Stage.STORED)
     words = "starting" if stage is Stage.START else stage

@@ -47,7 +47,7 @@ STAGES = {
     ),
     Stage.STORED: (procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
     Stage.READY: (Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
-    Stage.START: (Vehicle, "start after", f"{STORED}; the start was not completed", (6.0, 41.0), 3, True),
+    Stage.START: (Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
     Stage.FLIGHT: (
         Vehicle,
         "watch",
@@ -115,7 +115,7 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         assert there.flight.armed is armed
     told = json.loads(ended.out)
     assert (ended.code, told["exit_code"], told["error"]) == (130, 130, words)
-    assert told["hint"] == ("look at the vehicle: it may be armed" if stage is Stage.START else None)
+    assert told["hint"] == ("look at the vehicle: it may be flying" if stage is Stage.START else None)
     assert told["written"] == ["hop.tlog"]
     assert told["completed"] is False
     assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
