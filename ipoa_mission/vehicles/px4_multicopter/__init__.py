@@ -1,1 +1,1 @@
-"""PX4 1.13 to 1.18 on a multicopter: one folder is the whole plug-in, with the files of `arducopter`."""
+"""PX4 on a multicopter, measured on 1.17 and 1.18: one folder is the whole plug-in, like `arducopter`."""
