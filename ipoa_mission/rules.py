@@ -136,7 +136,7 @@ RULES: Mapping[str, Rule] = {
         "Give its height, as in the hint, or fly around it.", True),
     "not-read": Rule("A file has content that may be an obstacle, a zone or another limit, and was not read.",
         "Follow the hint. If it limits nothing, ignore this code with `--ignore` or `safety.ignore`.", False),
-    "readers-differ": Rule("GDAL finds other shapes in a map.", "Look at them.", False),
+    "readers-differ": Rule("GDAL finds other shapes in a map.", "Compare both readings, and correct the file.", False),
     "fast-touchdown": Rule("The vehicle touches down above its landing speed, on ground that is higher than home.",
         "Set the parameters in the hint.", True),
     "slow-landing": Rule("The last part of a landing is long and slow, on ground that is lower than home.",

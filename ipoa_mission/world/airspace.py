@@ -149,7 +149,7 @@ class Airspace:
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """Return the least height above ground of the legs between `points`."""
+        """Return the least height above ground of the legs between `points`; `within`: see `obstacle_clearance`."""
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:

@@ -1,4 +1,4 @@
-"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION, and its deviation law.
+"""Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18, and its deviation law.
 
 Noisy height estimates shift home for two minutes: one quiet run gives the path, many noisy ones the mean and spread.
 """

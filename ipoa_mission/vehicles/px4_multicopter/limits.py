@@ -15,7 +15,7 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEAS
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR of a vehicle without one [m]
 RELAXED_THRUST = 0.6  # low thrust, from least to hover thrust, if that is learned
-BRAKES_LATE = 0.6  # LAND and hold [s]
+BRAKES_LATE = 0.6  # from the order of LAND or hold to braking, as flown [s]
 STAGES = 3  # contact, maybe landed, landed
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first

@@ -25,7 +25,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, 
 
 ROOM = 64  # for samples
 
-SETTLED_S = 30.0  # [s]
+SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
 
 
 def past_cruise(state: State, order: Order, law: Law) -> State:
