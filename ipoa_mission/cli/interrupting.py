@@ -36,12 +36,12 @@ def run_interruptible(command: Callable[[], object]) -> None:
         command()
     except SystemExit as ended:
         if ended.code == Interrupted.exit_code:  # Typer ends this way
-            raise interrupted(stopped()) from None
+            raise as_interrupted(interruption_report()) from None
         raise
     except KeyboardInterrupt:
-        raise interrupted(stopped()) from None
+        raise as_interrupted(interruption_report()) from None
     except MissionError as error:
-        raise interrupted(error) from None
+        raise as_interrupted(error) from None
 
 
 @contextmanager
@@ -51,9 +51,9 @@ def reporting_interrupt(words: str, hint: str | None = None, after: str = "") ->
     try:
         yield
     except KeyboardInterrupt:
-        raise stopped(hint, words) from None
+        raise interruption_report(hint, words) from None
     except MissionError as error:
-        if (ended := interrupted(error, hint, words)) is not error:
+        if (ended := as_interrupted(error, hint, words)) is not error:
             raise ended from None
         raise
     done.pop(words, None)
@@ -102,15 +102,15 @@ def note_flown(name: str, is_armed: bool) -> None:
     done[name] = f"{name}: the vehicle {'is armed, and no longer watched' if is_armed else 'is disarmed'}"
 
 
-def interrupted(error: MissionError, hint: str | None = None, words: str = "") -> MissionError:
+def as_interrupted(error: MissionError, hint: str | None = None, words: str = "") -> MissionError:
     from ipoa_mission.link.dialogue import Cancelled
 
     if isinstance(error, Cancelled):
-        ended = stopped(error.hint or hint, words)
+        ended = interruption_report(error.hint or hint, words)
         if error.holds is not None:
             done.pop(words, None)
             words = str(error)
-            ended = stopped(ended.hint, words) if any(done.values()) else Interrupted(words, ended.hint)
+            ended = interruption_report(ended.hint, words) if any(done.values()) else Interrupted(words, ended.hint)
         ended.known = error.known
         error = ended
     if isinstance(error, Interrupted) and (files := _files_written()):
@@ -118,7 +118,7 @@ def interrupted(error: MissionError, hint: str | None = None, words: str = "") -
     return error
 
 
-def stopped(hint: str | None = None, words: str = "") -> Interrupted:
+def interruption_report(hint: str | None = None, words: str = "") -> Interrupted:
     """Return the error of Ctrl-C; it reports `words` last."""
     left = [*filter(None, (change for change in done.values() if change != words)), *filter(None, [words])]
     if not left and not _files_written():

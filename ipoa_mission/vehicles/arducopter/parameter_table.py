@@ -120,7 +120,7 @@ SET_UP: Mapping[str, Declared] = {
     "FS_GCS_ENABLE": (0.0, INT8),
 }
 
-OTHERS = {
+STATION_PARAMETERS = {
     "MAV_SYSID": 1.0,
     "FRAME_CLASS": 1.0,
     "ARMING_CHECK": 1.0,
@@ -186,7 +186,7 @@ UNITS = {
 
 PARAMETER_TABLE = ParameterTable(
     moving=DEFAULTS,
-    others=OTHERS,
+    others=STATION_PARAMETERS,
     set_up=SET_UP,
     types=TYPES,
     climb=Quantity("WPNAV_SPEED_UP", 0.01),

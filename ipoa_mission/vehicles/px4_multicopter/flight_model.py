@@ -37,8 +37,8 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
-    law,
-    plan,
+    build_law,
+    orders_of_itinerary,
     stopping_place,
     way_down,
     way_home,
@@ -208,10 +208,10 @@ class Flights:
         self.route, self.airframe, self.wind = route, airframe_of(mission.vehicle), wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.plan = plan(route, self.limits, self.airframe.landing_delay)
+        self.plan = orders_of_itinerary(route, self.limits, self.airframe.landing_delay)
         self.orders = self.plan.orders
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
-        with_noise = law(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        with_noise = build_law(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
     def broken_off(

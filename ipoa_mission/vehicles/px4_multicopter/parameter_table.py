@@ -96,7 +96,7 @@ SET_UP: Mapping[str, Declared] = {
     "NAV_RCL_ACT": (2.0, INT32),
 }
 
-OTHERS = {
+STATION_PARAMETERS = {
     "MAV_SYS_ID": 1.0,
     "SYS_AUTOSTART": 4001.0,
     "GF_ACTION": 2.0,
@@ -156,7 +156,7 @@ UNITS = dict.fromkeys(
 
 PARAMETER_TABLE = ParameterTable(
     moving=DEFAULTS,
-    others=OTHERS,
+    others=STATION_PARAMETERS,
     set_up=SET_UP,
     types=TYPES,
     climb=Quantity("MPC_Z_V_AUTO_UP"),

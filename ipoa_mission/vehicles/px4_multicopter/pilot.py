@@ -12,7 +12,7 @@ from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, S
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
-    law,
+    build_law,
     leg,
     stay,
     take_off,
@@ -37,7 +37,7 @@ class PX4Pilot:
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
         self._parameters = parameters
-        self._law = law(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
+        self._law = build_law(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []

@@ -6,9 +6,9 @@ from typing import NamedTuple
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     BEFORE,
-    BESIDE,
     BEYOND,
     LAND,
+    OFF_LINE,
     ON_LINE,
     TAKE_OFF,
     ZERO,
@@ -143,7 +143,7 @@ AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
 TURNING = 0.98  # cosine between velocity and aim in a turn
 LEAST_AHEAD = 5.0  # look-ahead in a turn, at least the acceptance radius [m]
 MOVING = 0.2  # least speed of a turn [m/s]
-SLOW = 0.5  # below, level and vertical parts are cut separately [m/s]
+SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
 class Way(NamedTuple):
@@ -172,8 +172,8 @@ def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
     elif along < 0.0 and along * along + across * across > order.radius * order.radius:
         side = BEFORE
     elif order.kind != LAND and across > order.radius:
-        side = BESIDE
-    if side == was.side and side != BESIDE:
+        side = OFF_LINE
+    if side == was.side and side != OFF_LINE:
         return was
     return Guidance(side, at, was.held, was.rising)
 
@@ -197,7 +197,7 @@ def way(guidance: Guidance, order: Order) -> Way:
         return Way(at, goal, beyond)
     if guidance.side == BEFORE:
         return Way(at, start, goal)
-    if guidance.side == BESIDE:
+    if guidance.side == OFF_LINE:
         length, along, _ = beside_leg(at, start, goal)
         share = along / length
         east, north = start.east + share * (goal.east - start.east), start.north + share * (goal.north - start.north)
@@ -280,10 +280,10 @@ def within(aim: Enu, fast: float, rise: float) -> Enu:
     flat = math.sqrt(east * east + north * north)
     if flat > fast:
         east, north = east * fast / flat, north * fast / flat
-        if fast >= SLOW or flat >= SLOW:
+        if fast >= SEPARATE_AXES_SPEED or flat >= SEPARATE_AXES_SPEED:
             up *= fast / flat
     if abs(up) > rise:
-        if rise >= SLOW or abs(up) >= SLOW:
+        if rise >= SEPARATE_AXES_SPEED or abs(up) >= SEPARATE_AXES_SPEED:
             east, north = east * rise / abs(up), north * rise / abs(up)
         up *= rise / abs(up)
     return Enu(east, north, up)

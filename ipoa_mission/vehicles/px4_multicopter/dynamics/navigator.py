@@ -15,10 +15,10 @@ from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-ANYWHERE = 1e9  # without effect [m]
+UNLIMITED_RADIUS = 1e9  # without effect [m]
 
 
-def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
+def build_law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
@@ -52,7 +52,9 @@ def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4L
 
 def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
     order = leg(here, here, None, limits, limits.cruise)
-    return [order._replace(radius=ANYWHERE, height_radius=ANYWHERE, holds=seconds)] if seconds > 0 else []
+    return (
+        [order._replace(radius=UNLIMITED_RADIUS, height_radius=UNLIMITED_RADIUS, holds=seconds)] if seconds > 0 else []
+    )
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
@@ -82,7 +84,7 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
     far = math.hypot(here.east - home.east, here.north - home.north)
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
-    climb = [leg(top, top, None, limits, cruise)._replace(radius=ANYWHERE)] if top != here else []
+    climb = [leg(top, top, None, limits, cruise)._replace(radius=UNLIMITED_RADIUS)] if top != here else []
     *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
     way = [order._replace(start=order.goal) for order in way]
     over = down.goal._replace(up=top.up)
@@ -110,7 +112,7 @@ class Planned(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
+def orders_of_itinerary(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
     """Return the orders of an itinerary, from the ground, or from over home.
 
     It disarms `landing_delay` s later.

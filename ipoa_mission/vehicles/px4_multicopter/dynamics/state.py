@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindLevel
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # orders
-ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4
+ON_LINE, BEYOND, BEFORE, OFF_LINE, UNKNOWN = 0, 1, 2, 3, 4
 NOT_YET = -1.0
 
 
