@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 Points: TypeAlias = NDArray[np.float64]  # (n, 3) east, north, up [m]
 Vector: TypeAlias = NDArray[np.float64]  # (n,)
+Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
 GRAVITY = 9.80665  # standard [m/s^2]
 

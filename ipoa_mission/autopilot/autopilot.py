@@ -19,10 +19,11 @@ from ipoa_mission.autopilot.guidance_profile import (
     WaypointDefaults,
 )
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
+from ipoa_mission.geometry import Place
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector

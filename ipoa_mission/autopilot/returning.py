@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeAlias
+
+from ipoa_mission.geometry import Place
 
 
 class Contingency(StrEnum):
@@ -25,8 +26,6 @@ class FlightStage(StrEnum):
     RETURN = "return"
     LANDING = "landing"
 
-
-Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
 HOME: Place = (0.0, 0.0, 0.0)
 

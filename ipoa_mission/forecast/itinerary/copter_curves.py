@@ -11,8 +11,8 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
-from ipoa_mission.forecast.itinerary.program import Place, over_terrain
-from ipoa_mission.geometry import Points
+from ipoa_mission.forecast.itinerary.program import over_terrain
+from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item
 
 NEAR_CIRCLE = 3.0  # [m]

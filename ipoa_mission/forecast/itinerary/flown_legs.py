@@ -26,8 +26,8 @@ from ipoa_mission.forecast.itinerary.copter_curves import (
     spline_tangents,
     turn_of,
 )
-from ipoa_mission.forecast.itinerary.program import Place, as_flown, led_to, next_navigated, onward, over_terrain
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.forecast.itinerary.program import as_flown, led_to, next_navigated, onward, over_terrain
+from ipoa_mission.geometry import Place, Points, Vector, arc_lengths
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground

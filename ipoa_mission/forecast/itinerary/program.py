@@ -27,11 +27,10 @@ from ipoa_mission.autopilot.commands import (
 )
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 MAX_ACTIONS = 255  # in passing, of ArduPilot
 

@@ -15,7 +15,7 @@ from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM, Wind
 
@@ -47,9 +47,6 @@ class Prediction:
     remarks: tuple[str, ...] = ()
     missed: tuple[Missed, ...] = ()
     touched: tuple[float, float, float] | None = None
-
-
-Place = tuple[float, float, float]
 
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:

@@ -20,7 +20,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-Place: TypeAlias = tuple[float, float, float]
+LonLatUp: TypeAlias = tuple[float, float, float]
 """Longitude [deg], latitude [deg], altitude [m]."""
 
 
@@ -28,11 +28,11 @@ Place: TypeAlias = tuple[float, float, float]
 class Stretch:
     """Points that do not cross the antimeridian; AMSL, or above the ground if `over_terrain`."""
 
-    points: tuple[Place, ...]
+    points: tuple[LonLatUp, ...]
     over_terrain: bool
 
 
-def marks_of(mission: Mission) -> Iterator[tuple[str, Place]]:
+def marks_of(mission: Mission) -> Iterator[tuple[str, LonLatUp]]:
     """Yield home and the rally points with their names, AMSL."""
     home = mission.home
     yield "home", (home.longitude_deg, home.latitude_deg, home.altitude)
@@ -66,7 +66,7 @@ def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Ite
     yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
 
 
-def _cut_at_antimeridian(places: list[Place]) -> list[list[Place]]:
+def _cut_at_antimeridian(places: list[LonLatUp]) -> list[list[LonLatUp]]:
     """Cut a line at longitude 180: RFC 7946, 3.1.9."""
     lines = [[places[0]]]
     for place in places[1:]:
@@ -185,7 +185,7 @@ def _kml_fence(document: Tree.Element, mission: Mission) -> None:
         _element(boundary, "coordinates", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
 
 
-def _kml_point(parent: Tree.Element, name: str, place: Place, over_terrain: bool = False) -> None:
+def _kml_point(parent: Tree.Element, name: str, place: LonLatUp, over_terrain: bool = False) -> None:
     point = _element(_placemark(parent, name), "Point")
     _element(point, "altitudeMode", "relativeToGround" if over_terrain else "absolute")
     _element(point, "coordinates", _coordinates([place]))
@@ -205,7 +205,7 @@ def _placemark(parent: Tree.Element, name: str, style: str | None = None) -> Tre
     return placemark
 
 
-def _coordinates(places: Iterable[Place]) -> str:
+def _coordinates(places: Iterable[LonLatUp]) -> str:
     return " ".join(f"{lon:.9f},{lat:.9f},{alt:.3f}" for lon, lat, alt in places)
 
 
@@ -230,7 +230,7 @@ def to_gpx(forecast: Forecast, name: str) -> str:
     return _text_of(root)
 
 
-def _gpx_point(parent: Tree.Element, tag: str, place: Place, name: str = "") -> None:
+def _gpx_point(parent: Tree.Element, tag: str, place: LonLatUp, name: str = "") -> None:
     longitude, latitude, amsl = place
     point = _element(parent, tag, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
     if math.isfinite(amsl):

@@ -13,10 +13,10 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
-from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
 from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import FlightMode, MissionState, SimulatedVehicle, Situation

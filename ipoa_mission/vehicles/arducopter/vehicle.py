@@ -22,10 +22,11 @@ from ipoa_mission.autopilot.guidance_profile import (
     ProtocolProfile,
 )
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, Place, level_distance
+from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, level_distance
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.geometry import Place
 from ipoa_mission.vehicles.arducopter import failsafes
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS

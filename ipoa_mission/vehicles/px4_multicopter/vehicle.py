@@ -26,7 +26,6 @@ from ipoa_mission.autopilot.returning import (
     HOME,
     Contingency,
     MissionLanding,
-    Place,
     ReturnBy,
     ReturnRoute,
     level_distance,
@@ -34,6 +33,7 @@ from ipoa_mission.autopilot.returning import (
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.geometry import Place
 from ipoa_mission.vehicles.px4_multicopter import failsafes
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,

@@ -13,7 +13,7 @@ from ipoa_mission.forecast.itinerary.copter_curves import (
     minus,
     spline_tangents,
 )
-from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.geometry import Place
 from ipoa_mission.vehicles.arducopter.braking import circle_spin
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     HOLD,

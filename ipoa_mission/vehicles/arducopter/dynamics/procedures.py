@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_entry, circle_radius, circle_turn
-from ipoa_mission.forecast.itinerary.program import Place, Program
+from ipoa_mission.forecast.itinerary.program import Program
+from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.legs import straight_leg
