@@ -17,7 +17,7 @@ from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
 from ipoa_mission.world.frame import Geodetic
-from tests.held import PX4_117
+from tests.px4_waypoints import PX4_117
 
 T = TypeVar("T")
 HOME = Geodetic(47.4, 8.5, 400.0)

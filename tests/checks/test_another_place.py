@@ -14,8 +14,8 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.world.frame import Geodetic
-from tests.found import found
-from tests.held import waypoint
+from tests.finding_codes import found
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 HERE, THERE = Geodetic(47.4, 8.5, 400.0), Geodetic(46.923284, 80.512554, 1155.6)

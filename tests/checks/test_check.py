@@ -26,9 +26,9 @@ from ipoa_mission.mission.items import (
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic
-from tests.found import found
-from tests.held import PX4_117
+from tests.finding_codes import found
 from tests.mission_strategies import missions
+from tests.px4_waypoints import PX4_117
 from tests.recorded_flights import FLIGHTS, read_flight
 
 FILES = Path(__file__).parents[1] / "mission" / "files"

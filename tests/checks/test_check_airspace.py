@@ -22,8 +22,8 @@ from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
-from tests.found import found
-from tests.held import waypoint
+from tests.finding_codes import found
+from tests.px4_waypoints import waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 WORLD = """

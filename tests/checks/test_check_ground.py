@@ -12,7 +12,7 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_forecast
 from tests.examples import vehicles
-from tests.held import waypoint
+from tests.px4_waypoints import waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 

@@ -22,7 +22,7 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
-from tests.held import waypoint
+from tests.px4_waypoints import waypoint
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
 

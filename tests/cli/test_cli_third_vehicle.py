@@ -19,7 +19,6 @@ from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
-from ipoa_mission.autopilot.returning import Place
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
@@ -29,7 +28,7 @@ from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import Pilots

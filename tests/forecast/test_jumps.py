@@ -17,7 +17,7 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.world.frame import Geodetic
-from tests.found import found
+from tests.finding_codes import found
 from tests.refused import refuses
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

@@ -20,8 +20,8 @@ from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tests.held import waypoint
 from tests.link_pair import far_end, line_of
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)

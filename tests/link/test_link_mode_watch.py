@@ -19,9 +19,9 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
-from tests.held import waypoint
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
+from tests.px4_waypoints import waypoint
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 THERE = Geodetic(47.4010, 8.5, 400.0)

@@ -22,9 +22,9 @@ from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.world.frame import Geodetic
-from tests.held import waypoint
 from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
+from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -12,7 +12,7 @@ from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.world.frame import LocalFrame
-from tests.held import PX4_117
+from tests.px4_waypoints import PX4_117
 
 ODD = Path(__file__).parent.parent / "odd"
 SAID: dict[str, list[str]] = tomllib.loads((ODD / "findings.toml").read_text(encoding="utf-8"))

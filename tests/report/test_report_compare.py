@@ -18,7 +18,7 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.page import report_html
 from ipoa_mission.world.frame import LocalFrame
-from tests.held import PX4_117
+from tests.px4_waypoints import PX4_117
 from tests.report.conftest import Bowed, Foreseen
 
 RECORDED = Path(__file__).parents[1] / "flights"

@@ -41,7 +41,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.situation import Conditions
-from tests.held import PX4_117
+from tests.px4_waypoints import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
 STATION, SPEEDUP = 245, 4.0

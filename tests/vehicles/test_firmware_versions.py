@@ -12,7 +12,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.world.frame import Geodetic
-from tests.found import found
+from tests.finding_codes import found
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
