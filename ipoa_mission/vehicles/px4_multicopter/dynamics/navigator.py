@@ -15,7 +15,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-UNLIMITED_RADIUS = 1e9  # without effect [m]
+ANY_RADIUS = 1e9  # without effect [m]
 
 
 def build_law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
@@ -52,9 +52,7 @@ def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4L
 
 def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
     order = leg(here, here, None, limits, limits.cruise)
-    return (
-        [order._replace(radius=UNLIMITED_RADIUS, height_radius=UNLIMITED_RADIUS, holds=seconds)] if seconds > 0 else []
-    )
+    return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, holds=seconds)] if seconds > 0 else []
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
@@ -84,7 +82,7 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
     far = math.hypot(here.east - home.east, here.north - home.north)
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
-    climb = [leg(top, top, None, limits, cruise)._replace(radius=UNLIMITED_RADIUS)] if top != here else []
+    climb = [leg(top, top, None, limits, cruise)._replace(radius=ANY_RADIUS)] if top != here else []
     *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
     way = [order._replace(start=order.goal) for order in way]
     over = down.goal._replace(up=top.up)
