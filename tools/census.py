@@ -57,12 +57,9 @@ def lines() -> Iterator[str]:
 def small_files() -> Iterator[str]:
     """Return modules under 60 lines, without those that only describe a folder."""
     for path, tree in trees().items():
-        if not _only_describes(tree) and len(path.read_text(encoding="utf-8").splitlines()) < SMALL_FILE:
+        describes = all(isinstance(node, ast.Expr) for node in tree.body)
+        if not describes and len(path.read_text(encoding="utf-8").splitlines()) < SMALL_FILE:
             yield name_of(path)
-
-
-def _only_describes(tree: ast.Module) -> bool:
-    return all(isinstance(node, ast.Expr) for node in tree.body)
 
 
 @cache
