@@ -23,10 +23,9 @@ from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTe
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
-from ipoa_mission.geometry import Place
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Points, Vector
+    from ipoa_mission.geometry import Place, Points, Vector
 
 Part = TypeVar("Part")
 STATIONARY_SPEED = 0.1  # [m/s]
@@ -164,7 +163,7 @@ class Autopilot(metaclass=_ByName):
         """Return the active fence; None: without effect."""
 
     @abstractmethod
-    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
+    def goal_of_return(self, parameters: Parameters, here: "Place", rally: "Sequence[Place]") -> int | None:
         """Return the index of a return's rally point; None: home. Parameters by their older names."""
 
     @abstractmethod
@@ -174,8 +173,8 @@ class Autopilot(metaclass=_ByName):
     def return_route(
         self,
         parameters: Parameters,
-        here: Place,
-        rally: Sequence[Place],
+        here: "Place",
+        rally: "Sequence[Place]",
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:

@@ -3,8 +3,10 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
-from ipoa_mission.geometry import Place
+if TYPE_CHECKING:
+    from ipoa_mission.geometry import Place
 
 
 class Contingency(StrEnum):
@@ -27,10 +29,10 @@ class FlightStage(StrEnum):
     LANDING = "landing"
 
 
-HOME: Place = (0.0, 0.0, 0.0)
+HOME: "Place" = (0.0, 0.0, 0.0)
 
 
-def level_distance(start: Place, end: Place) -> float:
+def level_distance(start: "Place", end: "Place") -> float:
     return math.hypot(start[0] - end[0], start[1] - end[1])
 
 
@@ -57,7 +59,7 @@ class MissionLanding:
     `ahead`: from the current item to DO_LAND_START or LAND. `behind`: from the first item.
     """
 
-    place: Place
+    place: "Place"
     ahead: int
     behind: int
 
