@@ -7,13 +7,13 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.link.channel import Address, LinkDown, Transport, UdpChannel, open_channel, parse_address
-from ipoa_mission.link.codec import EVERYONE, Codec, Target
+from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
 from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, MissionType, Text
+from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, Message, MissionType, Text
 from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
@@ -321,3 +321,26 @@ def test_our_own_heartbeat_goes_out_every_second() -> None:
 def test_a_line_opens_for_listening_alone() -> None:
     with open_line("udpin:127.0.0.1:0") as line:
         assert line.receive(line.channel.now()) == []
+
+
+class Hidden(Carrier):
+    """A link that hides its peers, as MAVSDK's."""
+
+    def now(self) -> float:
+        return 0.0
+
+    def send(self, message: Message, target: Target = EVERYONE) -> None: ...
+
+    def receive(self, until: float) -> list[Heard]:
+        return []
+
+    def close(self) -> None: ...
+
+
+def test_a_link_that_hides_its_peers_gives_no_cause_and_is_not_reopened() -> None:
+    link = Hidden()
+    link.note_answer(EVERYONE)
+    link.expect_alone(1)
+    link.reopen()
+    assert link.no_reply_cause(EVERYONE) is None
+    assert not link.reopens
