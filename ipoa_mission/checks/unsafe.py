@@ -1,4 +1,4 @@
-"""Refuse a mission with errors, or a scenario of which something was not read."""
+"""Refuse a mission with errors, or a scenario with unread content."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace

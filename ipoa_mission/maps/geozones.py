@@ -186,7 +186,7 @@ def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
         lower = None
     if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:
         words = f"{lower.height:g} m, {upper.height:g} m"
-        odd.append(NotUnderstood("limits, of which the upper is not above the lower", words))
+        odd.append(NotUnderstood("an upper limit that is not above the lower one", words))
         lower = upper = None
     return ZoneLimits(lower, upper, tuple(odd))
 

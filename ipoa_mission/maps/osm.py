@@ -241,7 +241,7 @@ def feature_of(
     if shapely.is_empty(shape):
         hull = shapely.MultiPoint(known).convex_hull if known else EMPTY_SHAPE
         remedy = "export a larger part of the map, with everything that crosses its edge"
-        missing = Missing("of which a part is not in the file", hull, remedy, elsewhere=not known)
+        missing = Missing("with a part that is not in the file", hull, remedy, elsewhere=not known)
     return Feature(place, shape, {**tags, "@id": name.replace(" ", "/", 1)}, missing=missing)
 
 

@@ -53,7 +53,7 @@ def _count_equal(one: str, other: str) -> int:
 
 @dataclass
 class Journal:
-    """The text, that last `saved` or read, and the edits, of which the first `done` are applied."""
+    """The text, the text last `saved` or read, and the edits. The first `done` edits are applied."""
 
     path: Path
     text: str

@@ -271,7 +271,7 @@ class GapCloser:
         return [*(int(n) for n in order if np.isfinite(away[n])), -1, len(places) - 1]
 
     def _lines(self, gap: Any) -> list[Points]:
-        """Return the line (k, 2) that sees most of a gap, and the edge of a hole if it takes most of that."""
+        """Return the line (k, 2) that sees most of a gap, and the edge of a hole if it takes most of the line."""
         places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap.boundary, self.width / 8)))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]

@@ -43,7 +43,7 @@ class StartSites:
 def fewest_parts(tour: Tour, fits: Callable[[Tour], bool], overlap: float, guess: int = 1) -> tuple[Tour, ...] | Swath:
     """Return the fewest parts that fit; the first is tried with `guess` lines.
 
-    Lines that do not fit are cut with `overlap` [m]; return a line of which no piece fits.
+    Lines that do not fit are cut with `overlap` [m]; return a line without a fitting piece.
     """
     parts, rest = list[Tour](), tour
     while rest.swaths:
@@ -122,7 +122,7 @@ def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | Non
 
 
 def nearest_parts(tour: Tour, sites: StartSites) -> tuple[Sortie, ...] | Swath:
-    """Assign each line to the nearest start place, in few flights; return a line of which no piece fits."""
+    """Assign each line to the nearest start place, in few flights; return a line without a fitting piece."""
     nearest = [int(np.argmin(np.linalg.norm(sites.places - (s.begin + s.end) / 2, axis=1))) for s in tour.swaths]
     sorties, first = list[Sortie](), 0
     for start, same in groupby(nearest):
@@ -140,7 +140,7 @@ def quickest_parts(
 ) -> tuple[tuple[Sortie, ...], float] | Swath | None:
     """Return the flights from start places that fly a tour in the least time, and their seconds.
 
-    The best cuts and starts by `sites.times` are tried until all fit. Return a line of which no piece fits, or None
+    The best cuts and starts by `sites.times` are tried until all fit. Return a line without a fitting piece, or None
     above `max_seconds`. Of 41,000 random cases the worst was 2.3 % longer than the optimum, and 0.4 % over 0.2 %.
     """
     known, starts = dict[Any, RouteCost](), range(len(sites.places))

@@ -141,7 +141,7 @@ def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
     [
         ((0, "AGL"), (65, "STD"), "FL", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
         ((20, "AGL"), (40, "AGL"), "LY", (-np.inf, np.inf), 'lower limit, so that the zone has none'),
-        ((40, "AGL"), (20, "AGL"), "M", (-np.inf, np.inf), 'limits, of which the upper is not above the lower'),
+        ((40, "AGL"), (20, "AGL"), "M", (-np.inf, np.inf), 'an upper limit that is not above the lower one'),
         ((0, "AGL"), (50, "AMSL"), "M", (-np.inf, np.inf),
          'limits below the ground, ignored'),
     ],

@@ -94,7 +94,7 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
     assert "3 things far from the flight, not examined" in ours.remarks
     wood = [one for one in ours.passed_over if one.may_be_obstacle]
     assert [(one.name, one.reason) for one in wood] == [
-        ("way/13", "of which a part is not in the file"),
+        ("way/13", "with a part that is not in the file"),
         ("relation/150", "a wood of unknown height"),
     ]
 
