@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import (
-    ENDINGS,
     FLOWN_TO,
     HOLDING,
     JUMPS,
+    LANDINGS,
     LAST_NAV,
     MAY_PRECEDE_TAKEOFF,
     TAKEOFFS,
@@ -49,7 +49,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
     flown = _flown(mission)
-    if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
+    if flown and flown[-1].item.command not in LANDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
     yield from _terrain(mission)
 

@@ -40,7 +40,7 @@ class CheckOptions:
     flown_by: FlownByOptions
     world: "Scenario | None"
     ignore: Sequence[str]
-    endings: bool
+    contingencies: bool
     anyway: bool
 
 
@@ -53,7 +53,7 @@ class CheckedFile:
     remarks: tuple[str, ...] = ()
     forecast: Forecast | None = None
     promise: "Promise | None" = None
-    endings: tuple[Any, Any] | None = None
+    contingencies: tuple[Any, Any] | None = None
 
     @property
     def errors(self) -> int:
@@ -75,10 +75,10 @@ class CheckedFile:
 
             about |= {"clearance": clearance_as_json(self.promise) or None, "passed_over": passed_over_as_json(world)}
             about["unread"] = unread_as_json(world.unread)
-        if self.endings is not None:
-            from ipoa_mission.cli.contingency_output import endings_as_json
+        if self.contingencies is not None:
+            from ipoa_mission.cli.contingency_output import contingencies_as_json
 
-            about |= endings_as_json(*self.endings)
+            about |= contingencies_as_json(*self.contingencies)
         if self.forecast.wind.strongest > 0:
             about["wind"] = self.forecast.wind.as_json()
         mission = self.forecast.given
@@ -110,15 +110,15 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
     world = forecast.scenario
     findings = strictly(check_forecast(forecast, how.ignore, given.findings), how.anyway)
     promise = None if world is None else promise_if_flown(forecast)
-    endings: tuple[Any, Any] | None = None
-    if how.endings:
+    contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
+    if how.contingencies and promise is not None:
         from ipoa_mission.forecast.contingency.contingencies import Contingencies, failsafes_of
 
-        endings = ((), ()) if promise is None else (forecast.cached(Contingencies).all_rows(), failsafes_of(forecast))
+        contingencies = forecast.cached(Contingencies).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
-    return CheckedFile(file, findings, remarks, forecast, promise, endings)
+    return CheckedFile(file, findings, remarks, forecast, promise, contingencies)
 
 
 def counted(number: int, what: str) -> str:

@@ -7,7 +7,7 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
     ANYWAY,
-    EndingsOption,
+    ContingenciesOption,
     FileArgument,
     IgnoreOption,
     JsonOption,
@@ -36,7 +36,7 @@ def check(
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
-    endings: EndingsOption = False,
+    contingencies: ContingenciesOption = False,
     anyway: Annotated[bool, typer.Option("--anyway", metavar="", help=ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -54,9 +54,9 @@ def check(
     if flown_by.air is not None and scenario is None:
         words = "expected with --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
-    expect_world_of(endings, scenario)
+    expect_world_of(contingencies, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
-    how = CheckOptions(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), endings, anyway)
+    how = CheckOptions(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), contingencies, anyway)
     found, wrong = [], None
     for path in paths:
         try:
@@ -66,10 +66,10 @@ def check(
             found.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
             print_lines(*found[-1].lines())
-            if found[-1].endings is not None:
+            if found[-1].contingencies is not None:
                 from ipoa_mission.cli.contingency_output import print_contingencies
 
-                print_contingencies(*found[-1].endings)
+                print_contingencies(*found[-1].contingencies)
             print_lines(found[-1].counts())
     if sarif is not None:
         write_atomically(sarif, sarif_log({one.file: one.findings for one in found}))

@@ -12,10 +12,10 @@ CELLS = 50  # characters
 SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
 LEGEND = "- clear  + possibly not clear  # not clear at some time  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
-NO_ENDINGS = "endings: unknown, because the flight is unknown"
+NO_CONTINGENCIES = "endings: unknown, because the flight is unknown"
 
 
-def endings_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
+def contingencies_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
     """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
     if not rows:
         return {"endings": None, "failsafes": None}
@@ -54,7 +54,7 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
 
 def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
     if not rows:
-        print_lines(NO_ENDINGS)
+        print_lines(NO_CONTINGENCIES)
         return
     columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
@@ -71,7 +71,7 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
 
 def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
     if not rows:
-        print_lines(NO_ENDINGS)
+        print_lines(NO_CONTINGENCIES)
         return
     begin, end = rows[0].from_s, rows[-1].to_s
     each = (end - begin) / CELLS

@@ -55,8 +55,8 @@ def expect_mission(path: Path) -> Path:
     return path
 
 
-def expect_world_of(endings: bool, scenario: Path | None) -> None:
-    if endings and scenario is None:
+def expect_world_of(contingencies: bool, scenario: Path | None) -> None:
+    if contingencies and scenario is None:
         words = "expected with --scenario"
         raise OptionConflict(words, hint="the clearance of an ending depends on the obstacles", place="--endings")
 
@@ -89,7 +89,7 @@ HomeOption: TypeAlias = Annotated[
     tuple[float, float, float] | None,
     typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and meters AMSL."),
 ]
-EndingsOption: TypeAlias = Annotated[
+ContingenciesOption: TypeAlias = Annotated[
     bool, typer.Option("--endings", help="Forecast RTL, LAND and other contingencies from every second of the flight.")
 ]
 ForceOption: TypeAlias = Annotated[

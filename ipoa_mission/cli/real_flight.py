@@ -116,9 +116,9 @@ class ContingencyDisplay:
         vehicle: Vehicle,
         show: Progress,
         reserves: list[ReserveNow],
-        endings: ContingenciesNow,
+        contingencies: ContingenciesNow,
     ) -> None:
-        self._now, self._frame, self._vehicle, self._show = endings, forecast.frame, vehicle, show
+        self._now, self._frame, self._vehicle, self._show = contingencies, forecast.frame, vehicle, show
         self._done, self._words, self._shown_s = 0.0, "", -math.inf
         self._budget, self._reserves = budget_of(forecast), reserves
 

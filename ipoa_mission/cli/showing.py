@@ -7,7 +7,7 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import (
     AutopilotOption,
-    EndingsOption,
+    ContingenciesOption,
     FileArgument,
     ForceOption,
     IgnoreOption,
@@ -28,7 +28,7 @@ def show(
     flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
     ignore: IgnoreOption = None,
-    endings: EndingsOption = False,
+    contingencies: ContingenciesOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and the time of each item.
@@ -47,8 +47,8 @@ def show(
     from ipoa_mission.report.exports.table import rows_of, shown
     from ipoa_mission.unread import unread_as_json
 
-    expect_world_of(endings, scenario)
-    if endings and as_json:
+    expect_world_of(contingencies, scenario)
+    if contingencies and as_json:
         words = "expected without --json"
         raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
     world = read_world(scenario, flown_by.air, ignore)
@@ -108,7 +108,7 @@ def show(
         print_lines("passes: leg of the first pass, time of the last")
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
     print_lines(f"{once}; {total}", *energy, *notes(remarks))
-    if endings:
+    if contingencies:
         from ipoa_mission.checks.check import promise_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
         from ipoa_mission.forecast.contingency.contingencies import Contingencies

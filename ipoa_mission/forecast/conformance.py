@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
@@ -228,7 +228,7 @@ class ConformanceMonitor:
 
     def _goal(self, visit: int) -> Vector | None:
         command = self._visits[visit].item.command
-        if command not in FLOWN_TO - TAKEOFFS - ENDINGS or self._program.leaves_open(visit):
+        if command not in FLOWN_TO - TAKEOFFS - LANDINGS or self._program.leaves_open(visit):
             return None
         return np.array(self._program.places[visit])
 

@@ -85,9 +85,9 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
         words = f"it has the times of {len(visits)} of {len(mission.items)} items"
         raise MissionError(words, code="log-incomplete", place=name)
     seconds = np.diff(done, prepend=0.0)
-    least, share, ending = mission.autopilot.part(FlightModel).scatter
+    least, share, landing = mission.autopilot.part(FlightModel).scatter
     ends = np.array([brings_down(route.visits[n].item.command) for n in visits])
-    return Evidence(name, mission, tuple(visits), seconds, np.where(ends, ending, least) + share * seconds)
+    return Evidence(name, mission, tuple(visits), seconds, np.where(ends, landing, least) + share * seconds)
 
 
 def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:

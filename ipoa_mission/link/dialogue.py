@@ -234,7 +234,7 @@ class Exchange(Generic[T]):
         if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
             return None
         run = self._awaited.run
-        if run.is_ending:
+        if run.is_at_last_item:
             return None
         run.sent_s = self._sent
         run.wait_s = self._wait_s if isinstance(self._awaited, Ask) else self._patience.silence_s

@@ -29,7 +29,7 @@ class _Run:
     round_trip_s: float = 0.0
 
     @property
-    def is_ending(self) -> bool:
+    def is_at_last_item(self) -> bool:
         """The dialogue takes the last step."""
         return self.at >= self.count - 2
 

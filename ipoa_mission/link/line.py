@@ -173,7 +173,7 @@ class Line(Carrier):
                     run.round_trip_s, run.sent_s = now - run.sent_s, now
                 else:
                     heard = (heard or []) + self._hear(data, peer)
-            if heard is None and (run.is_ending or is_over() or now >= (limit if not got else until)):
+            if heard is None and (run.is_at_last_item or is_over() or now >= (limit if not got else until)):
                 heard = []
         if run.at != begun_at:
             self._routes.claim(target, holder, run.sent_s)

@@ -265,7 +265,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
         course.before, course.furthest = course.furthest, -1
         try:
             course.reports.reset_at_offer()
-            ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
+            result = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
             course.reports.reset_at_reading()
             stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
@@ -287,8 +287,8 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             difference = job.difference(stored)
             if difference is None:
                 return
-            if course.attempt >= 2 and ending in DOUBTFUL_REFUSALS:
-                raise MissionRefused(ending, job.kind, len(job.items) - 1)
+            if course.attempt >= 2 and result in DOUBTFUL_REFUSALS:
+                raise MissionRefused(result, job.kind, len(job.items) - 1)
             if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
 

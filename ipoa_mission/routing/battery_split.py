@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
-from ipoa_mission.autopilot.commands import ENDINGS, TAKEOFFS, Command, Frame
+from ipoa_mission.autopilot.commands import LANDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
@@ -137,7 +137,7 @@ class _Parts:
             before = items[self.start : at]
             speeds = [item for item in before if item.command == Command.DO_CHANGE_SPEED][-1:]
             taken = [*items[: self.start], *speeds, *way, items[at], *_in_force(before), *items[at + 1 : until]]
-        if end < self.last or not any(item.command in ENDINGS for item in taken):
+        if end < self.last or not any(item.command in LANDINGS for item in taken):
             taken += [*_ended(taken), return_to_launch()]
         return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
 

@@ -41,7 +41,7 @@ class StripBar(PageMessage):
     costs: tuple[StripCost, ...]
 
 
-class StripOfEndings(PageMessage):
+class ContingencyStrip(PageMessage):
     """Outcomes of one flight of a survey (from 0), first without `costs`; `reserve`: share that must be left."""
 
     kind: Literal["endings"] = "endings"
@@ -344,7 +344,7 @@ class Written(PageMessage):
 
 
 OfDocument: TypeAlias = Document | Trouble | World | Tiles | Sketch | Progress | Plan
-OfMission: TypeAlias = SurveyArea | CoarseSurvey | PlannedSurvey | StripOfEndings | OpenMission | Checked
+OfMission: TypeAlias = SurveyArea | CoarseSurvey | PlannedSurvey | ContingencyStrip | OpenMission | Checked
 OfFlight: TypeAlias = Beginning | Replay | Elsewhere | Found | Heard | Loaded | Seen | Landed | State | Written
 Answer: TypeAlias = Annotated[OfDocument | OfMission | OfFlight, Field(discriminator="kind")]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

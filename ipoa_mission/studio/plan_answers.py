@@ -220,11 +220,11 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
             )
 
 
-def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answers.StripOfEndings]:
+def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answers.ContingencyStrip]:
     """Yield the strip at once, and again with costs, which take simulated flights."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
-    strip = answers.StripOfEndings(
+    strip = answers.ContingencyStrip(
         revision=revision,
         flight=flight,
         reserve=None if budget is None or budget.battery is None else budget.battery.reserve,

@@ -70,8 +70,8 @@ def _inside(act: Callable[[], None], seconds: float, out: Path, err: Path) -> in
     try:
         act()
         code = 0
-    except SystemExit as ending:
-        code = ending.code if isinstance(ending.code, int) else int(ending.code is not None)
+    except SystemExit as stopped:
+        code = stopped.code if isinstance(stopped.code, int) else int(stopped.code is not None)
     except BaseException:
         traceback.print_exc()
         code = 70

@@ -76,7 +76,7 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Contingenc
     assert row.touches_s[1] < row.duration_s[1] - 1.0
 
 
-def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> None:
+def test_a_flight_that_is_in_the_air_for_one_moment_has_its_contingencies_too() -> None:
     forecast = forecast_of("campus")
     grounded = replace(forecast.given, items=forecast.given.items[-1:])
     rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
@@ -282,7 +282,7 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
         ("campus", {"SRTL_POINTS": 0.0}, "rtl land hold"),  # it keeps no path to go back along
     ],
 )
-def test_an_ending_that_the_vehicle_does_not_have_is_not_listed(
+def test_a_contingency_that_the_vehicle_does_not_have_is_not_listed(
     name: str, parameters: dict[str, float], contingencies: str
 ) -> None:
     assert contingencies_of(forecast_of(name, **parameters)) == tuple(map(Contingency, contingencies.split()))
@@ -294,7 +294,7 @@ def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeyp
     assert contingencies_of(forecast) == (Contingency.RTL, Contingency.LAND, Contingency.HOLD)
 
 
-def test_check_tells_endings_and_what_leads_to_them() -> None:
+def test_check_lists_contingencies_and_what_leads_to_them() -> None:
     words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--endings"]
     told = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
     assert list(dict.fromkeys(row["ending"] for row in told["endings"])) == ["rtl", "land", "hold"]
@@ -325,7 +325,7 @@ def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict
     assert str(replace(row, **changed)).endswith(words)
 
 
-def test_endings_depend_on_a_world() -> None:
+def test_contingencies_depend_on_a_world() -> None:
     ended = CliRunner().invoke(app, ["check", str(MISSIONS / "sitl.plan"), "--endings"])
     assert isinstance(ended.exception, BadInput)
 

@@ -122,11 +122,11 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
 @pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
     ended = [random_stations.schedule(seed) for seed in range(first, first + 15)]
-    endings = Counter(ending for ending, _ in ended)
-    assert endings[Outcome.FALSE] == 0
-    assert endings[Outcome.HANG] == 0
-    assert endings[Outcome.EXACT] >= 3
-    assert endings[Outcome.ERROR] >= 1
+    results = Counter(result for result, _ in ended)
+    assert results[Outcome.FALSE] == 0
+    assert results[Outcome.HANG] == 0
+    assert results[Outcome.EXACT] >= 3
+    assert results[Outcome.ERROR] >= 1
 
 
 def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -102,12 +102,12 @@ def test_a_log_of_another_mode_is_no_flight_of_the_mission(flown: Flown, tmp_pat
         read_flight(path, mission_for(Autopilot.PX4))
 
 
-@pytest.mark.parametrize("ending", ["tlog", "bin", "ulg"])
+@pytest.mark.parametrize("suffix", ["tlog", "bin", "ulg"])
 @pytest.mark.parametrize(
     "content", [b"", b"hello", bytes(5000), b"\xa3\x95\x80" * 400, b"ULog\x01\x12\x35\x01" + bytes(30)]
 )
-def test_what_is_no_log_is_refused_in_words(ending: str, content: bytes, tmp_path: Path) -> None:
-    path = tmp_path / f"broken.{ending}"
+def test_what_is_no_log_is_refused_in_words(suffix: str, content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / f"broken.{suffix}"
     path.write_bytes(content)
     with pytest.raises(MissionError) as refused:
         read_flight(path, mission_for(Autopilot.PX4))

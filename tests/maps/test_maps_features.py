@@ -12,7 +12,7 @@ from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
-ENDINGS = (
+SUFFIXES = (
     ".geojson, .json, .geojsonl, .geojsons, .geojsonseq, .ndjson, .jsonl, .kml, .kmz, .osm, .shp, .fgb, .gpkg, .pbf, "
     ".parquet, .geoparquet"
 )
@@ -174,7 +174,7 @@ def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Pat
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("map.dxf", "", f"expected a file that ends in {ENDINGS}, not in .dxf"),
+        ("map.dxf", "", f"expected a file that ends in {SUFFIXES}, not in .dxf"),
         ("map.kml", "<kml>", "line 1: expected well-formed XML"),
         ("map.kml", "<gpx/>", "expected a kml document, not gpx"),
         (

@@ -29,13 +29,13 @@ def test_outlines_and_silhouettes_fill_the_obstacles_box(body: Obstacle) -> None
 def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_path: Path) -> None:
     scenario = read_scenario(missions / "sitl.toml")
     paths = {"straight": np.array([scenario.start_point, scenario.goal_point])}
-    endings = (".png", ".svg", ".pdf")
+    suffixes = (".png", ".svg", ".pdf")
     for name in "ab":
         figure = api.draw_views(scenario, paths, views=("top", "front"))
-        for contingency in endings:
-            api.write_picture(figure, tmp_path / f"{name}{contingency}")
-    for contingency in endings:
-        assert (tmp_path / f"a{contingency}").read_bytes() == (tmp_path / f"b{contingency}").read_bytes()
+        for suffix in suffixes:
+            api.write_picture(figure, tmp_path / f"{name}{suffix}")
+    for suffix in suffixes:
+        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
 
 
 def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Pa
     assert np.allclose(drawn["other"], path[:, :2] + 5)
 
 
-def test_another_ending_is_refused_by_name(tmp_path: Path) -> None:
+def test_another_suffix_is_refused_by_name(tmp_path: Path) -> None:
     from matplotlib.figure import Figure
 
     with refuses("wrong-suffix", "picture.bmp"):

@@ -56,7 +56,7 @@ def test_what_is_not_clear_stands_below_in_words(forecast: Foreseen) -> None:
     assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
 
 
-def test_where_every_ending_is_clear_it_says_so(bowed: Bowed) -> None:
+def test_where_every_contingency_is_clear_it_says_so(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("sitl.toml")
     text = scenario.model_dump(mode="json") | {"obstacles": []}
     page = report_html(Forecast(mission, Scenario.model_validate(text)))

@@ -85,10 +85,10 @@ def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Au
     flown, over = zip(*(by_built_in(autopilot, items, parameters, seed) for seed in SEEDS[autopilot]), strict=True)
     estimated = {item.seq: item.done_s for item in found.items}
     last, end = len(items) - 1, len(items)
-    first, route, ending = np.mean(
+    first, route, landing = np.mean(
         [(one[2], one[last] - one[2], ends - one[last]) for one, ends in zip(flown, over, strict=True)], axis=0
     )
     nearly = (0.005, 0.005, 0.005) if autopilot is Autopilot.ARDUPILOT else (0.08, 0.06, 0.1)
     assert estimated[2] == pytest.approx(first, rel=nearly[0])
     assert estimated[last] - estimated[2] == pytest.approx(route, rel=nearly[1])
-    assert estimated[end] - estimated[last] == pytest.approx(ending, rel=nearly[2])
+    assert estimated[end] - estimated[last] == pytest.approx(landing, rel=nearly[2])

@@ -28,8 +28,8 @@ def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) ->
     assert np.mean([done[flight.first] for done, _ in flown]) == pytest.approx(
         np.mean([run[flight.first] for run in flight.runs]), rel=0.1
     )
-    ending = np.mean([end - done[flight.last] for done, end in flown])
-    assert ending == pytest.approx(flight.end_s - flight.runs[0][flight.last], rel=0.1)
+    landing = np.mean([end - done[flight.last] for done, end in flown])
+    assert landing == pytest.approx(flight.end_s - flight.runs[0][flight.last], rel=0.1)
 
 
 @pytest.mark.parametrize("flight", read_flights(Autopilot.ARDUPILOT, LANDINGS), ids=lambda flight: flight.name)

@@ -270,7 +270,7 @@ height = 4.0
 """
 
 
-def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, address: tuple[str, Path]) -> None:
+def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any, address: tuple[str, Path]) -> None:
     proved(page)
     text = MEADOW.read_text() + BATTERY + SHED
     rewrite(page, text)
@@ -279,20 +279,20 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     page.get_by_role("button", name="Mission files").click()
     page.get_by_text("written: meadow.plan").wait_for()
     scenario = parse_scenario(text, address[1])
-    endings = Contingencies(Forecast(read_mission(address[1].parent / "meadow.plan"), scenario))
+    contingencies = Contingencies(Forecast(read_mission(address[1].parent / "meadow.plan"), scenario))
     moment, then = page.get_by_label("Moment of the flight"), page.locator(".strip .then")
     for at in (120, 250, 380):
         moment.fill(str(at))
         until(page, f"document.querySelector('.strip .row').ariaValueNow === '{at}'")
         time = float(page.locator(".slider output").inner_text().split(" s")[0])
-        for ending in contingencies_of(endings.forecast):
-            told = page.locator(f".strip [data-ending={ending}]").get_attribute("aria-valuetext")
-            row = next(row for row in endings.rows(ending, timed=False) if time < row.to_s)
+        for contingency in contingencies_of(contingencies.forecast):
+            told = page.locator(f".strip [data-ending={contingency}]").get_attribute("aria-valuetext")
+            row = next(row for row in contingencies.rows(contingency, timed=False) if time < row.to_s)
             assert told.startswith(f"at {time:.1f} s {row.in_full}")
             taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", told)
-            assert (taken is None) == (ending in (Contingency.SMART_RTL, Contingency.HOLD))
+            assert (taken is None) == (contingency in (Contingency.SMART_RTL, Contingency.HOLD))
             if taken:
-                low, high = endings.lasts(ending, time) or (0.0, 0.0)
+                low, high = contingencies.lasts(contingency, time) or (0.0, 0.0)
                 seconds = float(taken[1]), float(taken[2] or taken[1])
                 assert seconds == pytest.approx((low, high), rel=0.1, abs=2.0)
     land, ways = page.locator(".strip [data-ending=land]"), page.locator(".strip [data-ending=land] .ways")
@@ -300,7 +300,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     assert then.inner_text() == f"land {land.get_attribute('aria-valuetext')}"
     page.keyboard.press("Home")
     until(page, "document.querySelector('.strip .then').textContent.endsWith('it is on the ground')")
-    rows = endings.rows(Contingency.LAND, timed=False)
+    rows = contingencies.rows(Contingency.LAND, timed=False)
     assert Grade.WOULD in {row.grade for row in rows}
     for row in rows:  # a key leads to it, and on to its changes
         page.keyboard.press("PageUp")

@@ -149,25 +149,25 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     assert studio.scenario.with_suffix(".tlog").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize("ending", ["rtl", "land"])
-def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ending: str) -> None:
+@pytest.mark.parametrize("order", ["rtl", "land"])
+def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, order: str) -> None:
     with studio.window() as talk:
         talk.wait("plan")  # which may be there already, and is told once
-        talk.say(kind="order", what=ending)
+        talk.say(kind="order", what=order)
         assert "nothing flies" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="upload", link=None, system=None, speedup=10.0)
         loaded = talk.wait("loaded")
         talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
         seen = talk.wait("seen", lambda seen: seen["done"] > 0 and seen["orders"])
-        talk.say(kind="order", what=ending)
+        talk.say(kind="order", what=order)
         left = talk.wait("state", lambda state: "as ordered" in state["words"])
         landed = talk.wait("landed")
     told = {one["what"]: one for one in seen["orders"]}
     assert set(told) == {"hold", "rtl", "land"}
     assert all(one["words"] and one["clear"] for one in told.values())
     assert all(told[one]["seconds"] > 5.0 for one in ("rtl", "land"))
-    assert left["words"] == {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}[ending]
-    assert landed["ordered"] == ending
+    assert left["words"] == {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}[order]
+    assert landed["ordered"] == order
     assert not landed["completed"]
 
 

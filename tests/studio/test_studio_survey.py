@@ -249,7 +249,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
         assert talk.wait("area", lambda area: area["rings"])["rings"][0]["path"] == list(FIRST)
         planned, coarse = talk.has("survey"), talk.has("coarse_survey")
-        own = planned["revision"]  # endings of what was there before may come late
+        own = planned["revision"]  # contingencies of what was there before may come late
 
         def of_flight(n: int) -> Any:
             return talk.has("endings", lambda told: (told["revision"], told["flight"]) == (own, n))

@@ -84,7 +84,7 @@ LOOKED_FOR = {
 
 
 def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
-    """Return each value, and the endings that its words name in order."""
+    """Return each value, and the contingencies that its words name in order."""
     pairs = (one.split(":", 1) for one in values.split(","))
     return [
         (

@@ -20,12 +20,12 @@ SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's
 def row(flight: Recorded) -> tuple[str, float]:
     flown = [fly_here(flight, seed) for seed in SEEDS[flight.mission.autopilot]]
     spans = np.array([done[flight.last] - done[flight.first] for done, _ in flown])
-    contingency = float(np.mean([end - done[flight.last] for done, end in flown]))
-    recorded_ending = flight.end_s - flight.runs[0][flight.last]
+    landing = float(np.mean([end - done[flight.last] for done, end in flown]))
+    recorded_landing = flight.end_s - flight.runs[0][flight.last]
     error = float(spans.mean() / flight.spans.mean() - 1)
     spans_and_error = spread(flight.spans), spread(spans), f"{100 * error:+.1f} %"
-    endings = f"{recorded_ending:.1f}", f"{contingency:.1f}", f"{100 * (contingency / recorded_ending - 1):+.1f} %"
-    cells = flight.name.rsplit("-", 1)[0], *spans_and_error, *endings
+    landings = f"{recorded_landing:.1f}", f"{landing:.1f}", f"{100 * (landing / recorded_landing - 1):+.1f} %"
+    cells = flight.name.rsplit("-", 1)[0], *spans_and_error, *landings
     return f"| {' | '.join(cells)} |", error
 
 

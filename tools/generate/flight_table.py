@@ -27,14 +27,14 @@ NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 
 @dataclass(frozen=True)
 class Row:
-    """Hold times of a flight and its estimate [s] over the judged span, take-off and ending; and the path error [m]."""
+    """Hold times of a flight and its estimate [s] over the judged span, take-off, landing; and the path error [m]."""
 
     flight: Recorded
     flown: float
     estimated: float
     quoted: float
     take_off: tuple[float, float]
-    contingency: tuple[float, float]
+    landing: tuple[float, float]
     miss: float
     kept: float
 
@@ -89,7 +89,7 @@ def table(rows: list[Row]) -> str:
         flown = f"{row.flown:.1f}"
         if len(row.flight.runs) > 1:
             flown += f" ± {row.flight.spans.std(ddof=1):.1f} ({len(row.flight.runs)})"
-        ends = [f"{100 * (estimated / flown_s - 1):+.1f} %" for flown_s, estimated in (row.take_off, row.contingency)]
+        ends = [f"{100 * (estimated / flown_s - 1):+.1f} %" for flown_s, estimated in (row.take_off, row.landing)]
         quoted = f"{100 * (row.quoted / row.flown - 1):+.0f} %"
         cells = (flown, f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", quoted, *ends, f"{row.miss:.1f} m")
         lines.append(f"| {row.flight.name.rsplit('-', 1)[0]} | " + " | ".join(cells) + " |")
@@ -121,9 +121,9 @@ def wind_table(autopilot: Autopilot) -> str:
         calm_errors.append(abs(100 * calm.error))
         gusty = ", gusty" if flight.turbulence else ""
         wind = f"{flight.wind.speed:g} m/s from {flight.wind.from_deg:g}°{gusty}"
-        ending = f"{100 * (row.contingency[1] / row.contingency[0] - 1):+.1f} %"
+        landing = f"{100 * (row.landing[1] / row.landing[0] - 1):+.1f} %"
         route = f"{row.flown:.1f}", f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", f"{100 * calm.error:+.0f} %"
-        cells = wind, *route, ending
+        cells = wind, *route, landing
         lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
     calm_median = f"median {np.median(calm_errors):.0f} %, largest {max(calm_errors):.0f} %"
     return "\n".join([*lines, "", f"{_errors(errors)} (without the wind: {calm_median})."])

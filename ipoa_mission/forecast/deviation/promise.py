@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.autopilot.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
+from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import (
@@ -27,7 +27,7 @@ from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
 from ipoa_mission.planning.proof import Check
 
-TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
+TAKEOFF_PART, LANDING_PART = "the take-off", "the ending"
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Kept:
     @property
     def forbids(self) -> bool:
         """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted."""
-        if self.part in (TAKEOFF_PART, ENDING_PART):
+        if self.part in (TAKEOFF_PART, LANDING_PART):
             return False
         return self.falls_short and (self.in_cruise or self.nominal < self.required - 2 * THINNING_TOLERANCE)
 
@@ -162,7 +162,7 @@ class PredictedFlight:
         ends = [
             float(at)
             for at, visit in zip(done, visits, strict=True)
-            if visit.item.command in FLOWN_TO and visit.item.command not in ENDINGS | TAKEOFFS
+            if visit.item.command in FLOWN_TO and visit.item.command not in LANDINGS | TAKEOFFS
         ]
         begin = min(begins, default=0.0)
         return begin, max(ends[-1] if ends else begin, begin)
@@ -174,7 +174,7 @@ class PredictedFlight:
         if self.task.path.airspace.obstacles:
             for first, then, its_law, name in (
                 (0.0, begin, law, TAKEOFF_PART),
-                (end, last, law.after_cruise(), ENDING_PART),
+                (end, last, law.after_cruise(), LANDING_PART),
             ):
                 if then > first:
                     part = self.pieces.part(first, then)

@@ -101,7 +101,7 @@ class Abort:
 
 class FlightModel(ABC):
     scatter: ClassVar[tuple[float, float, float]]
-    """Standard deviations of an item's time about the model's: seconds, share, and seconds of an ending."""
+    """Standard deviations of an item's time about the model's: seconds, share, and seconds of a landing."""
     simulated: ClassVar[Mapping[str, float]]
     """Values of the simulated vehicle that others may change: drag, lag [s], lift_delay, landing_delay [s]."""
 

@@ -1,6 +1,6 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
 import { sampleNear } from "./along";
-import type { Answer, Beginning, Checked, CoarseSurvey, Course, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, StripOfEndings, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, CoarseSurvey, Course, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, ContingencyStrip, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 import { changed, chosenAsShown, shows, waits, waitsBehind } from "./numbers";
 
@@ -30,7 +30,7 @@ export interface Studio {
   dragSurvey: CoarseSurvey | null;
   survey: PlannedSurvey | null;
   /** How the plan's flights can end, flight by flight: they come after it. */
-  endings: Record<number, StripOfEndings>;
+  endings: Record<number, ContingencyStrip>;
   /** Which flight of a survey is looked at, from 0 on, and those that were flown from here, by name. */
   part: number;
   flownParts: string[];
@@ -377,7 +377,7 @@ export function asLastProved(now: Studio): Studio {
 export const hasWorld = (now: Studio): boolean => !isMission(now) || Boolean(now.mission?.scenario);
 
 /** How the flight that is looked at can end, once that is known. */
-export function endingsOf(now: Studio): StripOfEndings | null {
+export function contingenciesOf(now: Studio): ContingencyStrip | null {
   const plan = proved(now), strip = now.endings[surveyed(now) ? now.part : 0];
   return plan && strip?.revision === plan.revision ? strip : null;
 }

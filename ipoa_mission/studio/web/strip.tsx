@@ -1,7 +1,7 @@
 // What each way to end the flight would do, second by second, under the profile: bars in colors, and words.
 import { useState } from "preact/hooks";
-import type { Course, Plan, StripBar, StripCost, StripOfEndings, StripStretch } from "./messages";
-import { endingsOf, sampleAt, set, type Studio } from "./store";
+import type { Course, Plan, StripBar, StripCost, ContingencyStrip, StripStretch } from "./messages";
+import { contingenciesOf, sampleAt, set, type Studio } from "./store";
 import { share } from "./words";
 
 /** What is pointed at: an ending, and the sample of the course; null: the one at which the slider stands. */
@@ -12,7 +12,7 @@ interface Pointed {
 
 export function Strip({ now, plan, at }: { now: Studio; plan: Plan; at: number }) {
   const [pointed, point] = useState<Pointed | null>(null), [focused, focus] = useState<string | null>(null);
-  const strip = endingsOf(now), { course } = plan;
+  const strip = contingenciesOf(now), { course } = plan;
   if (!strip?.bars.length) return <div class="strip"><p class="note">{strip ? "How it would end there is not known." : "How it would end there is being worked out …"}</p></div>;
   const time = course.times[at]!;
   const told = strip.bars.find(bar => bar.ending === (pointed?.ending ?? focused)) ?? worst(strip.bars, time);
@@ -90,7 +90,7 @@ function worst(bars: StripBar[], time: number): StripBar {
 }
 
 /** What an ending would do at a moment. */
-function sentence(strip: StripOfEndings, bar: StripBar, time: number): string {
+function sentence(strip: ContingencyStrip, bar: StripBar, time: number): string {
   const stretch = stretchAt(bar, time), cost = stretch && costAt(bar.costs, time);
   const words = `at ${time.toFixed(1)} s${stretch ? ` ${stretch.words}` : ": it is on the ground"}`;
   if (!cost) return words;

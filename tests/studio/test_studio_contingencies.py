@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.report.page import report_html
-from ipoa_mission.studio.answers import StripCost, StripOfEndings
+from ipoa_mission.studio.answers import ContingencyStrip, StripCost
 from ipoa_mission.studio.plan_answers import course_of, strips_of
 from tests.forecast.test_contingencies_now import BATTERY
 
@@ -26,27 +26,27 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
 
 
 @pytest.fixture(scope="module")
-def strips(forecast: Forecast) -> tuple[StripOfEndings, ...]:
+def strips(forecast: Forecast) -> tuple[ContingencyStrip, ...]:
     return tuple(strips_of(forecast, 7, 2))
 
 
 def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
-    forecast: Forecast, strips: tuple[StripOfEndings, ...]
+    forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
     strip, page, course = strips[0], report_html(forecast), course_of(forecast)
     assert [(one.kind, one.revision, one.flight) for one in strips] == [("endings", 7, 2)] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
     stretches = [(bar.ending, one) for bar in strip.bars for one in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
-    for (ending, one), row in zip(stretches, rows, strict=True):
-        assert (ending, one.words) == (str(row.contingency), row.in_full)
+    for (contingency, one), row in zip(stretches, rows, strict=True):
+        assert (contingency, one.words) == (str(row.contingency), row.in_full)
         assert row.keeps in one.words
         assert "2.50 m required" in one.words
         assert one.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]
         assert (one.from_s, one.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
         there = np.interp([row.from_s, row.to_s], course.times, course.along)
         assert (one.begins, one.ends) == pytest.approx(there, abs=0.06)
-        assert f'data-ending="{ending}" data-from="{one.from_s:.2f}" data-to="{one.to_s:.2f}"' in page
+        assert f'data-ending="{contingency}" data-from="{one.from_s:.2f}" data-to="{one.to_s:.2f}"' in page
 
 
 def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
@@ -55,18 +55,18 @@ def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
     return [float(np.interp(time, [one.at_s for one in costs], column)) for column in zip(*shares, strict=True)]
 
 
-@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
-def test_what_an_ending_takes_lies_between_what_it_takes_before_and_after(
-    forecast: Forecast, strips: tuple[StripOfEndings, ...], ending: Contingency
+@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
+def test_what_a_contingency_takes_lies_between_what_it_takes_before_and_after(
+    forecast: Forecast, strips: tuple[ContingencyStrip, ...], contingency: Contingency
 ) -> None:
-    endings, budget = Contingencies(forecast), budget_of(forecast)
+    contingencies, budget = Contingencies(forecast), budget_of(forecast)
     assert budget is not None
     assert not any(bar.costs for bar in strips[0].bars)
     assert strips[1].reserve == 0.25
-    (bar,) = (bar for bar in strips[1].bars if bar.ending == ending)
-    begin, end = endings.in_air
+    (bar,) = (bar for bar in strips[1].bars if bar.ending == contingency)
+    begin, end = contingencies.in_air
     for time in np.linspace(begin + 1.0, end - 1.0, 7).tolist():
-        taken = endings.takes(ending, time)
+        taken = contingencies.takes(contingency, time)
         assert taken is not None
         assert taken[1] is not None
         used, left = taken[1].between, budget.left(budget.taken(time, taken[1]))
@@ -78,7 +78,7 @@ def test_what_an_ending_takes_lies_between_what_it_takes_before_and_after(
     assert min(value for one in bar.costs for value in one.seconds) >= 0.0
 
 
-def test_one_that_does_not_land_has_no_cost(strips: tuple[StripOfEndings, ...]) -> None:
+def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]) -> None:
     assert {bar.ending: bool(bar.costs) for bar in strips[1].bars} == {"rtl": True, "land": True, "hold": False}
 
 

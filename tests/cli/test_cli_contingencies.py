@@ -80,7 +80,7 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
         (f"show {SITL} --endings --json", "--endings: expected without --json"),
     ],
 )
-def test_endings_need_a_world_and_have_one_form_for_machines(run: Run, words: str, message: str) -> None:
+def test_contingencies_need_a_world_and_have_one_form_for_machines(run: Run, words: str, message: str) -> None:
     ended = run(words)
     assert ended.code == 2
     assert message in ended.err

@@ -1,6 +1,6 @@
-"""Endings ordered at random seconds on real autopilots, against the forecast of each second.
+"""Contingencies ordered at random seconds on real autopilots, against the forecast of each second.
 
-docs/returns.csv has every order (tools/fly/endings_judge.py of commit b6e82bdb), `flown_endings/` some missions.
+docs/returns.csv has every order (tools/fly/endings_judge.py of commit b6e82bdb), `flown_contingencies/` some missions.
 """
 
 import csv
@@ -23,9 +23,9 @@ from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
-MISSIONS = Path(__file__).with_name("flown_endings")
+MISSIONS = Path(__file__).with_name("flown_contingencies")
 BOTH_AT_ONCE = "where the voltage falls through both at once"
-HAS_NO_ENDING = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}
+NOT_A_CONTINGENCY = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}
 FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
 FLOWN_ON = {"ardupilot": Version(4, 8, 0, "dev"), "px4": Version(1, 17)}
@@ -33,7 +33,7 @@ LEAST_ORDERS, LEAST_KINDS, LEAST_PLANNED = 400, 12, 60
 #: Impossible in simulation.
 NOT_MADE = ("propeller out of balance", "attitude or motor failure (SYS_FAILURE_EN")
 LIKELY, FALSE_ALARMS = 20, 0.1  # least number called not clear; greatest share of these that keep the distance
-SHORT = 10.0  # of shorter endings no share is counted [s]
+SHORT = 10.0  # of shorter contingencies no share is counted [s]
 #: Relative errors: median, and nine of ten.
 TIMES = {
     ("ardupilot", Contingency.RTL): (0.015, 0.03),
@@ -107,7 +107,7 @@ def timed(autopilot: str, contingency: Contingency) -> list[Row]:
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 @pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
-def test_endings_last_as_long_as_expected(autopilot: str, contingency: Contingency) -> None:
+def test_contingencies_last_as_long_as_expected(autopilot: str, contingency: Contingency) -> None:
     rows = [row for row in timed(autopilot, contingency) if int(row["number"]) < LATER]
     lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
     off = np.abs(expected / lasted - 1.0)[lasted > SHORT]
@@ -118,7 +118,7 @@ def test_endings_last_as_long_as_expected(autopilot: str, contingency: Contingen
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 @pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
-def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency: Contingency) -> None:
+def test_contingencies_last_as_long_as_their_intervals_say(autopilot: str, contingency: Contingency) -> None:
     rows = timed(autopilot, contingency)
     within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
     later = [one for row, one in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
@@ -152,7 +152,7 @@ def said_of(row: Row) -> str:
     if route.contingency is Contingency.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
     if route.contingency is Contingency.UNKNOWN:
-        known = (does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words))
+        known = (does for words, does in NOT_A_CONTINGENCY.items() if route.words.startswith(words))
         return next(known, None) or f"unknown or {route.otherwise[0]}"
     may_land = route.words == FAR_OUTSIDE or (
         route.contingency is Contingency.CONTINUE and Contingency.LAND in route.otherwise

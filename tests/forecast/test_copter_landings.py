@@ -33,7 +33,7 @@ A_LEG: Places = [(47.397466, 8.5465288, 10.0), (47.3974532, 8.5472731, 10.001), 
         (HURDLES, 13.19, 7.1297326, A_LEG, True, 69.02),
     ],
 )
-def test_the_interval_holds_the_ending(
+def test_the_interval_holds_the_landing(
     home: Geodetic, height: float, speed: float, places: Places, lands: bool, flown: float
 ) -> None:
     ways = [waypoint(Geodetic(latitude, longitude, 0.0), up) for latitude, longitude, up in places]
@@ -42,4 +42,4 @@ def test_the_interval_holds_the_ending(
     items = (takeoff(home, height), change_speed(speed), *ways, contingency)
     last = Forecast(Forecast(Mission(home, items, Autopilot.ARDUPILOT)).on(Version(4, 8)).given).estimate.items[-1]
     assert last.low_s <= flown <= last.high_s
-    assert np.isclose(last.high_s - last.low_s, 2.6, atol=1.0), "no wider than the spread of the endings"
+    assert np.isclose(last.high_s - last.low_s, 2.6, atol=1.0), "no wider than the spread of the landings"
