@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
-from ipoa_mission.checks.firmware_check import check_firmware, check_version, is_too_long
+from ipoa_mission.checks.firmware_check import check_firmware, check_passing, check_version, check_way, is_too_long
 from ipoa_mission.checks.positions import check_positions, refusals, unsound
 from ipoa_mission.checks.unsafe import check_unread
-from ipoa_mission.checks.way import check_passing, check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import LEFT_OUT, Mission

@@ -1,5 +1,9 @@
-from collections.abc import Iterable, Iterator, Sequence
+"""Check mission files, and print what was found as lines, JSON or SARIF 2.1.0."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +18,7 @@ from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.rules import RULES
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
@@ -134,3 +139,33 @@ def promised(promise: "Promise | None") -> list[str]:
     if promise is None or kept is None:
         return []
     return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
+
+
+def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
+    codes = sorted({finding.code for findings in found.values() for finding in findings})
+    rules = [
+        {"id": code, "shortDescription": {"text": RULES[code].means}, "help": {"text": RULES[code].do}}
+        for code in codes
+    ]
+    results = [
+        {
+            "ruleId": finding.code,
+            "ruleIndex": codes.index(finding.code),
+            "level": str(finding.severity),
+            "message": {"text": finding.message + (f" ({finding.hint})" if finding.hint else "")},
+            "locations": [
+                {
+                    "physicalLocation": {"artifactLocation": {"uri": file.as_posix()}},
+                    "logicalLocations": [
+                        {"name": "mission" if finding.seq is None else f"item {finding.seq}", "kind": "element"}
+                    ],
+                }
+            ],
+        }
+        for file, findings in found.items()
+        for finding in findings
+    ]
+    driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}
+    schema = "https://json.schemastore.org/sarif-2.1.0.json"
+    log = {"$schema": schema, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    return json.dumps(log, indent=2) + "\n"

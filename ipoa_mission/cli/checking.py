@@ -46,9 +46,9 @@ def check(
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.checks.sarif import sarif as sarif_log
     from ipoa_mission.checks.unsafe import unreadable
     from ipoa_mission.cli.check_files import CheckedFile, CheckOptions, check_file, counted, missions_in
+    from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
 
     if flown_by.air is not None and scenario is None:
