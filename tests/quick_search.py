@@ -7,8 +7,7 @@ from typing import Any, TypeVar
 
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
-from ipoa_mission.routing.candidates import RouteGrid
-from ipoa_mission.routing.fastest import RouteSearch
+from ipoa_mission.routing.fastest import RouteGrid, RouteSearch
 
 T = TypeVar("T")
 QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), straight_starts=1, lattice_starts=2, max_rounds=4, settled=1)
@@ -24,7 +23,7 @@ def put(name: str, value: object) -> None:
 def search_quickly(patch: Callable[[str, object], None] = put) -> None:
     """Hasten `plan_flight` and the command line; `patch`: `setattr` of a monkeypatch."""
     patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
-    patch("ipoa_mission.routing.candidates.GRID", FEW)
+    patch("ipoa_mission.routing.fastest.GRID", FEW)
     patch("ipoa_mission.routing.fastest.SEARCH", RouteSearch(starts=1, trials=20))
 
 

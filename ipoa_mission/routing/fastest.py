@@ -1,5 +1,6 @@
 """Find the quickest waypoints along a curve for its autopilot."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
@@ -8,14 +9,126 @@ import numpy as np
 
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
-from ipoa_mission.geometry import Points, leg_lengths
+from ipoa_mission.forecast.timing.estimate import kinematics
+from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
-from ipoa_mission.routing.candidates import NEAREST, candidates
-from ipoa_mission.routing.route import push_clear
+from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through
+from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.scenario import Scenario
+
+PLACE_SPACING = 3.0  # [m]
+MAX_PLACES = 200
+MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
+
+
+def relaxed(curve: Spline, room: float, via: Points) -> Points:
+    """Return places (n, 3) of the line with least bending within `room` [m] of the curve, through via points (m, 3)."""
+    count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
+    samples, stops = through(curve.sample(count + 1), via)
+    free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
+    if room <= 0 or len(free) == 0:
+        return samples
+    aside = lefts(samples)[:, :2]
+    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # curvature
+    system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
+    wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
+    moved = _least_squares(system, wanted, room)
+    samples[free, :2] += moved[:, None] * aside[free]
+    return samples
+
+
+def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
+    """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton.
+
+    Normal equations couple each x with two neighbors on either side only (Bertsekas 1982).
+    """
+    from ipoa_mission.planning.banded import solve_banded
+
+    hessian, toward = system.T @ system, system.T @ wanted
+    x, cost = np.zeros(len(toward)), 0.0
+    for _ in range(MAX_ROUNDS):
+        slope = hessian @ x - toward
+        free = np.nonzero(((x > -room) | (slope <= 0)) & ((x < room) | (slope >= 0)))[0]
+        band = np.zeros((3, len(free)))
+        for k in range(min(3, len(free))):
+            band[k, : len(free) - k] = hessian[free[k:], free[: len(free) - k]]
+        step = np.zeros_like(x)
+        step[free] = solve_banded(band, slope[free])[0]
+        for share in SHARES:
+            trial = np.clip(x - share * step, -room, room)
+            less = float(trial @ (hessian @ trial / 2 - toward))
+            if less < cost:
+                break
+        if less >= cost - ENOUGH * abs(cost):
+            break
+        x, cost = trial, less
+    return x
+
+
+NEAREST = 0.1  # between two waypoints [m]
+
+
+@dataclass(frozen=True)
+class RouteGrid:
+    """Waypoint choices within `tolerance`."""
+
+    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
+    aside_share: float = 0.6
+    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter
+    spline_shares: tuple[float, ...] = (
+        0.8,
+        0.4,
+        0.0,
+    )  # of the tolerance
+    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # [m]
+    most_splines: int = 200
+
+
+GRID = RouteGrid()
+
+
+def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
+    guidance = scenario.vehicle.autopilot.guidance
+    if guidance.flies_splines:
+        yield from _splines(curve, scenario)
+    drawn = set[bytes]()
+    for share in GRID.straight_shares:
+        width = share * scenario.route.tolerance
+        beside = (-GRID.aside_share * width, 0.0, GRID.aside_share * width)
+        for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
+            points = corridor(curve, width, asides, scenario.via_points)
+            if points.tobytes() in drawn:
+                continue
+            drawn.add(points.tobytes())
+            for radius in GRID.turn_radii if guidance.takes_radius and len(points) > 2 else GRID.turn_radii[:1]:
+                yield Route(points, radius=radius)
+
+
+def braking_length(scenario: Scenario) -> float:
+    """Return ArduCopter's braking distance on a curve, with half of WPNAV_ACCEL [m]."""
+    limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
+    return scenario.vehicle.cruise_speed**2 / limits.accel
+
+
+def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
+    via = scenario.via_points
+    for room in GRID.spline_shares:
+        line = relaxed(curve, room * scenario.route.tolerance, via)
+        length = float(leg_lengths(line).sum())
+        whole, brake = braking_length(scenario), min(braking_length(scenario), length / 2)
+        spacings = {
+            max(spacing, length / GRID.most_splines) for spacing in GRID.spline_spacings if spacing < length / 2
+        }
+        for spacing in sorted(spacings, reverse=True):
+            even = length / math.ceil(length / spacing)
+            for last, on_curve in ((max(brake, even), True), (max(brake, even), False), (even, False)):
+                points = stations(line, spacing, last, via)
+                if leg_lengths(points).min() >= NEAREST and not (on_curve and last < whole):
+                    yield Route(points, spline=True, brakes_on_curve=on_curve)
 
 
 @dataclass(frozen=True)

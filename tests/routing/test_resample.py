@@ -7,7 +7,7 @@ from scipy.optimize import lsq_linear
 
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing._corridor import farthest, fewest_legs
-from ipoa_mission.routing.candidates import _least_squares, relaxed
+from ipoa_mission.routing.fastest import _least_squares, relaxed
 from ipoa_mission.routing.resample import NO_PLACES, corridor, deviation, every, stations
 
 RNG = np.random.default_rng(4)
