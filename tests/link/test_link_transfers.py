@@ -4,8 +4,7 @@ import pytest
 from ipoa_mission.link.mavftp import MISSION_FILE, FileMessage, Opcode
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
 from ipoa_mission.link.mission_upload_file import pack_mission
-from ipoa_mission.link.transfers import Items, Transfers
-from ipoa_mission.logs.telemetry_log import growing, unwrapped, vehicle_times
+from ipoa_mission.logs.telemetry_log import Items, Transfers, growing, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
 
 OLD = tuple(Item(16, 3, latitude_deg=47.0 + n / 100, longitude_deg=8.5, altitude=10.0) for n in range(3))
