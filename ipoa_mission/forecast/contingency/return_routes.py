@@ -28,23 +28,23 @@ class ReturnRoutes:
         )
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
-        landing, version = self._landing(seq), self.mission.firmware_version
+        landing, version = self._landing_after(seq), self.mission.firmware_version
         return self.mission.autopilot.return_route(self.parameters, here, self.rally, landing, version=version)
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
-        return tuple(by for by in WHERE if by in self._found)
+        return tuple(by for by in WHERE if by in self._all_kinds)
 
     @cached_property
     def why_unknown(self) -> str | None:
         for by in (ReturnBy.LANDING, ReturnBy.HERE):
-            if by in self._found:
+            if by in self._all_kinds:
                 sinks = ", which begin during the landing," if by is ReturnBy.LANDING else ""
                 return f"returns {by}{sinks} are not modeled"
         return None
 
     @cached_property
-    def _found(self) -> frozenset[ReturnBy]:
+    def _all_kinds(self) -> frozenset[ReturnBy]:
         starts = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
         return frozenset(self.route(here, seq).by for here, seq in starts)
 
@@ -103,15 +103,15 @@ class ReturnRoutes:
     @cached_property
     def _places(self) -> list[tuple[int, Vector]]:
         places = item_places(as_flown(self.mission), self.forecast.frame, self.forecast.ground)
-        found: list[tuple[int, Vector]] = []
+        targets: list[tuple[int, Vector]] = []
         for seq, (item, place) in enumerate(zip(self.mission.items, places, strict=True), start=1):
             if item.command in FLOWN_TO and place is not None:
-                found.append((seq, place))
+                targets.append((seq, place))
             if item.command == Command.NAV_LAND:
                 break
-        return found
+        return targets
 
-    def _landing(self, seq: int) -> MissionLanding | None:
+    def _landing_after(self, seq: int) -> MissionLanding | None:
         if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
             return None
         starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)

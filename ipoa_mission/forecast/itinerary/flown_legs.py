@@ -123,7 +123,7 @@ class _LegBuilder:
                 case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
                     yield from self._takeoff(seq, item)
                 case Command.NAV_LAND | Command.NAV_VTOL_LAND:
-                    yield from self._landing(seq, item)
+                    yield from self._landing_legs(seq, item)
                 case Command.NAV_PAYLOAD_PLACE:
                     yield from self._payload(seq, item)
                 case Command.NAV_LOITER_TURNS if self.circles:
@@ -229,7 +229,7 @@ class _LegBuilder:
         if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
             yield self._to(seq, target, over_terrain(item))
 
-    def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
+    def _landing_legs(self, seq: int, item: Item) -> Iterator[Leg]:
         if item.has_position:
             place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
             yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
@@ -306,7 +306,7 @@ class _LegBuilder:
                 case Command.NAV_RETURN_TO_LAUNCH:
                     legs = self._returns(index + 1)
                 case Command.NAV_LAND:
-                    legs = self._landing(index + 1, item)
+                    legs = self._landing_legs(index + 1, item)
                 case Command.NAV_LOITER_TURNS if self.circles:
                     legs = self._circle(index + 1, item)
                 case _ if target is not None:

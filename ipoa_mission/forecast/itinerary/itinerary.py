@@ -42,14 +42,14 @@ class Itinerary:
         program = self.program
         return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
 
-    def _landing(self, n: int, here: Place) -> MissionLanding | None:
+    def _visited_landing(self, n: int, here: Place) -> MissionLanding | None:
         lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
         return None if lands is None else MissionLanding(self.program.place(lands, here), 0, n)
 
     @property
     def returns_by(self) -> ReturnBy:
         """Return how RTL returns when ordered over the mission's landing."""
-        landing = self._landing(0, HOME)
+        landing = self._visited_landing(0, HOME)
         return self._route_of_return(HOME if landing is None else landing.place, landing).by
 
     def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
@@ -58,7 +58,7 @@ class Itinerary:
         Raises:
             MissionError: it returns to a landing of its own, which is not modeled.
         """
-        by = self._route_of_return(here, self._landing(n, here)).by
+        by = self._route_of_return(here, self._visited_landing(n, here)).by
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.BACK:
