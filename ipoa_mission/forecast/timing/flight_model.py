@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.errors import NotModeled
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.track import Track
@@ -128,6 +128,10 @@ class FlightModel(ABC):
             MissionError: as `predicted`; or the model has no such flights.
         """
         raise NotModeled("this model has no aborted flights")
+
+    def never_lands(self, words: str) -> MissionError:
+        """Return the error of a contingency without an end; `EndlessFlight` is that of a mission."""
+        return MissionError(words, code="endless-flight")
 
     def airframe(self, altitude: float) -> SlowedByAir:
         """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""

@@ -123,8 +123,7 @@ class ArduCopterModel(FlightModel):
         flight.until, copter = math.inf, flight.copter
         returns = order.contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
-            words = "with an RTL_ALT_FINAL above 0 it waits over its goal and does not land"
-            raise MissionError(words, code="endless-flight")
+            raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
         flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
         done = np.array([copter.state.time])
         doubt = UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (done - order.time)

@@ -133,8 +133,7 @@ class Px4Model(FlightModel):
         flights = Flights(route, mission, wind)
         if order.contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
-                words = "with an RTL_LAND_DELAY below 0 it waits over its goal forever"
-                raise MissionError(words, code="endless-flight")
+                raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
             if (by := route.returns_by) is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
         quiet = flights.flown(False, None)(0).done
