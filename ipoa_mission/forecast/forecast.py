@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.flight_model import Prediction
+    from ipoa_mission.forecast.timing.track import Track
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
 
@@ -191,13 +192,17 @@ class Forecast:
     @cached_property
     def energy(self) -> "Consumption | None":
         """Return the energy; None where neither airframe nor hover power is known."""
-        track = self.estimate.track
-        if len(track.times) < 2 or (self.scenario is None and self.mission.vehicle is None):
+        used = self.energy_of(self.estimate.track)
+        return None if used is None else used.lasting(self.estimate.low_s, self.estimate.high_s)
+
+    def energy_of(self, track: "Track") -> "Consumption | None":
+        if (self.scenario is None and self.mission.vehicle is None) or not np.diff(track.times).any():
             return None
+        from ipoa_mission.autopilot.energy import TimedPath
         from ipoa_mission.scenario.budget import flight_energy
 
-        used = flight_energy(self.scenario, track.times, track.points, track.speeds, self.mission.vehicle, self.wind)
-        return None if used is None else used.lasting(self.estimate.low_s, self.estimate.high_s)
+        path = TimedPath(track.times, track.points, track.speeds)
+        return flight_energy(self.scenario, path, self.mission.vehicle, self.wind)
 
     @cached_property
     def promise(self) -> "Promise":

@@ -4,16 +4,13 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.energy import Battery, Consumption, PowerCurve, TimedPath, by_curve, consumption
 from ipoa_mission.autopilot.learned import LearnedVehicle
-from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.wind import CALM, Wind
 
 
 def flight_energy(
     scenario: Scenario | None,
-    times: Vector,
-    points: Points,
-    speeds: Vector,
+    path: TimedPath,
     learned: LearnedVehicle | None = None,
     wind: Wind = CALM,
 ) -> Consumption | None:
@@ -26,11 +23,11 @@ def flight_energy(
 
     def consumed(against: float) -> Consumption | None:
         if curve is not None:
-            return by_curve(curve, TimedPath(times, points, speeds), wind, against)
+            return by_curve(curve, path, wind, against)
         if scenario is None or vehicle is None or vehicle.airframe is None:
-            return None if hover_w is None else by_curve(PowerCurve(hover_w), TimedPath(times, points, speeds))
-        path = TimedPath(times, points, speeds, scenario.home.altitude_amsl)
-        return consumption(vehicle.airframe.build(), path, wind, against, hover_w)
+            return None if hover_w is None else by_curve(PowerCurve(hover_w), path)
+        above_home = replace(path, altitude_amsl=scenario.home.altitude_amsl)
+        return consumption(vehicle.airframe.build(), above_home, wind, against, hover_w)
 
     used = consumed(head_wind)
     if used is None:

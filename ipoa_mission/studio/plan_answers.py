@@ -12,7 +12,8 @@ from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS, TIMED
-from ipoa_mission.forecast.contingency.energy_budget import Budget, Taken, budget_of
+from ipoa_mission.forecast.contingency.contingency_paths import PredictedContingency
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
@@ -267,7 +268,7 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
         )
 
 
-def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float, Taken]:
+def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float, PredictedContingency]:
     """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = contingencies.in_air
     evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / DURATIONS.step_s))).tolist()

@@ -25,8 +25,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
     Grade,
     contingencies_of,
 )
-from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
-from ipoa_mission.forecast.contingency.energy_budget import predict_contingency
+from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, predict_contingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from tests.examples import examples

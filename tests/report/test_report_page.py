@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy import TimedPath
 from ipoa_mission.centimeters import down
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
@@ -279,7 +280,7 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
     text = scenario.model_dump(mode="json")
     text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
     flown = Scenario.model_validate(text)
-    consumed = flight_energy(flown, timed.track.times, timed.track.points, timed.track.speeds)
+    consumed = flight_energy(flown, TimedPath(timed.track.times, timed.track.points, timed.track.speeds))
     assert consumed is not None
     used = consumed.energy_wh
     assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(Forecast(mission, flown))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.energy import NotEnoughBattery, power, shortage
+from ipoa_mission.autopilot.energy import NotEnoughBattery, TimedPath, power, shortage
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario
@@ -80,11 +80,11 @@ def test_the_document_says_what_a_profile_sets(name: str) -> None:
 
 
 AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
-MINUTE = np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2)
+MINUTE = TimedPath(np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2))
 
 
 def test_without_an_airframe_no_energy_is_said() -> None:
-    assert flight_energy(read(""), *MINUTE) is None
+    assert flight_energy(read(""), MINUTE) is None
 
 
 def test_the_airframe_of_the_file_is_the_one_that_flies() -> None:
@@ -93,7 +93,7 @@ def test_the_airframe_of_the_file_is_the_one_that_flies() -> None:
     airframe = scenario.vehicle.airframe.build()
     assert airframe.disc_area == pytest.approx(6 * np.pi * 0.15**2)
     assert airframe.drag_area == pytest.approx(0.05 * 2.4 ** (2 / 3))
-    used = flight_energy(scenario, *MINUTE)
+    used = flight_energy(scenario, MINUTE)
     assert used is not None
     assert used.energy_wh * 60 == pytest.approx(
         float(power(airframe, np.zeros(1), np.zeros(1), np.array([1.225]))[0]), rel=1e-6
@@ -104,17 +104,17 @@ def test_a_hover_power_that_was_learned_sets_the_level() -> None:
     learned = LearnedVehicle(Autopilot.PX4, hover_power=Learned(360.0, 350.0, 370.0))
     scenario = read(f"vehicle = {{ airframe = {{ {AIRFRAME} }} }}")
     flown_by = scenario.model_copy(update={"vehicle": scenario.vehicle.learned_as(learned)})
-    used = flight_energy(flown_by, *MINUTE)
+    used = flight_energy(flown_by, MINUTE)
     assert used is not None
     assert used.energy_wh == pytest.approx(6.0)
-    fast = MINUTE[0], np.array([[0.0, 0, 0], [600.0, 0, 0]]), np.full(2, 10.0)
-    plain, scaled = flight_energy(scenario, *fast), flight_energy(flown_by, *fast)
-    hovers = flight_energy(scenario, *MINUTE)
+    fast = TimedPath(MINUTE.times, np.array([[0.0, 0, 0], [600.0, 0, 0]]), np.full(2, 10.0))
+    plain, scaled = flight_energy(scenario, fast), flight_energy(flown_by, fast)
+    hovers = flight_energy(scenario, MINUTE)
     assert plain is not None
     assert scaled is not None
     assert hovers is not None
     assert scaled.energy_wh / used.energy_wh == pytest.approx(plain.energy_wh / hovers.energy_wh)
-    alone = flight_energy(None, *fast, learned)
+    alone = flight_energy(None, fast, learned)
     assert alone is not None
     assert alone.energy_wh == pytest.approx(6.0)
 
@@ -152,7 +152,7 @@ def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:
     windy = enough.replace("reserve", "head_wind = 22, reserve")
 
     def short(text: str) -> NotEnoughBattery | None:
-        used, battery = flight_energy(read(text), *MINUTE), battery_of(read(text))
+        used, battery = flight_energy(read(text), MINUTE), battery_of(read(text))
         assert used is not None
         assert battery is not None
         return shortage(used.between, battery)

@@ -19,9 +19,10 @@ from ipoa_mission.forecast.contingency.contingency_paths import (
     GROUND,
     ContingencyPaths,
     ContingencySamples,
+    PredictedContingency,
     StoppingPoints,
+    predict_contingency,
 )
-from ipoa_mission.forecast.contingency.energy_budget import Taken, predict_contingency
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
@@ -303,7 +304,7 @@ class Contingencies:
         taken = self.takes(contingency, time)
         return None if taken is None else taken.lasts
 
-    def takes(self, contingency: Contingency, time: float) -> Taken | None:
+    def takes(self, contingency: Contingency, time: float) -> PredictedContingency | None:
         try:
             return predict_contingency(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:

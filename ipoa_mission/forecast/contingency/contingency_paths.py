@@ -9,19 +9,21 @@ from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from functools import cached_property, reduce
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
@@ -374,3 +376,22 @@ class ContingencyPaths:
 def _padded(paths: NDArray[np.float64], places: int) -> NDArray[np.float64]:
     stays = np.repeat(paths[:, -2:-1], places - paths.shape[1], axis=1)
     return np.concatenate([paths[:, :-1], stays, paths[:, -1:]], axis=1)
+
+
+class PredictedContingency(NamedTuple):
+    """Duration until it disarms and until it touches down [s]; `used` energy, None where unknown."""
+
+    lasts: tuple[float, float]
+    used: Consumption | None
+    touches: tuple[float, float] | None
+
+
+def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
+    """Return duration and energy of an RTL or LAND ordered at a time [s]."""
+    model, mission = forecast.mission.autopilot.part(FlightModel), forecast.mission
+    prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, Abort(time, contingency))
+    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
+    first, _, last = prediction.touched or (np.nan,) * 3
+    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
+    used = forecast.energy_of(prediction.track.between(time, np.inf))
+    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches)

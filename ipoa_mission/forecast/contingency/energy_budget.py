@@ -17,19 +17,11 @@ from ipoa_mission.autopilot.energy import (
 )
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.contingency.contingency_paths import predict_contingency
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
-from ipoa_mission.scenario.budget import battery_of, flight_energy
+from ipoa_mission.scenario.budget import battery_of
 
 RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
-
-
-class Taken(NamedTuple):
-    """Duration until it disarms and until it touches down [s]; `used` energy, None where unknown."""
-
-    lasts: tuple[float, float]
-    used: Consumption | None
-    touches: tuple[float, float] | None
 
 
 class ItemEnergy(NamedTuple):
@@ -191,18 +183,3 @@ def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
 def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
-
-
-def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
-    """Return duration and energy of an RTL or LAND ordered at a time [s]."""
-    mission = forecast.mission
-    model, order = mission.autopilot.part(FlightModel), Abort(time, contingency)
-    prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, order)
-    track = prediction.track.between(time, np.inf)
-    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
-    first, _, last = prediction.touched or (np.nan,) * 3
-    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
-    if len(track.times) < 2 or not track.times[-1] > track.times[0]:
-        return Taken(lasts, None, touches)
-    used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)
-    return Taken(lasts, None if used is None else used.lasting(*lasts), touches)
