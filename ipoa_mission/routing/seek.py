@@ -189,9 +189,6 @@ def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     return best
 
 
-OPPOSITE = -0.5  # cosine between the directions to both sides of a gap
-
-
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
     promise = nearest.promise
     if nearest.short:
@@ -256,14 +253,15 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
         line = shapely.shortest_line(point, body.plan)
         return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
 
-    ahead, best, found = towards(first), np.inf, None
+    ahead, best, opposite_name = towards(first), np.inf, None
+    max_cosine = -0.5  # between the directions to both sides of a gap
     for body in bodies:
         aside = towards(body)
         cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
         width = float(shapely.distance(body.plan, first.plan))
-        if body is not first and cosine <= OPPOSITE and width < best:
-            best, found = width, body.name
-    return best, found
+        if body is not first and cosine <= max_cosine and width < best:
+            best, opposite_name = width, body.name
+    return best, opposite_name
 
 
 def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:

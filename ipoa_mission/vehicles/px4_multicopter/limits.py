@@ -4,12 +4,12 @@ The land detector is read and measured (docs/lab/flight-time.md).
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
 
 RANGE_LAG_S = 0.14  # of the height over the ground by a range finder [s]
@@ -25,6 +25,8 @@ POSITIVE = (
     "MPC_LAND_CRWL", "MPC_XY_VEL_P_ACC", "MPC_YAWRAUTO_MAX", "MPC_YAWRAUTO_ACC", "NAV_ACC_RAD", "NAV_MC_ALT_RAD",
     "MC_ROLL_P", "MPC_Z_VEL_MAX_UP", "MPC_Z_VEL_MAX_DN", "MPC_THR_HOVER",
 )  # fmt: skip
+
+Speed = TypeVar("Speed", float, Vector)
 
 
 class Px4Return(NamedTuple):
@@ -126,6 +128,10 @@ class Px4Limits(NamedTuple):
     has_range_finder: bool
     splits_axes: bool
     most_height_error: float
+
+    def stopping_time(self, speed: Speed) -> Speed:
+        """Return how long `speed` [m/s] takes to the stopping point of LAND and hold [s] (preproject_stop_point)."""
+        return speed / (2.0 * self.accel) + BRAKES_LATE
 
 
 def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:

@@ -249,10 +249,9 @@ class Px4Multicopter(Autopilot):
             return super().braking_way(parameters, velocity, accel, contingency)
         import numpy as np
 
-        from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, px4_limits
+        from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
-        speed = np.hypot(*velocity.T)
-        return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
+        return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.

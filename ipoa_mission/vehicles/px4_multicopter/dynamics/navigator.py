@@ -11,7 +11,7 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
-from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
@@ -67,9 +67,8 @@ def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: fl
 
 
 def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
-    """Return the stopping place of LAND and hold, 0.6 s late."""
-    level = math.hypot(speed.east, speed.north)
-    time = level / (2.0 * limits.accel) + BRAKES_LATE
+    """Return the stopping place of LAND and hold."""
+    time = limits.stopping_time(math.hypot(speed.east, speed.north))
     return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
 
 
