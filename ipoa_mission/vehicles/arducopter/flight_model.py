@@ -146,7 +146,8 @@ class _Flight:
         self.route, self.wind, self.limits = route, wind, copter_limits(mission.parameters, mission.firmware_version)
         self.airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         height = flying_already(route)
-        self.copter = Copter(self.limits, wind, self.airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
+        self.copter = Copter(self.limits, wind, self.airframe, fast, route.ground)
+        self.copter.start_at((0.0, 0.0, height or 0.0))
         self.airborne, self.until, self.touched = height is not None, math.inf, math.nan
         self.remarks: list[str] = []
         self.tracks: list[Track] = []

@@ -42,7 +42,8 @@ class ArduPilotPilot:
         conditions = body.conditions
         limits = copter_limits(usable(parameters), conditions.version)
         airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
-        self._copter = Copter(limits, conditions.wind, airframe, here=body.place, ground=conditions.ground)
+        self._copter = Copter(limits, conditions.wind, airframe, ground=conditions.ground)
+        self._copter.start_at(body.place)
         self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None

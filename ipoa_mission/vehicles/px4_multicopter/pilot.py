@@ -179,7 +179,7 @@ class PX4Pilot:
             climb = [take_off(start, limits)]
         onward = self._now.program.onward(index)
         beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
-        order = waypoint(item, start, goal, beyond, limits, cruise)
+        order = waypoint(item, leg(start, goal, beyond, limits, cruise), limits)
         if item.command == Command.NAV_LOITER_UNLIM:
             order = order._replace(holds=math.inf, beyond=goal)
         return [*climb, order]

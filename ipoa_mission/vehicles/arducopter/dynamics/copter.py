@@ -1,7 +1,7 @@
 """An ArduCopter in flight; the estimate calls `run`, the built-in autopilot `step`."""
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +15,14 @@ from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (
+    Course,
+    Stop,
     at_speeds,
     hold_leg,
     joined,
     level_off_leg,
     orbit_leg,
+    orbit_of,
     speed_left,
     spline_leg,
     straight_leg,
@@ -60,15 +63,6 @@ NO_END = "there is no wind: the model of the flight is wrong here; fly this leg 
 SETTLED = 10.0  # of a hold [s]
 
 
-class Stop(NamedTuple):
-    """A destination: straight, an arc by `turn` [rad, clockwise], or a `spline` towards `after` (True: a spline)."""
-
-    place: Place
-    spline: bool = False
-    after: tuple[Place, bool] | None = None
-    turn: float = 0.0
-
-
 def stop_at(program: Program, n: int, here: Place) -> Stop:
     """Return item n as a stop; open coordinates as `here`."""
     item, place = program.items[n], program.place(n, here)
@@ -91,18 +85,20 @@ class Copter:
         wind: Wind = CALM,
         airframe: Airframe = ARDUPILOT_SIMULATOR,
         fast: bool | None = False,
-        here: Place = (0.0, 0.0, 0.0),
         ground: Ground = LEVEL,
     ) -> None:
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
         self._fly_leg = jit_if_faster(fly_leg, fast, 0.0)
-        self.state = _at_rest(here, 0.0)
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
-        self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
+        self.following, self._before = NO_LEG, NO_LEG
         self.passed = True
         self._left = 0.0  # of the last planned spline [m/s]
+        self.start_at((0.0, 0.0, 0.0))
+
+    def start_at(self, here: Place) -> None:
+        self.state, self.this = _at_rest(here, 0.0), hold_leg(here, 0.0)
 
     @property
     def place(self) -> Place:
@@ -216,7 +212,7 @@ class Copter:
         if self.passed and before.kind == SPLINE and before.leave > 0.0:
             if stop.spline:
                 return self._leg(stop, here, before)
-            return straight_leg(here, stop.place, self.speeds, self.limits, enter=self.state.speed)
+            return straight_leg(here, stop.place, self.speeds, self.limits, Course(enter=self.state.speed))
         if before.kind in SHAPED:
             self._restart()
         self.state.speed = 0.0
@@ -224,17 +220,17 @@ class Copter:
 
     def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
-            return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
-        return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
+            return straight_leg(origin, stop.place, self.speeds, self.limits, Course(turn=stop.turn))
+        return spline_leg(origin, stop, previous, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
         elapsed = self.state.clock
         enter = self.state.speed if self._before is NO_LEG else 0.0  # a leg after a spline starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
-        way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
         turn = 0.0 if self._before is NO_LEG else planned.turn
-        return straight_leg(*way, enter=enter, turn=turn, is_changed=is_changed)
+        course = Course(enter, turn=turn, is_changed=planned.speeds != self.speeds)
+        return straight_leg(planned.origin, planned.target, self.speeds, self.limits, course)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False
@@ -278,7 +274,8 @@ class Copter:
         state.target_x, state.target_y, state.target_z = here
         state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
         state.bearing, state.spin, state.turned = bearing_from(center, here), 0.0, 0.0
-        self._begin_over(orbit_leg(here, center, radius, turn, self.speeds, self.limits))
+        around = orbit_of(radius, self.speeds.level, self.limits)
+        self._begin_over(orbit_leg(here, center, around, turn, self.speeds))
 
     def level_off(self, up: float) -> None:
         self.state.above = 0.0

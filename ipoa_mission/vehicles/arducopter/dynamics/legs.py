@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import NamedTuple
 
 from ipoa_mission.forecast.itinerary.copter_curves import (
     arc_center,
@@ -49,21 +50,33 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     return SCurveLimits(speed, accel, copter.jerk, copter.snap)
 
 
+class Stop(NamedTuple):
+    """A destination: straight, an arc by `turn` [rad, clockwise], or a `spline` towards `after` (True: a spline)."""
+
+    place: Place
+    spline: bool = False
+    after: tuple[Place, bool] | None = None
+    turn: float = 0.0
+
+
+class Course(NamedTuple):
+    """Speeds at the ends of a leg [m/s]; the `turn` of an arc [rad]; `is_changed`: its speed, after planning."""
+
+    enter: float = 0.0
+    leave: float = 0.0
+    turn: float = 0.0
+    is_changed: bool = False
+
+
+REST_TO_REST = Course()
+
+
 @lru_cache(maxsize=256)
 def straight_leg(
-    origin: Place,
-    target: Place,
-    speeds: MotionLimits,
-    copter: CopterLimits,
-    enter: float = 0.0,
-    leave: float = 0.0,
-    turn: float = 0.0,
-    is_changed: bool = False,
+    origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits, course: Course = REST_TO_REST
 ) -> CopterLeg:
-    """Return a straight leg, or an arc by `turn` [rad].
-
-    `is_changed`: its speed changed after planning.
-    """
+    """Return a straight leg, or an arc."""
+    enter, leave, turn, is_changed = course
     leg = _leg(STRAIGHT, origin, target, speeds)
     if leg.length <= ZERO_LENGTH:
         return leg
@@ -92,18 +105,13 @@ def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
 
 
 def spline_leg(
-    origin: Place,
-    target: Place,
-    previous: CopterLeg | None,
-    after: tuple[Place, bool] | None,
-    speeds: MotionLimits,
-    copter: CopterLimits,
+    origin: Place, stop: Stop, previous: CopterLeg | None, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
     """Return a spline that starts tangent to the previous leg (`spline_tangents`)."""
-    flown_in = None
+    flown_in, target = None, stop.place
     if previous is not None:
         flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
-    tangents = spline_tangents(origin, target, flown_in, after)
+    tangents = spline_tangents(origin, target, flown_in, stop.after)
     level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
     return _leg(SPLINE, origin, target, speeds)._replace(
         cubic=[Vector(*one) for one in cubic(origin, target, tangents)],
@@ -121,16 +129,18 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
     return upright_leg(HOLD, place, place[2], MotionLimits(0.0, 0.0, 0.0), lasts)
 
 
-def orbit_leg(
-    here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
-) -> CopterLeg:
-    """Return a circle of `turn` [rad], clockwise."""
+def orbit_of(radius: float, speed: float, copter: CopterLimits) -> Orbit:
     spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
     if radius > 0.0:
-        spin = circle_spin(copter, radius, speeds.level)
+        spin = circle_spin(copter, radius, speed)
         spin_up = max(copter.accel / radius, SLOWEST_SPIN_UP)
-    leg = _leg(ORBIT, here, here, speeds)._replace(length=radius * abs(turn), turn=turn)
-    return leg._replace(center=Vector(*center), orbit=Orbit(radius, spin, spin_up))
+    return Orbit(radius, spin, spin_up)
+
+
+def orbit_leg(here: Place, center: Place, orbit: Orbit, turn: float, speeds: MotionLimits) -> CopterLeg:
+    """Return a circle of `turn` [rad], clockwise."""
+    leg = _leg(ORBIT, here, here, speeds)._replace(length=orbit.radius * abs(turn), turn=turn)
+    return leg._replace(center=Vector(*center), orbit=orbit)
 
 
 def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
@@ -150,7 +160,7 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
         speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
     if this.kind == SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
-    return straight_leg(this.origin, this.target, this.speeds, copter, leave=speed, turn=this.turn)
+    return straight_leg(this.origin, this.target, this.speeds, copter, Course(leave=speed, turn=this.turn))
 
 
 def speed_left(leg: CopterLeg) -> float:

@@ -9,8 +9,8 @@ from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_en
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter, Stop
-from ipoa_mission.vehicles.arducopter.dynamics.legs import straight_leg
+from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter
+from ipoa_mission.vehicles.arducopter.dynamics.legs import Stop, straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER
 

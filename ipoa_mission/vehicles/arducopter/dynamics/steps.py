@@ -104,10 +104,9 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
     return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
 
 
-def along_legs(
-    state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning, h: float
-) -> bool:
+def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Sum all three legs; return whether this one is over."""
+    h = clock_step(state, tuning)
     state.clock += h
     state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
     state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
@@ -301,7 +300,7 @@ def drag(state: State, tuning: Tuning) -> Triple:
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the leg counts as passed."""
     if this.kind == STRAIGHT:
-        finished = along_legs(state, before, this, following, tuning, clock_step(state, tuning))
+        finished = along_legs(state, before, this, following, tuning)
     elif this.kind == SPLINE:
         finished = along_spline(state, this, clock_step(state, tuning))
     elif this.kind == ORBIT:

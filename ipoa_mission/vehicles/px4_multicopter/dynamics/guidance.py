@@ -60,19 +60,30 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
     return min(order.cruise, speed_to(distance, leave, accel, jerk))
 
 
-def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, limits: Px4Limits) -> float:
-    """Return the vertical speed at the goal's height; `top` and `accel` limit it.
+class Way(NamedTuple):
+    start: Enu
+    goal: Enu
+    beyond: Enu
+
+
+class Climb(NamedTuple):
+    rate: float
+    accel: float
+
+
+def vertical_speed(at: Enu, to: Way, climb: Climb, limits: Px4Limits) -> float:
+    """Return the vertical speed at the goal's height, within the limits of the climb.
 
     As in PX4 the angle is in the plane of height and distance from the origin.
     """
-    leave = 0.0
+    leave, goal, beyond = 0.0, to.goal, to.beyond
     if abs(beyond.up - goal.up) > 0.001:
         now, then, next_then = level(at), level(goal), level(beyond)
         back, down, on, up = then - now, goal.up - at.up, then - next_then, goal.up - beyond.up
         size = math.sqrt((back * back + down * down) * (on * on + up * up))
         cosine = (back * on + down * up) / size if size > 1e-9 else 0.0
-        leave = min(math.sqrt(accel * limits.height_radius * half_tangent(cosine)), top)
-    return min(top, speed_to(abs(goal.up - at.up), leave, accel, limits.jerk))
+        leave = min(math.sqrt(climb.accel * limits.height_radius * half_tangent(cosine)), climb.rate)
+    return min(climb.rate, speed_to(abs(goal.up - at.up), leave, climb.accel, limits.jerk))
 
 
 def level(place: Enu) -> float:
@@ -144,17 +155,6 @@ TURNING = 0.98  # cosine between velocity and aim in a turn
 LEAST_AHEAD = 5.0  # look-ahead in a turn, at least the acceptance radius [m]
 MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
-
-
-class Way(NamedTuple):
-    start: Enu
-    goal: Enu
-    beyond: Enu
-
-
-class Climb(NamedTuple):
-    rate: float
-    accel: float
 
 
 def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
@@ -243,7 +243,7 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, law))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
-        rise = vertical_speed(at, to.goal, to.beyond, climb.rate, climb.accel, limits)
+        rise = vertical_speed(at, to, climb, limits)
         velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO

@@ -38,10 +38,12 @@ def take_off(top: Enu, limits: Px4Limits) -> Order:
     return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
 
 
-def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
+def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
+    """Return the order of a leg with the item's hold, radius and heading."""
     holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
-    return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
+    return order._replace(
+        beyond=order.goal if holds > 0 else order.beyond,
         radius=item.params[1] if own else limits.radius,
         holds=holds,
         heading=math.radians(item.params[3]),
@@ -163,7 +165,8 @@ class _Navigator:
             start, self.here = self.here, self.target(n)
             if command == Command.NAV_SPLINE_WAYPOINT:
                 self.remarks.append(f"item {visit.seq}: PX4 knows no splines, flown straight")
-            return [waypoint(visit.item, start, self.here, self.onward(n), self.limits, self.cruise)]
+            order = leg(start, self.here, self.onward(n), self.limits, self.cruise)
+            return [waypoint(visit.item, order, self.limits)]
         if command == Command.NAV_TAKEOFF:
             start, self.here = self.here._replace(up=self.target(n).up), self.target(n)
             climb = [] if self.airborne else [take_off(start, self.limits)]

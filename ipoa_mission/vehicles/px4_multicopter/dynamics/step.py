@@ -165,10 +165,11 @@ def moved(axis: Axis, profile: Profile, t: float) -> Axis:
 
 
 def smoothed(
-    trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
+    trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
 ) -> Trajectory:
-    """Return the trajectory t s later (`t_up` upwards)."""
+    """Return the trajectory later by `times` [s], level and upwards."""
     x, y, z = trajectory
+    t, t_up = times
     accel, jerk = limits.accel, limits.jerk
     east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)
     up = quickest(z, velocity.up, accel_up, jerk)
@@ -229,7 +230,7 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
         pace_up, lead = 1.0, was.up.place - at.up
         if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
             pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
-    now = smoothed(was, within, limits, climb.accel, law.dt * pace, law.dt * pace_up)
+    now = smoothed(was, within, limits, climb.accel, (law.dt * pace, law.dt * pace_up))
     if order.kind != LAND:
         return now
     return Trajectory(in_single(now.east), in_single(now.north), now.up)
