@@ -149,7 +149,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
     slack[between], threat[between] = problem.survey(nodes[between])
     radius = min(DETAILS.loop_radius, float(size[:2].min()) / 4)
     winding = problem.rules.turning / max(problem.rules.length, DETAILS.least_price) / radius
-    _occupy_gaps(nodes, slack, threat, lower, spacing, problem)
+    _occupy_gaps(nodes, (slack, threat), lower, spacing, problem)
     price = np.where(slack >= 0, problem.rules.length + threat, np.inf)
     slack, price = slack.reshape(count), price.reshape(count)
     return Lattice(lower, spacing, nodes, slack, price, steepest, winding, strategy)
@@ -158,7 +158,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
 def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
     """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
     stops = problem.task.places
-    legs = [_leg_ways(lattice, problem, a, b, most, looking) for a, b in pairwise(stops)]
+    legs = [_leg_routes(lattice, problem, ends, most, looking) for ends in pairwise(stops)]
     if not all(legs):
         return []
     cheapest = [leg[0] for leg in legs]
@@ -224,9 +224,10 @@ def _whole(points: Points) -> NDArray[np.void]:
 
 
 def _occupy_gaps(
-    nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PreparedProblem
+    nodes: Points, surveyed: tuple[Vector, Vector], lower: Vector, spacing: Vector, problem: PreparedProblem
 ) -> None:
-    """Move nodes (n, 3), with slack and threat, to narrow gaps in their cells."""
+    """Move nodes (n, 3), with their `surveyed` slack and threat, to narrow gaps in their cells."""
+    slack, threat = surveyed
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + DETAILS.widest_gap * float(spacing[:2].max())
@@ -255,11 +256,12 @@ def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | Non
     return int(few[np.argmax(slack >= min(slack.max(), 0.0))]) if len(few) else None
 
 
-def _leg_ways(
-    lattice: Lattice, problem: PreparedProblem, start: Vector, goal: Vector, most: int, looking: bool
+def _leg_routes(
+    lattice: Lattice, problem: PreparedProblem, ends: tuple[Vector, Vector], most: int, looking: bool
 ) -> list[Points]:
     from ipoa_mission.planning._dijkstra import spread
 
+    start, goal = ends
     source, target = _end(lattice, problem, start), _end(lattice, problem, goal)
     if source is None or target is None:
         return []

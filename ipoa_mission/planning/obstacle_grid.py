@@ -115,10 +115,11 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
     parts = [part for obstacle in airspace.obstacles for part in obstacle.parts]
     fenced = airspace.bounds.footprint is not None
     kind, shape, edges = _shapes(airspace, parts)
-    first, listed = _lists(parts, fenced, lower, cell, int(rows), int(columns), reach)
+    cells = Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns))
+    first, listed = _lists(parts, fenced, cells, cell, reach)
     concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
     return ObstacleGrid(
-        cells=Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns)),
+        cells=cells,
         first=first,
         listed=listed,
         top=_highest(ground, lower, cell, int(rows), int(columns)).ravel() + concern,
@@ -176,21 +177,22 @@ def _shapes(
 
 
 def _lists(
-    parts: Sequence[Part], fenced: bool, lower: Vector, cell: float, rows: int, columns: int, reach: float
+    parts: Sequence[Part], fenced: bool, cells: Raster, cell: float, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Return the parts within `reach` of each cell: list begins (cells + 1,) and indices."""
+    corner, rows, columns = np.array([cells.east, cells.north]), cells.rows, cells.columns
     boxes = np.array([_box(part, reach) for part in parts]).reshape(-1, 2, 2)
     if fenced:
-        boxes = np.concatenate([boxes, [[lower[:2], lower[:2] + cell * np.array([columns, rows])]]])
-    low = np.clip(np.floor((boxes[:, 0] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
-    high = np.clip(np.floor((boxes[:, 1] - lower[:2]) / cell), 0, (columns - 1, rows - 1)).astype(int)
+        boxes = np.concatenate([boxes, [[corner, corner + cell * np.array([columns, rows])]]])
+    low = np.clip(np.floor((boxes[:, 0] - corner) / cell), 0, (columns - 1, rows - 1)).astype(int)
+    high = np.clip(np.floor((boxes[:, 1] - corner) / cell), 0, (columns - 1, rows - 1)).astype(int)
     extent = high - low + 1
     count = extent.prod(axis=1)
     body = np.repeat(np.arange(len(boxes)), count)
     within = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count)
     column, row = low[body, 0] + within % extent[body, 0], low[body, 1] + within // extent[body, 0]
     near = _plan_radii(parts, fenced)[body] + reach + 0.71 * cell
-    middle = boxes.mean(axis=1)[body] - lower[:2] - cell * (np.column_stack([column, row]) + 0.5)
+    middle = boxes.mean(axis=1)[body] - corner - cell * (np.column_stack([column, row]) + 0.5)
     keep = (middle**2).sum(axis=1) <= near**2
     number, body = (row * columns + column)[keep], body[keep]
     order = np.argsort(number, kind="stable")

@@ -5,7 +5,7 @@ polished until their proof holds.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -20,7 +20,7 @@ from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.polish import FIRM_STAGES, ROUGH_STAGES, polish, settle
+from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, settle
 from ipoa_mission.planning.problem import ALL, UNSAFE, Candidate, PreparedProblem, follow, prepare, refine, surround
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
@@ -144,8 +144,8 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     """Move a plan's curve until it keeps another task's limits; None if it cannot."""
     problem = prepare(task)
     with threadpool_limits(1, "blas"):
-        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_STAGES)
-        candidate, proof = settle(near, problem, enough=1e-5, finer=1, attempts=2)
+        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_DESCENT)
+        candidate, proof = settle(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
     return candidate.curve if proof.holds else None
 
 
@@ -191,7 +191,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     cheapest = range(1, len(polished))[: strategy.cheapest_starts]
     promising = list(dict.fromkeys([*cheapest, *best.tolist()]))[: strategy.lattice_starts]
     if min(costs) > UNSAFE:
-        polished += [polish(way.candidate(problem, strategy.closer_factor), problem, FIRM_STAGES) for way in ways]
+        polished += [polish(way.candidate(problem, strategy.closer_factor), problem, FIRM_DESCENT) for way in ways]
     starts = [(candidates[0], strategy.straight_width)] * strategy.straight_starts
     starts += [(candidates[i], strategy.lattice_width) for i in promising]
     for i, (guess, width) in enumerate(starts):
@@ -203,7 +203,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
     """Polish roughly; with limited climbs until all limits hold: a shortcut must be climbed."""
     return (
-        settle(candidate, problem, 5e-6, ROUGH_STAGES, finer=1)[0]
+        settle(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
         if problem.climbs_limited
         else polish(candidate, problem)
     )
@@ -231,12 +231,13 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
 def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> Settled:
     """Settle; if clustered control points hide a loop, again evenly."""
     problem, task = searcher.problem, searcher.problem.task
-    settled, proof = settle(candidate, problem, enough)
+    descent = replace(FINE_DESCENT, enough=enough)
+    settled, proof = settle(candidate, problem, descent)
     cost = curve_cost(settled.curve, task)
     if cost.total <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
         return settled, proof, cost
     count = len(settled.curve.control)
-    even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, enough)
+    even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, descent)
     even_terms = curve_cost(even.curve, task)
     is_better = even_proof.holds and (even_terms.total < cost.total or not proof.holds)
     return (even, even_proof, even_terms) if is_better else (settled, proof, cost)

@@ -5,7 +5,7 @@ Limits, and the end of the threat at d_safe, are logarithmic barriers (Fiacco an
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -69,50 +69,49 @@ STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, abo
 STAGE_4 = STAGE_3._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=0.02)
 STAGE_5 = STAGE_4._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
 STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
-ROUGH_STAGES = (STAGE_1, STAGE_2, STAGE_3)
-FIRM_STAGES = (STAGE_3, STAGE_4)
-FINE_STAGES = (STAGE_3, STAGE_4, STAGE_5, STAGE_6)
+
+
+@dataclass(frozen=True)
+class Descent:
+    """Stages of up to `steps` Gauss-Newton steps, until one gains less than the share `enough`; nodes times `finer`."""
+
+    stages: Sequence[Soft]
+    steps: int = 8
+    enough: float = 5e-6
+    finer: int = 1
+
+
+ROUGH_DESCENT = Descent((STAGE_1, STAGE_2, STAGE_3))
+FIRM_DESCENT = Descent((STAGE_3, STAGE_4))
+FINE_DESCENT = Descent((STAGE_3, STAGE_4, STAGE_5, STAGE_6), steps=60, enough=1e-7, finer=2)
 
 
 def polish(
-    candidate: Candidate,
-    problem: PreparedProblem,
-    stages: Sequence[Soft] = ROUGH_STAGES,
-    steps: int = 8,
-    part: slice = ALL,
-    finer: int = 1,
-    enough: float = 5e-6,
+    candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
 ) -> Candidate:
-    """Return the curve after at most `steps` Gauss-Newton steps per stage, or one that gains less than `enough`.
-
-    `enough` is a share of the cost. Ends and via points stay; `part` selects the inner control points that may move.
-    """
-    nodes = finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
+    """Return the curve after a descent; of the inner control points only `part` moves, and via points stay."""
+    stages, enough = descent.stages, descent.enough
+    nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
     control, bench = candidate.curve.control, _prepare(candidate, problem, part, nodes)
     signs = np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
-        control, signs = _descend(control, signs, problem, bench, soft.scaled(problem.scale), steps, good)
+        control, signs = _descend(control, signs, bench, soft.scaled(problem.scale), (descent.steps, good))
     return Candidate(Spline(control), candidate.via_at)
 
 
 def settle(
-    candidate: Candidate,
-    problem: PreparedProblem,
-    enough: float = 1e-7,
-    stages: Sequence[Soft] = FINE_STAGES,
-    finer: int = 2,
-    attempts: int = ATTEMPTS,
+    candidate: Candidate, problem: PreparedProblem, descent: Descent = FINE_DESCENT, attempts: int = ATTEMPTS
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
     With limited climbs it restarts for more room: a curve that must become longer at once would make loops.
     """
-    rough, more = candidate, dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    rough, stages, more = candidate, descent.stages, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
         wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
         base = rough if problem.climbs_limited else candidate
-        candidate = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
+        candidate = polish(base, problem, replace(descent, stages=wider))
         proof = prove_curve(candidate.curve, problem.task)
         if proof.worst.slack >= 0 or any(check.slack < _hopeless(check, problem) for check in proof.checks):
             break
@@ -149,6 +148,7 @@ class _Bench:
     Moves are of the coordinates `free`, or with via points by `spread` (3 some, f).
     """
 
+    problem: PreparedProblem
     some: slice
     look: Matrix  # (nodes, n)
     spans: Spans
@@ -184,17 +184,18 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
         spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ candidate.curve.control).mean())
-    return _Bench(slice(low, high), look, spans, even, free, spread)
+    return _Bench(problem, slice(low, high), look, spans, even, free, spread)
 
 
 def _descend(
-    control: Points, signs: Matrix, problem: PreparedProblem, bench: _Bench, soft: Soft, steps: int, enough: float
+    control: Points, signs: Matrix, bench: _Bench, soft: Soft, until: tuple[int, float]
 ) -> tuple[Points, Matrix]:
-    """Minimize by Levenberg-Marquardt: damping falls as the model proves right."""
+    """Minimize by Levenberg-Marquardt: damping falls as the model proves right. `until`: as `steps`, `enough`."""
     from ipoa_mission.planning._path_model import path_model
     from ipoa_mission.planning.banded import solve_banded
 
-    count, airspace = bench.some.stop - bench.some.start, (problem.grid, problem.rules)
+    count, airspace = bench.some.stop - bench.some.start, (bench.problem.grid, bench.problem.rules)
+    steps, enough = until
 
     def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
         nodes = bench.look @ control

@@ -61,7 +61,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     over_home = starts_over_home(route)
     usual = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
-        *(_pass(route, n, *place, usual, scenario) for n, place in enumerate(others[:-1], 1)),
+        *(_waypoint_of(route, n, place, usual, scenario) for n, place in enumerate(others[:-1], 1)),
         spline_waypoint(*others[-1]) if route.spline and route.brakes_on_curve else waypoint(*others[-1], *usual),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
@@ -98,7 +98,8 @@ def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
+def _waypoint_of(route: Route, n: int, at: tuple[Geodetic, float], usual: WaypointDefaults, scenario: Scenario) -> Item:
+    place, height = at
     if route.spline:
         if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown
             return waypoint(place, height, 1.0, usual.radius)

@@ -56,7 +56,7 @@ def studio(
         raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.tiles import chosen_tiles
-    from ipoa_mission.studio.web_server import serve
+    from ipoa_mission.studio.web_server import ServerOptions, serve
 
     page = built_page((lambda words: None) if as_json else print_lines)
     file = Path("mission.toml") if file is None and home is not None else file
@@ -78,7 +78,7 @@ def studio(
             webbrowser.open(address)
 
     with suppress(KeyboardInterrupt):  # the regular end
-        serve(file, page, port, seed, tell_address, source, world)
+        serve(file, ServerOptions(page, port, seed, source), tell_address, world)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:

@@ -5,6 +5,7 @@ import json
 import socket
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
@@ -169,29 +170,33 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
     return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 
+@dataclass(frozen=True)
+class ServerOptions:
+    """`bundle`: folder of the built page; port 0: any."""
+
+    bundle: Path
+    port: int
+    seed: int
+    tiles: TileSource | None = None
+
+
 def serve(
-    path: Path | None,
-    bundle: Path,
-    port: int,
-    seed: int,
-    tell_address: Callable[[str], None],
-    tiles: TileSource | None = None,
-    world: Path | None = None,
+    path: Path | None, options: ServerOptions, tell_address: Callable[[str], None], world: Path | None = None
 ) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address.
 
     A known file keeps its address, so that its old page reconnects. A log is opened with its mission.
     """
     known = address_of(None if path is None else path.resolve())
-    with _listen(port, known.port) as listener:
+    with _listen(options.port, known.port) as listener:
         number = listener.getsockname()[1]
-        sessions = Sessions(number, seed)
+        sessions = Sessions(number, options.seed)
         lobby, start = Lobby(Path.cwd(), sessions.open_file), address_of(None)
         sessions.add(start.token, lobby)
         remember(start, number)
         token = start.token if path is None else lobby.opened(path, world)
         host = f"127.0.0.1:{number}"
-        app = application(sessions, bundle, host, tiles)
+        app = application(sessions, options.bundle, host, options.tiles)
         limit = 4_000_000  # of a message [bytes]
         config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=limit)
         tell_address(f"http://{host}/{token}/")
