@@ -14,7 +14,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.law import not_measured
-from ipoa_mission.forecast.deviation.promise import Kept, Promise
+from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
@@ -106,17 +106,17 @@ def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> I
     """
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
-    for kept in promise.broken:
-        item = item_of(mission, kept.item)
-        touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
-        report = item.error if kept.forbids or touches else item.warning
-        yield report("flights-too-near", f"{_where(kept)}: {kept.words(promise.confidence)}")
+    for limit in promise.broken:
+        item = item_of(mission, limit.item)
+        touches = limit.limit == "obstacles" and limit.guaranteed < scenario.vehicle.radius
+        report = item.error if limit.forbids or touches else item.warning
+        yield report("flights-too-near", f"{_where(limit)}: {limit.words(promise.confidence)}")
 
 
-def _where(kept: Kept) -> str:
-    east, north, up = kept.place
-    part = f"{kept.part}, " if kept.part else ""
-    words = {"obstacles": f"to {kept.to}", "bounds": f"inside {kept.to}"}.get(kept.limit, "above the ground")
+def _where(limit: KeptLimit) -> str:
+    east, north, up = limit.place
+    part = f"{limit.part}, " if limit.part else ""
+    words = {"obstacles": f"to {limit.to}", "bounds": f"inside {limit.to}"}.get(limit.limit, "above the ground")
     return f"{part}{words} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
 
 
@@ -133,10 +133,10 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
     tree = shapely.STRtree([thing.shape for thing in things])
     required = scenario.limits.obstacle_distance + scenario.route.tolerance
     for leg in forecast.legs:
-        way = shapely.LineString(leg.points[:, :2])
-        near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
+        line = shapely.LineString(leg.points[:, :2])
+        near = [things[i] for i in tree.query(line, "dwithin", required + leg.stray)]
         if near:
-            distances = [float(shapely.distance(way, thing.shape)) for thing in near]
+            distances = [float(shapely.distance(line, thing.shape)) for thing in near]
             first, distance = near[int(np.argmin(distances))], min(distances)
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"

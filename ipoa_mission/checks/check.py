@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
-from ipoa_mission.checks.firmware_check import check_firmware, check_passing, check_version, check_way, is_too_long
+from ipoa_mission.checks.firmware_check import (
+    check_firmware,
+    check_known_path,
+    check_passing,
+    check_version,
+    is_too_long,
+)
 from ipoa_mission.checks.positions import check_positions, refusals, unsound
 from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.finding import Finding, Severity
@@ -65,7 +71,7 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     is_sound = not unsound(positions)
     if is_sound and mission.vehicle_type not in NO_AIRCRAFT:
-        findings += check_way(forecast)
+        findings += check_known_path(forecast)
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
         findings += check_passing(flown)
@@ -94,17 +100,17 @@ def _check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) 
     from ipoa_mission.checks.ground_check import check_ground
 
     promise = forecast.promise_if_known if is_flown else None
-    found = [*check_airspace(forecast)]
-    judged = {finding.seq for finding in found}
+    findings = [*check_airspace(forecast)]
+    judged = {finding.seq for finding in findings}
     if promise is not None:
         clearances = check_clearance(forecast.mission, forecast.world, promise)
-        found += [finding for finding in clearances if finding.seq not in judged]
-    found += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
-    found += check_wind(forecast) if is_flown else ()
-    found += () if promise is None else check_energy(forecast)
-    if promise is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *found)):
-        found += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
-    return found
+        findings += [finding for finding in clearances if finding.seq not in judged]
+    findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
+    findings += check_wind(forecast) if is_flown else ()
+    findings += () if promise is None else check_energy(forecast)
+    if promise is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
+        findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
+    return findings
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:

@@ -71,9 +71,9 @@ def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Findin
         "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
         "rally points": (len(rally_to_wire(mission.rally)), firmware.max_rally_points),
     }
-    for kind, (held, most) in counts.items():
-        if held > most:
-            message = f"the mission: expected at most {most} {kind} for {firmware.name}, not {held}"
+    for kind, (actual, most) in counts.items():
+        if actual > most:
+            message = f"the mission: expected at most {most} {kind} for {firmware.name}, not {actual}"
             yield Finding("too-many", Severity.ERROR, None, message)
 
 
@@ -249,11 +249,11 @@ def _finding(why: str, unmeasured: bool) -> Finding:
 def _jumps(mission: Mission) -> Iterator[Finding]:
     jumps = [at for at in numbered_items(mission) if at.item.command in JUMPS]
     profile = mission.autopilot.firmware(mission.firmware_version).jumps
-    found = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
-    yield from found
+    findings = [finding for at in jumps for finding in (*_jump_target(mission, at), *_repeats(mission, at, profile))]
+    yield from findings
     yield from _tags(mission)
     yield from _too_many(mission, len(jumps), profile)
-    if jumps and not any(finding.code == "jump-target" for finding in found):
+    if jumps and not any(finding.code == "jump-target" for finding in findings):
         program = program_of(mission, mission.items)
         in_turn = replace(program, jumping=replace(program.jump_profile, queues_actions=False), jumped={})
         flown, _ = program.followed()
@@ -321,14 +321,14 @@ def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[F
 
 
 def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
-    found = defaultdict[int, list[int]](list)
+    numbers = defaultdict[int, list[int]](list)
     for number, (passed, at) in enumerate(steps):
         for index in passed if at is not None else ():
-            found[index].append(number)
-    return found
+            numbers[index].append(number)
+    return numbers
 
 
-def check_way(forecast: Forecast) -> Iterator[Finding]:
+def check_known_path(forecast: Forecast) -> Iterator[Finding]:
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:

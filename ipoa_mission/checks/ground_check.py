@@ -80,9 +80,9 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
             message = f"{landing.where}: {touches_down(stretch, landing)}"
             yield landing.item.warning("fast-touchdown", message, hint)
         elif landing.height < -5.0:  # [m]
-            way = stretch.ends - landing.height
-            slowly = f"flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
-            message = f"{landing.where}: without a rangefinder the last {way:.0f} m are {slowly}"
+            descent = stretch.ends - landing.height
+            slowly = f"flown at {stretch.landing:.1f} m/s and take {descent / stretch.landing:.0f} s"
+            message = f"{landing.where}: without a rangefinder the last {descent:.0f} m are {slowly}"
             hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
             yield landing.item.warning("slow-landing", message, hint)
 

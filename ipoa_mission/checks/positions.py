@@ -82,8 +82,8 @@ def refusals(mission: Mission) -> tuple[str, ...]:
 
 
 def unsound(positions: Iterable[Finding]) -> list[Finding]:
-    found = [each for each in positions if each.severity is Severity.ERROR or each.code == "home-elsewhere"]
-    return sorted(found, key=lambda finding: finding.code == "home-elsewhere")
+    errors = [each for each in positions if each.severity is Severity.ERROR or each.code == "home-elsewhere"]
+    return sorted(errors, key=lambda finding: finding.code == "home-elsewhere")
 
 
 def _home(mission: Mission) -> Iterator[Finding]:

@@ -87,7 +87,7 @@ def _of_plan(job: Job) -> str:
         return ""
     promise, kept = job.flight.promise, job.flight.promise.clearance
     keep = (
-        f"; {100 * promise.confidence:g} % of flights keep {down(kept.kept):.2f} m"
+        f"; {100 * promise.confidence:g} % of flights keep {down(kept.guaranteed):.2f} m"
         if promise.confidence and kept
         else ""
     )

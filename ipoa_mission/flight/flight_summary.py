@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.autopilot.energy import Interval
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.contingency.energy_budget import Budget
-    from ipoa_mission.forecast.deviation.promise import Kept, Promise
+    from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
@@ -23,20 +23,20 @@ def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
     """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
     if promise is None:
         return {}
-    kept, confidence = promise.clearance, "nominal" if promise.confidence is None else round(promise.confidence, 4)
-    others = [{"part": other.part, "limit": other.limit} | _kept_as_json(other) for other in promise.elsewhere]
+    clearance, confidence = promise.clearance, "nominal" if promise.confidence is None else round(promise.confidence, 4)
+    others = [{"part": other.part, "limit": other.limit} | _limit_as_json(other) for other in promise.elsewhere]
     elsewhere = {"elsewhere": others} if others else {}
-    return elsewhere if kept is None else _kept_as_json(kept) | {"confidence": confidence} | elsewhere
+    return elsewhere if clearance is None else _limit_as_json(clearance) | {"confidence": confidence} | elsewhere
 
 
-def _kept_as_json(kept: "Kept") -> dict[str, Any]:
+def _limit_as_json(limit: "KeptLimit") -> dict[str, Any]:
     """Round to the millimeter: kept down, required up."""
     return {
-        "required_m": up(kept.required, 1000),
-        "nominal_m": down(kept.nominal, 1000),
-        "kept_m": down(kept.kept, 1000),
-        "to": kept.to,
-        "item": kept.item,
+        "required_m": up(limit.required, 1000),
+        "nominal_m": down(limit.nominal, 1000),
+        "kept_m": down(limit.guaranteed, 1000),
+        "to": limit.to,
+        "item": limit.item,
     }
 
 

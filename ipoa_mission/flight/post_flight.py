@@ -109,8 +109,8 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
         promise = forecast.promise_if_known
-        kept = None if promise is None else promise.clearance
-        promised = None if kept is None else kept.kept
+        clearance = None if promise is None else promise.clearance
+        promised = None if clearance is None else clearance.guaranteed
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)
 
 

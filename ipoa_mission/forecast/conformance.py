@@ -45,12 +45,12 @@ class DeviationKind(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """A deviation on the way to item `item`; `found` and `allowed` in meters, for LATE in seconds."""
+    """A deviation on the way to item `item`; `measured` and `allowed` in meters, for LATE in seconds."""
 
     kind: DeviationKind
     item: int
     time_s: float
-    found: float
+    measured: float
     allowed: float
     words: str
 
@@ -59,7 +59,7 @@ class Deviation:
 
     def as_json(self) -> dict[str, Any]:
         unit = "s" if self.kind is DeviationKind.LATE else "m"
-        rounded = {"time_s": round(self.time_s, 2), "found": round(self.found, 2), "allowed": round(self.allowed, 2)}
+        rounded = {"time_s": round(self.time_s, 2), "found": round(self.measured, 2), "allowed": round(self.allowed, 2)}
         return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
 
 
@@ -206,8 +206,8 @@ class ConformanceMonitor:
         words += f"; {most}, {above:.1f} m above and {below:.1f} m below"
         return self._deviation(DeviationKind.OUTSIDE, time, float(away[n]), float(away[n]) / least, words)
 
-    def _deviation(self, kind: DeviationKind, time: float, found: float, allowed: float, words: str) -> Deviation:
-        return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
+    def _deviation(self, kind: DeviationKind, time: float, measured: float, allowed: float, words: str) -> Deviation:
+        return Deviation(kind, self._visits[self._visit].seq, time, measured, allowed, words)
 
     def _width(self, law: DeviationLaw) -> Vector:
         bound = deviation_bound_of(law, self._chance)

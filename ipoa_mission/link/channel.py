@@ -262,11 +262,11 @@ class TcpChannel(RealTime):
         else:
             self._adopt(connection)
 
-    def _finish(self, connection: socket.socket, rest: bytes) -> None:
-        """Send the rest within 0.5 s, else drop the connection: a partial frame corrupts the stream."""
+    def _finish(self, connection: socket.socket, unsent: bytes) -> None:
+        """Send the remaining bytes within 0.5 s, else drop the connection: a partial frame corrupts the stream."""
         connection.settimeout(0.5)
         try:
-            connection.sendall(rest)
+            connection.sendall(unsent)
             connection.setblocking(False)
         except OSError:
             self._drop(connection)

@@ -124,12 +124,12 @@ def meet(line: Line, system: int | None = None, options: ConnectionOptions | Non
         names = ", ".join(f"{number} ({vehicle.kind})" for number, vehicle in sorted(autopilots.items()))
         words = f"several vehicles are heard: {names}"
         raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
-    found = autopilots[system] if system is not None else autopilots.popitem()[1]
-    if not (options.reading or found.kind.is_flown):
-        raise NotFlown(found.kind, f"vehicle {found.system}")
+    vehicle = autopilots[system] if system is not None else autopilots.popitem()[1]
+    if not (options.reading or vehicle.kind.is_flown):
+        raise NotFlown(vehicle.kind, f"vehicle {vehicle.system}")
     if not options.anyway:
-        line.expect_alone(found.system)
-    return Vehicle(line, found, options, trips.get(found.system))
+        line.expect_alone(vehicle.system)
+    return Vehicle(line, vehicle, options, trips.get(vehicle.system))
 
 
 def _rejected(line: Line, system: int | None) -> SignsOtherwise | None:

@@ -156,14 +156,14 @@ def file_checksum(data: bytes) -> int:
     return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
-def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
+def ask_of_file(question: FileMessage, action: str, may_end: bool = False) -> Dialogue[FileMessage]:
     """Raise FileRefused or NoAnswer."""
     step: Step = Ask(question.pack(), item=True)
     while True:
         try:
             heard = yield step
         except NoAnswer:
-            raise NoAnswer(f"the vehicle does not answer when asked to {what}") from None
+            raise NoAnswer(f"the vehicle does not answer when asked to {action}") from None
         step = None
         if not isinstance(heard, FileTransfer):
             continue
@@ -172,4 +172,4 @@ def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dial
             continue
         if answer.opcode == Opcode.ACK or (may_end and answer.data[:1] == bytes((FileError.END_OF_FILE,))):
             return answer
-        raise FileRefused(f"the vehicle would not {what} (error {answer.data[0] if answer.data else 0})")
+        raise FileRefused(f"the vehicle would not {action} (error {answer.data[0] if answer.data else 0})")

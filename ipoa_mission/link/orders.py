@@ -176,19 +176,19 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         order = m.ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
     except BadInput as error:
         raise error.at(name) from None
-    kept: float | None = None
+    stored: float | None = None
     for seconds in (1.0, 2.0, 4.0):
         yield Remark(order)
         heard = yield Pause(seconds)
         while heard is not None:
             if isinstance(heard, m.ParamValue) and heard.param_id == name:
-                kept = parameter_value(heard, autopilot)
-                if abs(kept - value) <= 1e-6 * max(1.0, abs(value)):
+                stored = parameter_value(heard, autopilot)
+                if abs(stored - value) <= 1e-6 * max(1.0, abs(value)):
                     return
             heard = yield None
-    if kept is None:
+    if stored is None:
         raise NoAnswer(f"the vehicle does not answer when {name} is set to {value:g}")
-    raise MissionError(f"expected {value:g}, but the vehicle keeps {kept:g}", code="parameter-kept", place=name)
+    raise MissionError(f"expected {value:g}, but the vehicle keeps {stored:g}", code="parameter-kept", place=name)
 
 
 def parameter_value(heard: m.ParamValue, autopilot: Autopilot) -> float:

@@ -56,8 +56,8 @@ def key_of(secret: str | bytes) -> bytes:
         return raw
     words = raw.rstrip(b"\r\n")
     if not is_text or not words.strip():
-        what = "nothing" if not raw.strip() else f"{len(raw)} bytes that are no text"
-        raise BadInput(f"expected 64 hexadecimal digits, 32 bytes or a passphrase, not {what}", place="signing key")
+        actual = "nothing" if not raw.strip() else f"{len(raw)} bytes that are no text"
+        raise BadInput(f"expected 64 hexadecimal digits, 32 bytes or a passphrase, not {actual}", place="signing key")
     return hashlib.sha256(words).digest()
 
 

@@ -120,15 +120,15 @@ class _Parts:
             raise short.at(f"item {self.turns[begin] + 1} is too far for one battery")
         why: MissionError | None = None
         for end in range(reached, begin, -1):
-            for way in self._ways_back(begin):
-                flight = (None if way else straight.get(end)) or self.part(begin, end, way)
+            for path in self._paths_back(begin):
+                flight = (None if path else straight.get(end)) or self.part(begin, end, path)
                 if (refused := _refused(flight)) is None:
                     return end, flight
                 why = why or refused
         assert why is not None
         raise why
 
-    def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Forecast:
+    def part(self, begin: int, end: int, path: Sequence[Item] = ()) -> Forecast:
         items = self.mission.items
         until = len(items) if end == self.last else self.turns[end - 1] + 1
         taken = list(items[:until])
@@ -136,13 +136,13 @@ class _Parts:
             at = self.turns[begin - 1]
             before = items[self.start : at]
             speeds = [item for item in before if item.command == Command.DO_CHANGE_SPEED][-1:]
-            taken = [*items[: self.start], *speeds, *way, items[at], *_in_force(before), *items[at + 1 : until]]
+            taken = [*items[: self.start], *speeds, *path, items[at], *_in_force(before), *items[at + 1 : until]]
         if end < self.last or not any(item.command in LANDINGS for item in taken):
             taken += [*_ended(taken), return_to_launch()]
         return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
 
-    def _ways_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
-        """Yield ways to the resumed waypoint: straight, then as high as an RTL."""
+    def _paths_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
+        """Yield paths to the resumed waypoint: straight, then as high as an RTL."""
         yield ()
         if begin > 0:
             frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home

@@ -25,8 +25,8 @@ def expect_way_home(attempt: "Attempt") -> None:
         return
     after = attempt.promise.flight.cruise_span[1]
     lands = any(one.comes_down and one.time > after for one in attempt.short)
-    ways = attempt.forecast.ways_home
-    if lands or not clear_in(scenario)(ways) or any(broken_limits(way, scenario) for way in ways):
+    returns = attempt.forecast.ways_home
+    if lands or not clear_in(scenario)(returns) or any(broken_limits(leg, scenario) for leg in returns):
         raise WayHomeBlocked("the straight way home is not clear")
 
 

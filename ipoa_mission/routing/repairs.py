@@ -24,8 +24,8 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     """
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     names = mission.autopilot.slowed_by.names
-    given = mission.autopilot.parameter_table.by_old_names(mission.parameters)
-    if stretch is None or not given.keys().isdisjoint(names):
+    named = mission.autopilot.parameter_table.by_old_names(mission.parameters)
+    if stretch is None or not named.keys().isdisjoint(names):
         return mission
     highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.counted, default=None)
     if highest is None or not stretch.is_fast(highest.counted + HEIGHT_UNCERTAINTY):
@@ -46,8 +46,8 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
 
 def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
     mission, scenario = forecast.mission, forecast.world
-    given, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
-    wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in given}
+    named, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
+    wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in named}
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
@@ -73,10 +73,10 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
         climb = waypoint(above, height, *mission.autopilot.waypoint_defaults(mission.firmware_version))
         raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
         legs = Forecast(raised, scenario).legs
-        way_up, *ways = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
-        if any(check.slack < 0 for check in prove(way_up.points, scenario).checks if check.limit != "climb"):
+        climb_leg, *returns = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)
+        if any(check.slack < 0 for check in prove(climb_leg.points, scenario).checks if check.limit != "climb"):
             return mission
-        if is_clear(ways):
+        if is_clear(returns):
             return raised
     return mission
 

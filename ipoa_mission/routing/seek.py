@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.promise import Kept
+from ipoa_mission.forecast.deviation.promise import KeptLimit
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.obstruction import NoPath, NotFound
 from ipoa_mission.planning.path_problem import PathTask
@@ -195,7 +195,7 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
         helps, hint, remedies = _try_changes("", trials)
         words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
         return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
-    tightest = min(promise.forbidding, key=lambda kept: kept.slack)
+    tightest = min(promise.forbidding, key=lambda limit: limit.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     if tightest.limit == "obstacles":
@@ -219,7 +219,7 @@ def _with_help(words: str, round_it: str, trials: ChangeTrials) -> NoPath:
     return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
-def _leg(nearest: Attempt, tightest: Kept) -> str:
+def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
     at, curve = nearest.plan.via_at, nearest.plan.curve
     if not len(at):
         return ""
@@ -230,8 +230,8 @@ def _leg(nearest: Attempt, tightest: Kept) -> str:
     return f", on the leg from {names[leg]} to {names[leg + 1]}"
 
 
-def _gap(tightest: Kept, airspace: Airspace) -> str:
-    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.kept
+def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
+    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.guaranteed
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
@@ -268,11 +268,11 @@ def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[R
     """Return a description, a hint and the first change that helps."""
     tried = list[Remedy]()
     for change in trials.changes:
-        if (found := trials.at(change)) is None:
+        if (attempt := trials.at(change)) is None:
             tried.append(change)
             continue
-        kept = found.promise.clearance
-        with_it = "" if kept is None else f" with {down(kept.kept):.2f} m kept"
+        clearance = attempt.promise.clearance
+        with_it = "" if clearance is None else f" with {down(clearance.guaranteed):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
     return (
         f"these changes did not help: {', '.join(map(str, tried))}",

@@ -24,9 +24,9 @@ def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | Non
     changes = dict(slower(trials.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
     speeds = [speed for speed in speeds if speed < trials.scenario.vehicle.cruise_speed]
-    for found in chain([nearest], map(trials.at, changes)):
-        if found is not None:
-            here = replace(found, scenario=trials.scenario)
+    for trial in chain([nearest], map(trials.at, changes)):
+        if trial is not None:
+            here = replace(trial, scenario=trials.scenario)
             slowed = [attempt for speed in speeds if (attempt := _slowed(here, speed)) is not None]
             if slowed:
                 return min(slowed, key=lambda attempt: attempt.forecast.estimate.total_s)
@@ -61,8 +61,8 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
 
 def _too_near(attempt: Attempt) -> Iterator[int]:
     ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
-    for kept in attempt.promise.forbidding:
-        yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
+    for limit in attempt.promise.forbidding:
+        yield min(int(np.searchsorted(ends, limit.item)), len(ends) - 1)
     flight = attempt.promise.flight
     for one in attempt.short:
         then = min(int(np.searchsorted(flight.prediction.done, one.time)), len(flight.route.visits) - 1)
@@ -83,7 +83,7 @@ def slowed_stretches(forecast: Forecast) -> Iterator[str]:
     asked = [item.command != Command.DO_CHANGE_SPEED or item.params[1] == cruise for item in mission.items]
     fast = replace(mission, items=tuple(item for item, stays in zip(mission.items, asked, strict=True) if stays))
     promise = Forecast(fast, forecast.world).promise
-    worst = min(promise.forbidding, key=lambda kept: kept.slack, default=None)
+    worst = min(promise.forbidding, key=lambda limit: limit.slack, default=None)
     why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(promise.confidence)}"
     which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last, _ in stretches)
     yield f"items {which} are flown at {stretches[0][-1]:g} m/s{why}"

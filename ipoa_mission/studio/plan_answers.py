@@ -91,7 +91,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         proof="",
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
         confidence=None if promise is None else promise.confidence,
-        kept=None if kept is None else down(kept.kept),
+        kept=None if kept is None else down(kept.guaranteed),
         nominal=None if kept is None else down(kept.nominal),
         required=0.0 if scenario is None else up(scenario.limits.obstacle_distance if kept is None else kept.required),
         nearest="" if scenario is None or kept is None else without_folders(kept.to, scenario),
@@ -182,7 +182,7 @@ def _near_places(promise: Promise | None, course: SampledTrack, scenario: Scenar
     if promise is None:
         return
     for check in sorted(promise.limits, key=lambda kept: kept.slack)[:5]:
-        if math.isfinite(check.kept) and check.slack < 1.5 * check.required + 1.0:
+        if math.isfinite(check.guaranteed) and check.slack < 1.5 * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
             part, share = (f", in {check.part}", None) if check.part else ("", promise.confidence)
             words = f"{check.limit}, to {check.to}{part}: {check.words(share)}"

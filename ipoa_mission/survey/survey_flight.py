@@ -190,7 +190,7 @@ def flight_table(survey: Survey) -> tuple[list[str], list[tuple[str, ...]]]:
                 str(len(flight.forecast.mission.items)),
                 f"{flight.forecast.estimate.total_s:.1f}",
                 "" if energy is None else f"{energy.energy_wh:.1f}",
-                "" if kept is None else f"{down(kept.kept):.2f} to {kept.to}",
+                "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}",
             )
         )
     if plan.section.starts is not None:

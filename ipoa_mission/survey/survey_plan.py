@@ -12,7 +12,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
-from ipoa_mission.forecast.deviation.promise import Kept, Promise
+from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points
@@ -85,7 +85,7 @@ class SurveyPlan(SurveyTask):
 
 
 class _TooNear(Exception):
-    def __init__(self, kept: Kept, promise: Promise) -> None:
+    def __init__(self, kept: KeptLimit, promise: Promise) -> None:
         super().__init__(kept.to)
         self.kept, self.promise = kept, promise
 
@@ -133,18 +133,18 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
     return SurveyPlan(scenario, section, area, sight, task.keep_out, tour, seen, flights, growth)
 
 
-def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
+def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, Promise]]:
     """Return the limits that flights do not keep; drops large data."""
-    near = list[tuple[Kept, Promise]]()
+    near = list[tuple[KeptLimit, Promise]]()
     for forecast in forecasts:
         near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
         forecast.drop(ContingencyPaths)
     return near
 
 
-def _missing(kept: Kept, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
+def _missing(kept: KeptLimit, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
-    flight, lost, min_slack = promise.flight, kept.nominal - kept.kept, 0.25  # [m]
+    flight, lost, min_slack = promise.flight, kept.nominal - kept.guaranteed, 0.25  # [m]
     points = flight.prediction.track.between(*flight.cruise_span).points[:, :2]
     path = shapely.LineString(points).simplify(THINNING_TOLERANCE)
     slack = shapely.distance(path, [body.plan for body in bodies]) - lost - kept.required

@@ -153,7 +153,7 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
             str(plan.sight.photos_of(flight.tour)),
             seconds(flight.forecast.estimate.total_s),
             "" if energy is None else number(energy.energy_wh, 1),
-            "" if kept is None else f"{meters(kept.kept)} to {escape(kept.to)}",
+            "" if kept is None else f"{meters(kept.guaranteed)} to {escape(kept.to)}",
         )
         head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(name)}</th>'
         rows += f"<tr>{head_of}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"

@@ -81,11 +81,11 @@ def test_a_surer_promise_and_a_longer_flight_keep_no_more(autopilot: Autopilot) 
     rng = np.random.default_rng(11)
     for _ in range(5):
         near = _some_pairs(autopilot, rng)
-        kept = [near.kept(chance) for chance in (0.5, 0.2, 0.1, 0.01, 0.001)]
+        kept = [near.clearance_at(chance) for chance in (0.5, 0.2, 0.1, 0.01, 0.001)]
         assert np.all(np.diff(kept) <= 0.002)
         assert kept[0] <= near.distance.min()
         part = near.of(near.seconds <= 60.0)
-        assert all(part.kept(chance) >= least - 0.002 for chance, least in ((0.5, kept[0]), (0.01, kept[3])))
+        assert all(part.clearance_at(chance) >= least - 0.002 for chance, least in ((0.5, kept[0]), (0.01, kept[3])))
         least = np.array([near.chance(float(far)) for far in np.linspace(-2.0, 6.0, 50)])
         assert np.all(np.diff(least) >= -1e-12)
 
@@ -103,7 +103,7 @@ def test_the_chance_of_a_flight_is_no_more_than_the_sum_of_its_moments(autopilot
 def test_twice_as_long_a_survey_keeps_centimeters_less() -> None:
     """Beside a wall for 800 and 1600 s, as beside trees for 100 and 200 legs."""
     flights = [beside_a_wall(Autopilot.PX4, np.arange(0.0, length), np.zeros(int(length))) for length in (800, 1600)]
-    short, long = (10.0 - flight.kept(0.01) for flight in flights)
+    short, long = (10.0 - flight.clearance_at(0.01) for flight in flights)
     assert short < long < short + 0.2
     assert long < 2.6
 

@@ -87,7 +87,7 @@ def test_a_fly_away_is_found_long_before_it_is_50_m_from_the_item() -> None:
         if place[2] > 0.5 and (one := monitor.see(time, place, item)):
             found[one.kind] = float(np.linalg.norm(place - goal))
             assert one.item == 3
-            assert one.found > one.allowed
+            assert one.measured > one.allowed
     assert found.keys() == {DeviationKind.OUTSIDE, DeviationKind.PASSED, DeviationKind.LATE}
     assert found[DeviationKind.OUTSIDE] < 31.0
     assert found[DeviationKind.PASSED] < 35.0

@@ -75,7 +75,7 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
     near = approaches(course, world, PX4, 4.0)
     for kept in (3.5, 4.0, 4.5):
         assert near.chance(kept) == pytest.approx(float(PX4.level.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
-    assert near.kept(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
+    assert near.clearance_at(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
 
 
 def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
@@ -91,16 +91,18 @@ def test_over_a_roof_the_height_counts_and_it_stays_wrong_for_a_whole_flight() -
     roof = box("hall", (-100.0, -50.0, 0.0), (5000.0, 50.0, 15.0))
     course, world = straight(roof)
     moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))
-    assert approaches(course, world, PX4, 3.0).kept(0.01) == pytest.approx(moment, abs=0.002)
+    assert approaches(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(moment, abs=0.002)
     for seconds in (399.9, 799.9):
         course = straight(seconds=seconds)[0]
-        assert approaches(course, world, PX4, 3.0).kept(0.01) == pytest.approx(flight, abs=0.002)
+        assert approaches(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(flight, abs=0.002)
 
 
 def test_a_bend_widens_the_tube() -> None:
     course, world = straight(wall(5.0))
     bent = replace(course, across=np.full(len(course.across), PX4.turn))
-    assert approaches(bent, world, PX4, 4.0).kept(0.01) == pytest.approx(5.0 - 2 * PX4.level.distance(0.01), abs=0.002)
+    assert approaches(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
+        5.0 - 2 * PX4.level.distance(0.01), abs=0.002
+    )
 
 
 @pytest.mark.parametrize("obstacle", [wall(4.0), Sphere("balloon", (8.0, 9.0, 26.0), 5.0)])
@@ -112,7 +114,7 @@ def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle)
     ends = course.points[[0, -1]]  # of a straight course
     flown = [world.obstacle_clearance(ends + np.array([0.0, moved, 0.0])).distance for moved in size]
     for chance in (0.05, 0.2):
-        kept = approaches(course, world, PX4, 3.0).kept(chance)
+        kept = approaches(course, world, PX4, 3.0).clearance_at(chance)
         assert np.mean(np.array(flown) < kept) <= chance + 2 * np.sqrt(chance / 400)
 
 

@@ -93,7 +93,7 @@ def test_what_is_written_passes_the_check_and_keeps_what_is_required(
     assert nearest(way(flight), scene["obstacles"]).min() >= required
     assert not any(f.severity is Severity.ERROR for f in check_mission(flight.mission, scenario))
     kept = flight.promise.clearance
-    assert kept is None or f"{down(kept.kept):.2f}" >= f"{up(required):.2f}"
+    assert kept is None or f"{down(kept.guaranteed):.2f}" >= f"{up(required):.2f}"
     assert all(option.flies_clear for option in flight.options if option.mode == how[1])
 
 
@@ -146,7 +146,7 @@ def test_what_is_promised_at_a_given_place_is_its_own_line() -> None:
     flight = plan_flight(moved)
     kept = flight.promise.clearance
     assert kept is not None
-    assert kept.kept >= 2.5
+    assert kept.guaranteed >= 2.5
     told = clearance_as_json(flight.promise)
     assert told["kept_m"] >= told["required_m"]
     assert {one["part"] for one in told["elsewhere"]} <= {"goal", "the ending"}

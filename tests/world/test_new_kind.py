@@ -102,7 +102,7 @@ def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
     kept = next(one for one in promise.limits if one.in_cruise and one.limit == "obstacles")
     points = promise.flight.pieces.points
     exact = strung.airspace.obstacle_clearance(points).distance
-    assert strung.limits.obstacle_distance <= kept.kept <= exact
+    assert strung.limits.obstacle_distance <= kept.guaranteed <= exact
 
 
 def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:

@@ -261,9 +261,10 @@ def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     if not held or len(way) < 2:
         return row
     surplus = min(found[kept.limit].distance - kept.required for kept in held)
-    least = min(held, key=lambda kept: found[kept.limit].distance - kept.kept)
+    least = min(held, key=lambda kept: found[kept.limit].distance - kept.guaranteed)
     nearest = found[least.limit]
     return replace(
-        row, required=round(least.required, 3), kept_99=round(least.kept, 3), least=round(float(nearest.distance), 3),
-        to=nearest.what, surplus=round(float(surplus), 3), over_promise=round(float(nearest.distance - least.kept), 3),
+        row, required=round(least.required, 3), kept_99=round(least.guaranteed, 3), to=nearest.what,
+        least=round(float(nearest.distance), 3), surplus=round(float(surplus), 3),
+        over_promise=round(float(nearest.distance - least.guaranteed), 3),
     )  # fmt: skip

@@ -78,8 +78,8 @@ class Budget:
         if self.battery is None:
             return None
         until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
-        rest = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
-        low, likely, high = (left - wh / capacity for wh in rest)
+        remaining = (max(total - so_far, 0.0) for total, so_far in zip(whole, until, strict=True))
+        low, likely, high = (left - wh / capacity for wh in remaining)
         planned = 1.0 - until.likely / capacity
         return ReserveNow(time, left, planned, Interval(high, likely, low), self.battery.reserve)
 

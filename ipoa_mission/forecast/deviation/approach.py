@@ -77,48 +77,48 @@ class Approaches:
         columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
-    def chance(self, kept: float) -> float:
-        """Return an upper bound of the probability that a flight is nearer than `kept` [m]."""
+    def chance(self, clearance: float) -> float:
+        """Return an upper bound of the probability that a flight is nearer than `clearance` [m]."""
         if len(self.piece) == 0:
             return 0.0
-        chance = self._each(kept)
-        lateral = min(self._lateral.chance(chance, 2.0), self._side_of_a_flight(kept))
-        high = min(self._high.chance(chance, 1.0), self._height_of_a_flight(kept))
+        chance = self._each(clearance)
+        lateral = min(self._lateral.chance(chance, 2.0), self._side_of_a_flight(clearance))
+        high = min(self._high.chance(chance, 1.0), self._height_of_a_flight(clearance))
         return 1.0 - (1.0 - lateral) * (1.0 - high)
 
-    def likeliest(self, kept: float) -> tuple[int, int]:
-        pair = int(np.argmax(self._each(kept)))
+    def likeliest(self, clearance: float) -> tuple[int, int]:
+        pair = int(np.argmax(self._each(clearance)))
         return int(self.piece[pair]), int(self.obstacle[pair])
 
     @cached_property
     def by_height(self) -> NDArray[np.bool_]:
         spreads = (self.law.level, self.law.down, self.law.up)
-        kept = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
-        return np.asarray(self._vertical(kept) < self._sideways(kept))
+        clearance = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
+        return np.asarray(self._vertical(clearance) < self._sideways(clearance))
 
-    def _each(self, kept: float) -> Vector:
-        return np.minimum(self._sideways(kept), self._vertical(kept))
+    def _each(self, clearance: float) -> Vector:
+        return np.minimum(self._sideways(clearance), self._vertical(clearance))
 
-    def _sideways(self, kept: Vector | float) -> Vector:
-        level = self.law.level.chance((self.lateral - kept) / self.stretch)
-        towards = self.law.level.chance((self.distance - kept) / (self.stretch * self.facing))
+    def _sideways(self, clearance: Vector | float) -> Vector:
+        level = self.law.level.chance((self.lateral - clearance) / self.stretch)
+        towards = self.law.level.chance((self.distance - clearance) / (self.stretch * self.facing))
         return np.minimum(self.sides * np.minimum(level, towards), 1.0)
 
-    def _vertical(self, kept: Vector | float) -> Vector:
-        room = self.above - kept
+    def _vertical(self, clearance: Vector | float) -> Vector:
+        room = self.above - clearance
         return np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
 
-    def _height_of_a_flight(self, kept: float) -> float:
-        room = self.above - kept
+    def _height_of_a_flight(self, clearance: float) -> float:
+        room = self.above - clearance
         low = self.law.lowest.chance(room[self.by_height & self.is_over]).max(initial=0.0)
         high = self.law.highest.chance(room[self.by_height & ~self.is_over]).max(initial=0.0)
         return float(min(low + high, 1.0))
 
-    def _side_of_a_flight(self, kept: float) -> float:
+    def _side_of_a_flight(self, clearance: float) -> float:
         """Return the probability of such a lateral deviation anywhere in a flight, to one side."""
         if self.law.farthest is None:
             return 1.0
-        room = np.maximum(self.lateral - kept, (self.distance - kept) / self.facing) / self.stretch
+        room = np.maximum(self.lateral - clearance, (self.distance - clearance) / self.facing) / self.stretch
         return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
 
     @cached_property
@@ -136,7 +136,7 @@ class Approaches:
         numbers, likeliest = np.unique(during * count + self.obstacle[taken], return_inverse=True)
         return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
-    def kept(self, chance: float) -> float:
+    def clearance_at(self, chance: float) -> float:
         """Return the clearance [m] that a flight falls short of with this chance."""
         if len(self.piece) == 0:
             return float("inf")
@@ -150,10 +150,10 @@ class Approaches:
         return low
 
 
-def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float) -> Approaches:
+def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> Approaches:
     a, b = flown.points[:-1], flown.points[1:]
     stretch, rare = law.stretch(flown.across), 1e-5  # the chance of obstacles that are ignored
-    reach = max(kept, 0.0) + stretch * law.level.distance(rare)
+    reach = max(clearance, 0.0) + stretch * law.level.distance(rare)
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")

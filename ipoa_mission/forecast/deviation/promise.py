@@ -31,8 +31,8 @@ TAKEOFF_PART, LANDING_PART = "the take-off", "the ending"
 
 
 @dataclass(frozen=True)
-class Kept:
-    """One limit in one part of the flight: predicted (`nominal`) and `kept` distances [m], of a ceiling heights.
+class KeptLimit:
+    """One limit in one part of the flight: predicted (`nominal`) and `guaranteed` distances [m], of a ceiling heights.
 
     `to` is the nearest thing. `part` is empty on the way, else "the take-off", "the ending", or a tight place, as
     "via[2]"; the promise of the flight excludes these.
@@ -41,7 +41,7 @@ class Kept:
     limit: str
     required: float
     nominal: float
-    kept: float
+    guaranteed: float
     to: str
     item: int
     place: tuple[float, float, float]
@@ -60,13 +60,13 @@ class Kept:
 
     @property
     def slack(self) -> float:
-        return self.required - self.kept if self.limit == "ceiling" else self.kept - self.required
+        return self.required - self.guaranteed if self.limit == "ceiling" else self.guaranteed - self.required
 
     @property
     def falls_short(self) -> bool:
         if self.limit == "ceiling":
-            return goes_beyond(self.kept, self.required)
-        return falls_short(self.kept, self.required)
+            return goes_beyond(self.guaranteed, self.required)
+        return falls_short(self.guaranteed, self.required)
 
     def words(self, confidence: float | None) -> str:
         least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
@@ -74,33 +74,35 @@ class Kept:
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
             return f"predicted {predicted}; {required}"
-        kept = f"{bound}{least(self.kept):.2f} m" if self.kept >= 0 else "nothing"
-        return f"{100 * confidence:g} % of flights keep {kept} (predicted {predicted}); {required}"
+        distance = f"{bound}{least(self.guaranteed):.2f} m" if self.guaranteed >= 0 else "nothing"
+        return f"{100 * confidence:g} % of flights keep {distance} (predicted {predicted}); {required}"
 
 
 @dataclass(frozen=True)
 class Promise:
     confidence: float | None
-    limits: tuple[Kept, ...]
+    limits: tuple[KeptLimit, ...]
     flight: "PredictedFlight" = field(repr=False, compare=False)
 
     @property
-    def broken(self) -> tuple[Kept, ...]:
-        return tuple(kept for kept in self.limits if kept.falls_short)
+    def broken(self) -> tuple[KeptLimit, ...]:
+        return tuple(limit for limit in self.limits if limit.falls_short)
 
     @property
-    def forbidding(self) -> tuple[Kept, ...]:
-        return tuple(kept for kept in self.limits if kept.forbids)
+    def forbidding(self) -> tuple[KeptLimit, ...]:
+        return tuple(limit for limit in self.limits if limit.forbids)
 
     @property
-    def clearance(self) -> Kept | None:
+    def clearance(self) -> KeptLimit | None:
         """Return the least clearance on the way, shortfalls first."""
-        solid = [k for k in self.limits if k.in_cruise and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
-        return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
+        solid = [
+            k for k in self.limits if k.in_cruise and k.limit in ("obstacles", "ground") and np.isfinite(k.guaranteed)
+        ]
+        return min(solid, key=lambda limit: (not limit.falls_short, limit.guaranteed), default=None)
 
     @property
-    def elsewhere(self) -> tuple[Kept, ...]:
-        return tuple(kept for kept in self.broken if not kept.in_cruise)
+    def elsewhere(self) -> tuple[KeptLimit, ...]:
+        return tuple(limit for limit in self.broken if not limit.in_cruise)
 
 
 def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
@@ -167,7 +169,7 @@ class PredictedFlight:
         begin = min(begins, default=0.0)
         return begin, max(ends[-1] if ends else begin, begin)
 
-    def limits(self, chance: float | None) -> Iterator[Kept]:
+    def limits(self, chance: float | None) -> Iterator[KeptLimit]:
         begin, end = self.cruise_span
         last = float(self.pieces.times[-1])
         law = self.task.law
@@ -200,23 +202,23 @@ class PredictedFlight:
 
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
-    ) -> Kept:
+    ) -> KeptLimit:
         airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
         clearances = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
         nominal = min(clearances, key=lambda clearance: clearance.distance)
         least, to, place = nominal.distance - THINNING_TOLERANCE, nominal.what, nominal.place
-        kept = least
+        guaranteed = least
         if chance is not None:
             near = approaches(part, airspace, law, least)
             near = near.of(taken[near.piece])
-            kept = min(near.kept(chance), least)
+            guaranteed = min(near.clearance_at(chance), least)
             if len(near.piece):
-                piece, body = near.likeliest(kept)
+                piece, body = near.likeliest(guaranteed)
                 east, north, height = (float(x) for x in part.points[piece])
                 to, place = airspace.obstacles[body].name, (east, north, height)
-        return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
+        return KeptLimit("obstacles", required, least, guaranteed, to, self._item(part, place), place, name)
 
-    def _others(self, part: Pieces, bound: DeviationBound) -> Iterator[Kept]:
+    def _others(self, part: Pieces, bound: DeviationBound) -> Iterator[KeptLimit]:
         path = thinned(part.points)
         checks = limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
         nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
@@ -224,7 +226,7 @@ class PredictedFlight:
             near = check.nearest
             expected = nominal.get((check.limit, check.required), near.distance)
             item = self._item(part, near.place)
-            yield Kept(check.limit, check.required, expected, near.distance, near.what, item, near.place)
+            yield KeptLimit(check.limit, check.required, expected, near.distance, near.what, item, near.place)
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
         nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))

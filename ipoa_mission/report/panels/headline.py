@@ -7,7 +7,7 @@ from html import escape
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
-from ipoa_mission.forecast.deviation.promise import Kept, Promise
+from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
@@ -89,9 +89,9 @@ def warnings(
     return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
 
 
-def _kept(kept: Kept, confidence: float | None) -> str:
+def _kept(kept: KeptLimit, confidence: float | None) -> str:
     look = "bad" if kept.falls_short else ""
-    value = f"{abs(down(kept.kept)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.kept < 0 else ''}"
+    value = f"{abs(down(kept.guaranteed)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.guaranteed < 0 else ''}"
     if confidence is None:
         return _card("predicted clearance", value, f"to {kept.to}", look)
     note = f"to {kept.to}; predicted {down(kept.nominal):.2f} m"
