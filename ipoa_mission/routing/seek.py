@@ -2,32 +2,89 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import islice, pairwise
 
 import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError, Remedy
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
+from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
+from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.promise import KeptLimit
 from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
 from ipoa_mission.planning.planner import move_aside, plan_path
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import ChangeTrials
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.more_room import Needs, approximation_needs, initial_needs
-from ipoa_mission.routing.narrow import Narrow, TooNarrow, expect_wide
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
+
+
+@dataclass(frozen=True)
+class NarrowGap:
+    gap: Closure
+    leg: str
+
+    def words(self) -> str:
+        east, north = self.gap.place
+        width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
+        where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
+        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
+
+
+class TooNarrow(MissionError):
+    """Geometry alone shows that too few flights would keep the limits."""
+
+    def __init__(self, narrow: NarrowGap) -> None:
+        super().__init__(narrow.words())
+        self.narrow = narrow
+
+
+def expect_wide(scenario: Scenario) -> None:
+    """Raise if every way leads through a gap narrower than the least deviation bound.
+
+    Raises:
+        TooNarrow: on a leg between given places.
+    """
+    chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
+    if chance is None or not scenario.airspace.obstacles:
+        return
+    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
+        return  # less clearance is required there
+    more = least_reach(law, chance)
+    wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
+    names = place_names(scenario.places)
+    problem = prepare(wider)
+    for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
+        gap = closure(problem, a, b)
+        if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
+            raise TooNarrow(NarrowGap(gap, f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""))
+
+
+def least_reach(law: DeviationLaw, chance: float) -> float:
+    """Return the least extra distance next to an obstacle [m]; less above and below it."""
+    usual = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
+    facing = min(1.0, min(usual) / law.level.distance(TYPICAL_CHANCE))
+    reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
+    reach.append(facing * law.level.distance(chance))
+    if law.farthest is not None:
+        reach.append(facing * law.farthest.distance(chance / 2))
+    return max(min(reach), 0.0)
+
 
 # Tight places, whether gaps stay open, and share of the lowest spare height. Less room is quicker and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
@@ -205,7 +262,7 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
     return _with_help(f"{words}, {where}", ", or a via point that leads round", trials)
 
 
-def narrow_refusal(narrow: Narrow, trials: ChangeTrials) -> NoPath:
+def narrow_refusal(narrow: NarrowGap, trials: ChangeTrials) -> NoPath:
     return _with_help(narrow.words(), "", trials)
 
 

@@ -7,8 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.approach import Approaches
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.planning.planner import NoPath
-from ipoa_mission.routing.narrow import TooNarrow, expect_wide, least_reach
-from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.seek import TooNarrow, expect_wide, least_reach, plan_with_room
 from ipoa_mission.scenario import Scenario
 from tests.refused import refuses
 
