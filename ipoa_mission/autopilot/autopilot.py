@@ -130,7 +130,7 @@ class Autopilot(metaclass=_ByName):
         """Return the delay before braking for a contingency [s]."""
         return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
 
-    def braking_way(
+    def stopping_offset(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the level displacement (n, 2) [m]."""
@@ -138,8 +138,8 @@ class Autopilot(metaclass=_ByName):
 
         speed = np.hypot(*velocity.T)
         along = (velocity * accel).sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
-        way = self.braking_distance(parameters, speed, along)
-        return np.asarray(velocity * (way / np.maximum(speed, STATIONARY_SPEED))[:, None])
+        distance = self.braking_distance(parameters, speed, along)
+        return np.asarray(velocity * (distance / np.maximum(speed, STATIONARY_SPEED))[:, None])
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

@@ -120,7 +120,7 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
     """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
     autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
     paths = [
-        autopilot.braking_way({}, level, 0.0 * level, one)[0, 0]
+        autopilot.stopping_offset({}, level, 0.0 * level, one)[0, 0]
         for one in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
     ]
     assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
@@ -344,6 +344,6 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 def test_many_are_braked_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(3)
     velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
-    alone = [Shaping(2.5, 5.0).way(velocity[n : n + 1], accel[n : n + 1]) for n in range(10)]
+    alone = [Shaping(2.5, 5.0).displacement(velocity[n : n + 1], accel[n : n + 1]) for n in range(10)]
     monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.BATCH_SIZE", 4)
-    assert np.array_equal(Shaping(2.5, 5.0).way(velocity, accel), np.vstack(alone))
+    assert np.array_equal(Shaping(2.5, 5.0).displacement(velocity, accel), np.vstack(alone))

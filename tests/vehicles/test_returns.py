@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import way_home
+from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_orders
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
@@ -83,7 +83,7 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
     parameters: Parameters, ground: float, wait: float
 ) -> None:
     limits = px4_limits({**parameters, "RTL_LAND_DELAY": 9.0})
-    *_, down_to, waiting, landing = way_home(Enu(100.0, 0.0, ground + 20.0), limits, Enu(0.0, 0.0, ground), ground)
+    *_, down_to, waiting, landing = return_orders(Enu(100.0, 0.0, ground + 20.0), limits, Enu(0.0, 0.0, ground), ground)
     assert (waiting.holds, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
     assert down_to.goal == waiting.goal == Enu(0.0, 0.0, wait)
 

@@ -55,7 +55,7 @@ class ContingenciesNow:
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
         stop = place.copy()
         stop[:2] += autopilot.flies_on(contingency) * velocity
-        stop[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
+        stop[:2] += autopilot.stopping_offset(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
         ground = np.array([stop[0], stop[1], float(paths.roomy.airspace.ground(stop[None, :])[0])])
         path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
         near = paths.roomy.airspace.obstacle_clearance(

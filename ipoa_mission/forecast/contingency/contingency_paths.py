@@ -89,7 +89,7 @@ def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency
     if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
         path = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
         stops[:, 2] += velocity[:, 2] * path / speed
-    stops[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
+    stops[:, :2] += autopilot.stopping_offset(mission.parameters, velocity[:, :2], accel, contingency)
     seqs = np.array([visit.seq for visit in flight.route.visits])
     ahead = np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)
     return StoppingPoints(times, places, stops, seqs[ahead])

@@ -52,7 +52,7 @@ class Itinerary:
         landing = self._visited_landing(0, HOME)
         return self._route_of_return(HOME if landing is None else landing.place, landing).by
 
-    def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
+    def places_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
         """Return the places of a return back along the mission to over home; None: straight.
 
         Raises:

@@ -29,7 +29,7 @@ class Shaping(NamedTuple):
         root = np.sqrt(2.0 * self.jerk * np.maximum(speed - near / 2.0, 0.0))
         return np.minimum(np.where(speed <= near, gain * speed, root), self.accel)
 
-    def way(self, velocity: Points, accel: Points) -> Points:
+    def displacement(self, velocity: Points, accel: Points) -> Points:
         """Return the displacement to rest, (n, 2) [m]."""
         parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
         ways = [self._way(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]

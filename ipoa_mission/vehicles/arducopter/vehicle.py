@@ -261,24 +261,24 @@ class ArduCopter(Autopilot):
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
-    def braking_way(
+    def stopping_offset(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the displacement: shaped to land or hold, else to the stopping point.
 
         >>> import numpy as np
-        >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
+        >>> ArduCopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
         """
         if contingency not in (Contingency.LAND, Contingency.HOLD):
-            return super().braking_way(parameters, velocity, accel, contingency)
+            return super().stopping_offset(parameters, velocity, accel, contingency)
         from ipoa_mission.vehicles.arducopter.braking import Shaping
 
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
-            return Shaping(7.5, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)  # BRAKE_MODE_DECEL_RATE
+            return Shaping(7.5, p["PSC_JERK_XY"]).displacement(velocity, 0.0 * accel)  # BRAKE_MODE_DECEL_RATE
         lead_s = 0.25  # of the target's speed, as flown
-        return Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(velocity + lead_s * accel, accel)
+        return Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).displacement(velocity + lead_s * accel, accel)
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None

@@ -38,10 +38,10 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
     build_law,
+    landing_orders,
     orders_of_itinerary,
+    return_orders,
     stopping_place,
-    way_down,
-    way_home,
     with_another_end,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
@@ -235,10 +235,10 @@ class Flights:
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
         if contingency is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
-            return way_home(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
+            return return_orders(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
         stop = stopping_place(here, speed, self.limits)
         down = stop._replace(up=ground.at(stop.east, stop.north))
-        return way_down(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
+        return landing_orders(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
 
     def flown(
         self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False

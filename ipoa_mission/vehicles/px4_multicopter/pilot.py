@@ -13,11 +13,11 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     build_law,
+    landing_orders,
     leg,
+    return_orders,
     stay,
     take_off,
-    way_down,
-    way_home,
     waypoint,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
@@ -53,7 +53,7 @@ class PX4Pilot:
                 self._return()
             case FlightMode.LAND:
                 here = self._over_home()
-                self._fly(way_down(here, self._down(here), self._limits, self._cruise, self._limits.disarm_delay))
+                self._fly(landing_orders(here, self._down(here), self._limits, self._cruise, self._limits.disarm_delay))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -172,7 +172,7 @@ class PX4Pilot:
             return stay(start, limits, max(item.params[0], STEP_S))
         if item.command == Command.NAV_LAND:
             self._here = self._down(goal)
-            return [] if self._now.landed else way_down(start, self._here, limits, cruise, 0.0)
+            return [] if self._now.landed else landing_orders(start, self._here, limits, cruise, 0.0)
         self._here, climb = goal, []
         if self._now.landed:
             start = self._over_home()._replace(up=goal.up)
@@ -188,7 +188,7 @@ class PX4Pilot:
         self._cruise = self._limits.cruise
         here = self._over_home()
         goal = Enu(*self._now.goal_of_return(here, self._parameters))
-        self._fly(way_home(here, self._limits, self._down(goal), goal.up))
+        self._fly(return_orders(here, self._limits, self._down(goal), goal.up))
 
     def _down(self, place: Enu) -> Enu:
         return place._replace(up=self._ground.at(place.east, place.north))

@@ -236,17 +236,17 @@ class Px4Multicopter(Autopilot):
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
 
-    def braking_way(
+    def stopping_offset(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the displacement of LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
-        >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
+        >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
         """
         if contingency not in (Contingency.LAND, Contingency.HOLD):
-            return super().braking_way(parameters, velocity, accel, contingency)
+            return super().stopping_offset(parameters, velocity, accel, contingency)
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits

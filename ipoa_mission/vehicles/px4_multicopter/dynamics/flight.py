@@ -38,12 +38,12 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
         return state
     east, north = order.goal.east - x.place, order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
-    way = far - speed * SETTLED_S - speed * speed / law.limits.accel
-    if way < speed * SETTLED_S or order.goal.up != order.start.up or state.time - since < CORRECTED_FOR + SETTLED_S:
+    coast = far - speed * SETTLED_S - speed * speed / law.limits.accel
+    if coast < speed * SETTLED_S or order.goal.up != order.start.up or state.time - since < CORRECTED_FOR + SETTLED_S:
         return state
     if x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
-    east, north, up, time = east * way / far, north * way / far, state.trajectory.up, state.time + way / speed
+    east, north, up, time = east * coast / far, north * coast / far, state.trajectory.up, state.time + coast / speed
     trajectory = Trajectory(
         Axis(x.place + east, x.speed, x.acceleration),
         Axis(y.place + north, y.speed, y.acceleration),

@@ -60,7 +60,7 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
     return min(order.cruise, speed_to(distance, leave, accel, jerk))
 
 
-class Way(NamedTuple):
+class Triplet(NamedTuple):
     start: Enu
     goal: Enu
     beyond: Enu
@@ -71,7 +71,7 @@ class Climb(NamedTuple):
     accel: float
 
 
-def vertical_speed(at: Enu, to: Way, climb: Climb, limits: Px4Limits) -> float:
+def vertical_speed(at: Enu, to: Triplet, climb: Climb, limits: Px4Limits) -> float:
     """Return the vertical speed at the goal's height, within the limits of the climb.
 
     As in PX4 the angle is in the plane of height and distance from the origin.
@@ -190,19 +190,19 @@ def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     return length, along, math.sqrt(max(square, 0.0))
 
 
-def way(guidance: Guidance, order: Order) -> Way:
+def triplet(guidance: Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
     start, goal, beyond, at = of(order.start), of(order.goal), of(order.beyond), guidance.anchor
     if guidance.side == BEYOND:
-        return Way(at, goal, beyond)
+        return Triplet(at, goal, beyond)
     if guidance.side == BEFORE:
-        return Way(at, start, goal)
+        return Triplet(at, start, goal)
     if guidance.side == OFF_LINE:
         length, along, _ = beside_leg(at, start, goal)
         share = along / length
         east, north = start.east + share * (goal.east - start.east), start.north + share * (goal.north - start.north)
-        return Way(at, Enu(east, north, start.up + share * (goal.up - start.up)), goal)
-    return Way(start, goal, beyond)
+        return Triplet(at, Enu(east, north, start.up + share * (goal.up - start.up)), goal)
+    return Triplet(start, goal, beyond)
 
 
 def home_told(state: State, order: Order) -> float:
@@ -228,7 +228,7 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
     In a turn it aims ahead on the leg and does not accelerate.
     """
     limits, x, y, z = law.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
-    to = way(guidance, order)
+    to = triplet(guidance, order)
     at = Enu(x.place, y.place, z.place - home_told(state, order))
     aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
     far, speed = level(aim), math.sqrt(x.speed * x.speed + y.speed * y.speed)
@@ -250,7 +250,7 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
     return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
-def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
+def ahead_on_leg(at: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
     east, north, up = to.goal.east - to.start.east, to.goal.north - to.start.north, to.goal.up - to.start.up
     size = math.sqrt(east * east + north * north + up * up)
     if size <= 1e-6:

@@ -57,15 +57,15 @@ def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
     return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, holds=seconds)] if seconds > 0 else []
 
 
-def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
+def landing_orders(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
     """Return the orders of a landing, first to over the place if beyond the acceptance radius.
 
     `holds`: on the ground [s].
     """
     over = ground._replace(up=here.up)
-    way = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
-    ground = ground if way else here._replace(up=ground.up)
-    return [*way, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
+    legs = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
+    ground = ground if legs else here._replace(up=ground.up)
+    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
 
 
 def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
@@ -74,7 +74,7 @@ def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
     return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
 
 
-def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
+def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
     """Return the orders of RTL: climb by `Px4Return`, fly at MPC_XY_CRUISE, wait, land.
 
     `home`: ground at home or a rally point; heights count from `up`. While it climbs it flies back to `here`, until
@@ -84,23 +84,23 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
     climb = [leg(top, top, None, limits, cruise)._replace(radius=ANY_RADIUS)] if top != here else []
-    *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
-    way = [order._replace(start=order.goal) for order in way]
+    *legs, down = landing_orders(top, home, limits, cruise, limits.disarm_delay)
+    legs = [order._replace(start=order.goal) for order in legs]
     over = down.goal._replace(up=top.up)
     low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
     waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
-    return [*climb, *way, *waits, down]
+    return [*climb, *legs, *waits, down]
 
 
-def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    way, at = list[Order](), here
+def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
+    legs, at = list[Order](), here
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
         if math.dist(at, place) > limits.radius:
-            way.append(leg(at, place, beyond, limits, limits.cruise))
+            legs.append(leg(at, place, beyond, limits, limits.cruise))
             at = place
     down = leg(ground, ground, None, limits, limits.cruise)
-    return [*way, down._replace(kind=LAND, holds=limits.disarm_delay)]
+    return [*legs, down._replace(kind=LAND, holds=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
@@ -180,14 +180,14 @@ class _Navigator:
             if self.limits.land_delay < 0.0:
                 raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"item {visit.seq}")
             self.cruise = self.limits.cruise
-            if (way := self.route.way_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
+            if (places := self.route.places_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
-                back = [Enu(*place) for place in way]
-                return self.down(way_along(self.here, back, self.limits, self.ground(back[-1])))
+                back = [Enu(*place) for place in places]
+                return self.down(orders_along(self.here, back, self.limits, self.ground(back[-1])))
             goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
-            return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
+            return self.down(return_orders(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
-            return self.down(way_down(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
+            return self.down(landing_orders(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
         if command == Command.DO_CHANGE_SPEED and params[0] < 2:
             self.cruise = params[1] if params[1] > 0 else self.limits.cruise
         elif command <= LAST_NAV or command in UNTIMED:
