@@ -71,31 +71,31 @@ class Transfers:
     """`note` returns the items that the vehicle then holds."""
 
     def __init__(self) -> None:
-        self._held: Items = ()
+        self._onboard: Items = ()
         self._list: _List | None = None
         self._file: dict[int, bytes] | None = None  # mission.dat: data by offset
         self._written = False
 
     def note(self, message: m.Message, by_vehicle: bool) -> Items | None:
-        held = self._note_file(message, by_vehicle) if isinstance(message, m.FileTransfer) else None
+        complete = self._note_file(message, by_vehicle) if isinstance(message, m.FileTransfer) else None
         match message:
             case m.Count(count, m.MissionType.MISSION):
                 if self._list is None or (self._list.count, self._list.to_vehicle) != (count, not by_vehicle):
                     self._list = _List(count, not by_vehicle)
-                held = () if by_vehicle and not count else None
-            case m.WritePartialList(first, _, m.MissionType.MISSION) if first < len(self._held):
-                self._list = _List(len(self._held), True, dict(enumerate(self._held)))
+                complete = () if by_vehicle and not count else None
+            case m.WritePartialList(first, _, m.MissionType.MISSION) if first < len(self._onboard):
+                self._list = _List(len(self._onboard), True, dict(enumerate(self._onboard)))
             case m.ClearAll(m.MissionType.MISSION | m.MissionType.ALL):
                 self._list = _List(0, True)
             case m.ItemAt(seq, item, m.MissionType.MISSION) if self._list and seq < self._list.count:
                 if by_vehicle != self._list.to_vehicle:
                     self._list.items[seq] = item
-                    held = self._list.whole if by_vehicle else None
+                    complete = self._list.whole if by_vehicle else None
             case m.Ack(result, m.MissionType.MISSION | m.MissionType.ALL) if by_vehicle and self._list:
-                held = self._list.whole if self._list.to_vehicle and result == m.Result.ACCEPTED else None
-        if held is not None:
-            self._held, self._list = held, None
-        return held
+                complete = self._list.whole if self._list.to_vehicle and result == m.Result.ACCEPTED else None
+        if complete is not None:
+            self._onboard, self._list = complete, None
+        return complete
 
     def _note_file(self, message: m.FileTransfer, by_vehicle: bool) -> Items | None:
         request = unpack(message)

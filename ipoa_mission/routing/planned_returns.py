@@ -149,19 +149,19 @@ class RallySearch:
 SEARCH = RallySearch()
 
 
-def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
+def rally_sets(paths: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     """Yield growing sets of rally points, not proved."""
-    forecast = ways.forecast
-    places = _with_room(ways, _places(forecast))
+    forecast = paths.forecast
+    places = _with_room(paths, _places(forecast))
     if not len(places):
         return
-    begin, end = ways.in_air
+    begin, end = paths.in_air
     times = np.linspace(begin, end, SEARCH.sample_count)
-    stopped = ways.stops().at(times)[1]
-    height = ways.at(Contingency.RTL, times).paths[:, 0, 3, 2]
+    stopped = paths.stops().at(times)[1]
+    height = paths.at(Contingency.RTL, times).paths[:, 0, 3, 2]
     home = np.zeros(3)
     goals = np.vstack([home, places])
-    clear = _clear(ways, stopped, height, goals)
+    clear = _clear(paths, stopped, height, goals)
     if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
         own = int(np.searchsorted(times, forecast.promise.flight.cruise_span[1]))
         keep = clear[min(own, len(times) - 1)]
@@ -184,12 +184,12 @@ def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[in
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
-def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
+def _clear(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
     """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
-    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SAMPLING.max_slack)
-    return np.asarray(near >= ways.required).reshape(len(stopped), len(goals))
+    near, _ = paths.roomy.airspace.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
+    return np.asarray(near >= paths.required).reshape(len(stopped), len(goals))
 
 
 def _places(forecast: Forecast) -> Points:
@@ -201,25 +201,25 @@ def _places(forecast: Forecast) -> Points:
     spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
-    kept: list[np.ndarray] = [np.zeros(2)]
+    spaced: list[np.ndarray] = [np.zeros(2)]
     for distance in SEARCH.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in kept) >= SEARCH.least_separation:
-                    kept.append(spot)
-    level = np.array(kept[1:]).reshape(-1, 2)
+                if min(float(np.hypot(*(spot - other))) for other in spaced) >= SEARCH.least_separation:
+                    spaced.append(spot)
+    level = np.array(spaced[1:]).reshape(-1, 2)
     return np.column_stack([level, forecast.world.airspace.ground(level)])
 
 
-def _with_room(ways: ContingencyPaths, places: Points) -> Points:
+def _with_room(paths: ContingencyPaths, places: Points) -> Points:
     if not len(places):
         return places
-    air = ways.roomy.airspace
+    air = paths.roomy.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
-    near, _ = air.legs_clearance(top, places, ways.required + SEARCH.landing_clearance)
+    near, _ = air.legs_clearance(top, places, paths.required + SEARCH.landing_clearance)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
     inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
-    return places[(near >= ways.required + SEARCH.landing_clearance) & (inside > 0.0)]
+    return places[(near >= paths.required + SEARCH.landing_clearance) & (inside > 0.0)]
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:
