@@ -31,13 +31,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
     payload_place,
     return_home,
 )
-from ipoa_mission.vehicles.arducopter.limits import (
-    ARMING_DELAY_S,
-    LAND_DETECTOR_S,
-    LIFT_S,
-    THROTTLE_DOWN_S,
-    copter_limits,
-)
+from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
 
@@ -233,7 +227,7 @@ class _Flight:
 
     def take_off(self, height: float) -> None:
         if not self.airborne:
-            self.stand(max(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S + self.airframe.lift_delay, 0.0))
+            self.stand(max(self.limits.lift_off_s + self.airframe.lift_delay, 0.0))
             self.airborne = True
         if height > self.copter.here[2]:
             self.copter.take_off(height)
@@ -249,7 +243,7 @@ class _Flight:
         self.go(legs)
         if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
-            self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
+            self.stand(max(LANDED_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False
 
     def run(self) -> float:

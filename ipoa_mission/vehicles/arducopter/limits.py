@@ -15,8 +15,7 @@ from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 
 ARMING_DELAY_S = 2.0  # motors are off after arming
 LIFT_S = 0.2  # from full spin to lift-off
-THROTTLE_DOWN_S = 0.58  # from touchdown to least throttle
-LAND_DETECTOR_S = 1.0  # at least throttle, before spooling down
+LANDED_S = 0.58 + 1.0  # from touchdown to least throttle, and there until the land detector answers
 CENTIMETER = 0.01  # resolution of heights [m]
 
 BRAKES_CLIMB = (4, 8)
@@ -73,6 +72,10 @@ class CopterLimits:
     rtl_turns: bool
     sees_ground: bool
     brakes_climb: bool
+
+    @property
+    def lift_off_s(self) -> float:
+        return ARMING_DELAY_S + 2 * self.spool_up + LIFT_S
 
 
 def copter_limits(parameters: Parameters, version: Version | None = None) -> CopterLimits:

@@ -21,14 +21,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
     payload_place,
     return_home,
 )
-from ipoa_mission.vehicles.arducopter.limits import (
-    ARMING_DELAY_S,
-    LAND_DETECTOR_S,
-    LIFT_S,
-    THROTTLE_DOWN_S,
-    copter_limits,
-    usable,
-)
+from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits, usable
 
 
 class ArduPilotPilot:
@@ -44,14 +37,14 @@ class ArduPilotPilot:
         airframe = airframe_of(conditions.vehicle).at_altitude(situation.program.frame.home.altitude)
         self._copter = Copter(limits, conditions.wind, airframe, ground=conditions.ground)
         self._copter.start_at(body.place)
-        self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay
+        self._landing_s = LANDED_S + airframe.landing_delay
         self._legs: Iterator[None] = iter(())
         self._then: Callable[[], None] | None = None
         self._flying = False
         self._touched_s: float | None = None
         self._floor = self._copter.state.z
         self._copter.face(body.yaw)
-        self._lift_s = ARMING_DELAY_S + 2.0 * limits.spool_up + LIFT_S + airframe.lift_delay
+        self._lift_s = limits.lift_off_s + airframe.lift_delay
 
     def enter(self) -> None:
         match self._now.mode:
