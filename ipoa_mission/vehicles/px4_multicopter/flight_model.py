@@ -42,7 +42,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     orders_of_itinerary,
     return_orders,
     stopping_place,
-    with_another_end,
+    with_patience,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
@@ -223,12 +223,9 @@ class Flights:
         self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
         until = self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
         begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
-        self.orders = with_another_end(
-            self.orders[:begun],
-            self.orders_of(contingency, until.samples[-1]),
-            self.limits,
-            self.airframe.landing_delay,
-        )
+        onward = self.orders_of(contingency, until.samples[-1])
+        then = with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay)
+        self.orders = (*self.orders[:begun], *then)
         return self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s)(seed or 0), begun
 
     def orders_of(self, contingency: Contingency, at: Vector) -> list[Order]:

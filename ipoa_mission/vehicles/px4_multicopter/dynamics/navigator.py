@@ -1,7 +1,7 @@
 """Turn mission items, RTL and LAND into orders, as PX4's navigator."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
@@ -119,36 +119,23 @@ def orders_of_itinerary(route: Itinerary, limits: Px4Limits, landing_delay: floa
     Raises:
         BadInput: an item never ends.
     """
-    navigator = _Navigator(route, limits)
-    orders: list[Order] = []
-    done: list[int] = []
-    at = navigator.here
+    navigator, orders, done = _Navigator(route, limits), list[Order](), list[int]()
     for n in range(len(route.visits)):
-        for order in navigator.visit(n):
-            late = landing_delay if order.kind == LAND else 0.0
-            orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
-            at = order.goal
+        begins = orders[-1].goal if orders else navigator.here
+        orders += with_patience(navigator.visit(n), begins, limits, landing_delay)
         done.append(len(orders))
     return Planned(tuple(orders), tuple(done), tuple(navigator.remarks))
 
 
-def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
-    """Return the order with its patience; a small radius is hard to hit."""
+def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
+    """Yield orders flown from a place, with the time after which each has failed; a small radius is hard to hit."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
-    level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
-    lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
-    return order._replace(patience=lasts * max(1.0, 1 / order.radius))
-
-
-def with_another_end(
-    flown: Sequence[Order], contingency: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
-) -> tuple[Order, ...]:
-    orders, at = list(flown), contingency[0].start
-    for order in contingency:
+    for order in orders:
+        level, rise = math.dist(at[:2], order.goal[:2]), abs(order.goal.up - at.up)
+        lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
-        orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
+        yield order._replace(holds=order.holds + late, patience=lasts * max(1.0, 1 / order.radius))
         at = order.goal
-    return tuple(orders)
 
 
 class _Navigator:
