@@ -13,7 +13,8 @@ from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_given
-from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
+from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.flight.flight_parts import plan_for_batteries
 from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast

@@ -1,10 +1,10 @@
-import json
+"""Plan a flight in one call."""
+
 import logging
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from threadpoolctl import threadpool_limits
 
@@ -12,12 +12,14 @@ from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import MISSIONS, make_folder, read_text, write_atomically
+from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.flight.flight_files import write_files
 from ipoa_mission.flight.flight_summary import (
     clearance_as_json,
     energy_as_json,
     findings_as_json,
+    items_as_json,
     limits_as_json,
     option_as_json,
     passed_over_as_json,
@@ -29,17 +31,12 @@ from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, r
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest, written_with
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.mission.parameter_file import parameter_path, write_with_parameters
-from ipoa_mission.mission.plan_file import plan_text
-from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
+from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
-from ipoa_mission.routing.battery_split import split_flight
 from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
@@ -128,7 +125,7 @@ class Flight:
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and degrees."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
-        budget, ground, parameters = self.budget, landing_height(self.mission), dict(self.mission.parameters)
+        budget, parameters, items = self.budget, dict(self.mission.parameters), items_as_json(self.forecast)
         return {
             "name": scenario.name,
             "version": version("ipoa-mission"),
@@ -141,14 +138,8 @@ class Flight:
             | {"curve": proof_as_json(plan.proof), "legs": proof_as_json(self.proof)},
             "limits": limits_as_json(self.proof),
             "control_points": [[rounded(value) for value in point] for point in plan.curve.control],
-            "items": len(self.mission.items),
-            **({} if ground is None else {LANDING_GROUND_KEY: ground}),
-            "estimate": {
-                "total_s": rounded(estimate.total_s),
-                "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s),
-                "qgroundcontrol_counts": COUNTED_TERMS,
-                "route": route_summary(estimate),
-            },
+            **items,
+            "estimate": items["estimate"] | {"qgroundcontrol_counts": COUNTED_TERMS, "route": route_summary(estimate)},
             **({"wind": self.forecast.wind.as_json()} if self.forecast.wind.strongest > 0 else {}),
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
             **({} if budget is None else {"energy": energy_as_json(budget)}),
@@ -204,25 +195,13 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         words = "expected a scenario without a survey"
         raise BadInput(words, hint="use plan_survey, as `ipoa-mission plan` does", place="survey")
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
-        flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        flight = plan_regardless_of_battery(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:
         raise short
     return flight
 
 
-def plan_for_batteries(
-    scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
-) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Return the whole, and the fewest flights with a battery each.
-
-    Raises BadInput without a battery, else as `plan_flight` or `split`.
-    """
-    with threadpool_limits(1, "blas"):
-        flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
-        return flight, split_flight(flight.forecast)
-
-
-def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
+def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
@@ -247,47 +226,3 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, options, forecast, findings, remarks)
-
-
-def write_files(
-    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
-) -> tuple[tuple[Path, ...], dict[str, str]]:
-    """Write all files or none; return them with the digests of the first two.
-
-    `about` makes a NAME.json, parameters a NAME.params.
-
-    Raises:
-        BadInput: one cannot be written.
-    """
-    plan = folder / f"{name}.plan"
-    contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
-    digests = {path.name: digest(text) for path, text in contents.items()}
-    if about is not None:
-        contents[folder / f"{name}.json"] = as_text({**about, "sha256": digests})
-    write_with_parameters(mission, contents)
-    return (*contents, *([parameter_path(plan)] if mission.parameters else [])), digests
-
-
-def as_text(contents: Mapping[str, Any]) -> str:
-    return json.dumps(contents, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-
-
-def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
-    """Return files that differ from `Flight.write`."""
-    about = folder / f"{name}.json"
-    digests = written_with(about)
-    missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
-    others = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
-    if about.exists() and not digests:
-        others.append(about)
-    page = folder / f"{name}.html"
-    if report and page.exists() and '<meta name="generator" content="ipoa-mission">' not in _text(page):
-        others.append(page)
-    return others
-
-
-def _text(path: Path) -> str:
-    try:
-        return read_text(path)
-    except BadInput:
-        return ""

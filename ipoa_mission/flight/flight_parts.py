@@ -1,39 +1,33 @@
-"""Write NAME-1.plan and so on, a battery each."""
+"""Plan a flight of several batteries, and write NAME-1.plan and so on."""
 
 from collections.abc import Sequence
-from html import escape
 from pathlib import Path
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.flight.flight import Flight, as_text, write_files
+from ipoa_mission.flight.flight import Flight, plan_regardless_of_battery
+from ipoa_mission.flight.flight_files import write_several
 from ipoa_mission.flight.flight_summary import rounded
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.report.number_format import seconds
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.routing.battery_split import split_flight
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.wind import Wind
 
 
-def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    head = "".join(f'<th scope="col">{name}</th>' for name in ("flight", "items", "takes", "energy", "left"))
-    rows = ""
-    for name, part in zip(names, parts, strict=True):
-        budget = budget_of(part)
-        left = None if budget is None else budget.left(budget.used.between)
-        cells = (
-            str(len(part.mission.items)),
-            seconds(part.estimate.total_s),
-            "" if budget is None else str(budget.used),
-            "" if left is None else f"{left.likely:.0%}",
-        )
-        rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
-    note = (
-        f"One battery is not enough for the whole flight: it is flown in {len(parts)} flights, a battery each, "
-        "one after the other. Each begins as the whole does, and continues where the one before returned."
-    )
-    table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    return (
-        f'<section><h2>Flights</h2><p class="note">{note}</p><div class="scroll" tabindex="0">{table}</div></section>'
-    )
+def plan_for_batteries(
+    scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
+) -> tuple[Flight, tuple[Forecast, ...]]:
+    """Return the whole, and the fewest flights with a battery each.
+
+    Raises BadInput without a battery, else as `plan_flight`.
+    """
+    with threadpool_limits(1, "blas"):
+        flight = plan_regardless_of_battery(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        return flight, split_flight(flight.forecast)
 
 
 def write_parts(
@@ -41,23 +35,17 @@ def write_parts(
 ) -> tuple[Path, ...]:
     """Write the parts without the whole, which needs several batteries.
 
-    `summary` goes to NAME.json; `report`: also NAME.html.
-
-    Raises:
-        BadInput: the folder cannot be written.
+    `summary` goes to NAME.json; `report`: also NAME.html. Raises BadInput.
     """
     make_folder(folder)
-    written, digests = list[Path](), dict[str, str]()
-    for plan, part in zip(names_of(whole, parts, folder), parts, strict=True):
-        files, own = write_files(part.mission, folder, plan.stem)
-        written += files
-        digests |= own
-    about = folder / f"{whole.name}.json"
-    write_atomically(about, as_text(summary | {"sha256": digests}))
+    plans = names_of(whole, parts, folder)
+    missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))
+    *written, about = write_several(missions, folder, whole.name, summary)
     if report:
         from ipoa_mission.report.page import PageNotes, report_html
+        from ipoa_mission.report.panels.tables import parts_panel
 
-        panel = parts_panel(parts, [path.name for path in names_of(whole, parts, folder)])
+        panel = parts_panel(parts, [path.name for path in plans])
         page = report_html(whole.forecast, whole.plan, notes=PageNotes(whole.remarks, whole.findings, panel))
         written.append(folder / f"{whole.name}.html")
         write_atomically(written[-1], page)

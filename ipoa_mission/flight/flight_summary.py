@@ -5,6 +5,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import down, up
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
+from ipoa_mission.mission.landing_ground import landing_height
 
 if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable
@@ -13,6 +15,7 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.contingency.energy_budget import Budget
     from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
+    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
@@ -37,6 +40,15 @@ def _limit_as_json(limit: "KeptLimit") -> dict[str, Any]:
         "kept_m": down(limit.guaranteed, 1000),
         "to": limit.to,
         "item": limit.item,
+    }
+
+
+def items_as_json(forecast: "Forecast") -> dict[str, Any]:
+    ground, estimate = landing_height(forecast.mission), forecast.estimate
+    return {
+        "items": len(forecast.mission.items),
+        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
+        "estimate": {"total_s": rounded(estimate.total_s), "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s)},
     }
 
 

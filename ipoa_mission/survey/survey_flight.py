@@ -15,7 +15,7 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.flight.flight import as_text, write_files
+from ipoa_mission.flight.flight_files import write_files, write_several
 from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
@@ -103,17 +103,13 @@ class Survey:
         from ipoa_mission.survey.survey_report import forecast_as_json
 
         make_folder(folder := Path(folder))
-        written, digests = list[Path](), dict[str, str]()
+        if len(self.flights) == 1:
+            return write_files(self.flights[0].mission, folder, self.name, self.summary())[0]
+        parts = []
         for name, forecast in zip(self.names, self.flights, strict=True):
-            of_part = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
-            files, own = write_files(forecast.mission, folder, name, of_part if name != self.name else self.summary())
-            written += files
-            digests |= own
-        if len(self.flights) > 1:
-            about = folder / f"{self.name}.json"
-            write_atomically(about, as_text(self.summary() | {"sha256": digests}))
-            written.append(about)
-        return tuple(written)
+            about = {"name": name, "version": version("ipoa-mission"), **forecast_as_json(forecast)}
+            parts.append((name, forecast.mission, about))
+        return write_several(parts, folder, self.name, self.summary())
 
     def summary(self) -> dict[str, object]:
         """Return NAME.json in meters, seconds and watt hours."""

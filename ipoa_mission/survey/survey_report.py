@@ -8,10 +8,8 @@ from urllib.parse import quote
 import shapely
 
 from ipoa_mission.centimeters import down
-from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, rounded
+from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
-from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.report.page import page_of
@@ -71,16 +69,11 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 
 
 def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
-    mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
+    mission, energy = forecast.mission, forecast.energy
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.promise),
-        "items": len(mission.items),
-        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
-        "estimate": {
-            "total_s": rounded(forecast.estimate.total_s),
-            "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
-        },
+        **items_as_json(forecast),
         "energy_wh": None if energy is None else rounded(energy.energy_wh),
         **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
     }

@@ -1,4 +1,4 @@
-"""Tables of the report: legs to the items, estimate against flight, limits, cost and search."""
+"""Tables of the report: legs to the items, estimate against flight, limits, flights of one battery, search."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,6 +7,8 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.forecast.contingency.energy_budget import budget_of
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.cost import CostTerms
 from ipoa_mission.planning.plan import Plan
@@ -125,6 +127,29 @@ def _limit(check: Check) -> str:
     return (
         f'<tr><th scope="row">{sign} {escape(names.get(check.limit, check.limit))}</th><td><b>{kept}</b></td>'
         f'<td>{required}</td><td class="words">{escape(check.nearest.what)}</td>{where}</tr>'
+    )
+
+
+def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
+    head = "".join(f'<th scope="col">{name}</th>' for name in ("flight", "items", "takes", "energy", "left"))
+    rows = ""
+    for name, part in zip(names, parts, strict=True):
+        budget = budget_of(part)
+        left = None if budget is None else budget.left(budget.used.between)
+        cells = (
+            str(len(part.mission.items)),
+            seconds(part.estimate.total_s),
+            "" if budget is None else str(budget.used),
+            "" if left is None else f"{left.likely:.0%}",
+        )
+        rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
+    note = (
+        f"One battery is not enough for the whole flight: it is flown in {len(parts)} flights, a battery each, "
+        "one after the other. Each begins as the whole does, and continues where the one before returned."
+    )
+    table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
+    return (
+        f'<section><h2>Flights</h2><p class="note">{note}</p><div class="scroll" tabindex="0">{table}</div></section>'
     )
 
 

@@ -15,7 +15,7 @@ from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 
 ARMING_DELAY_S = 2.0  # motors are off after arming
 LIFT_S = 0.2  # from full spin to lift-off
-LANDED_S = 0.58 + 1.0  # from touchdown to least throttle, and there until the land detector answers
+LANDED_S = 0.58 + 1.0  # to least throttle, then to be detected
 CENTIMETER = 0.01  # resolution of heights [m]
 
 BRAKES_CLIMB = (4, 8)

@@ -128,7 +128,7 @@ def orders_of_itinerary(route: Itinerary, limits: Px4Limits, landing_delay: floa
 
 
 def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_delay: float) -> Iterator[Order]:
-    """Yield orders flown from a place, with the time after which each has failed; a small radius is hard to hit."""
+    """Yield orders flown from `at`, with the time after which each has failed."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     for order in orders:
         level, rise = math.dist(at[:2], order.goal[:2]), abs(order.goal.up - at.up)
