@@ -10,7 +10,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ContingencySamples, ReturnLeg
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
-from ipoa_mission.forecast.contingency.shortfalls import change_return_altitude, find_shortfalls
+from ipoa_mission.forecast.contingency.shortfalls import find_shortfalls, try_return_altitudes
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.wind import CALM, Wind
@@ -101,7 +101,7 @@ def _check(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: r
 def _remedy(paths: ContingencyPaths) -> str | None:
     by = paths.mission.autopilot.parameter_table.return_height
     short = list(find_shortfalls(paths, Contingency.RTL))
-    higher, left = change_return_altitude(paths, paths.forecast, short)
+    higher, left = try_return_altitudes(paths, paths.forecast, short)[0]
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
         return None
     value = higher.given.parameters[by.name]

@@ -29,7 +29,7 @@ class Option:
     route: Route
     seconds: float
     deviation: float
-    """Greatest distance between the flown path and the planned curve [m]."""
+    """Greatest lateral deviation of the predicted path from the planned curve [m]."""
     flies_clear: bool
     """True if the predicted path, with its cut corners and overshoots, keeps every limit."""
     ratio: float

@@ -17,7 +17,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
 from ipoa_mission.routing.planned_returns import settled
-from ipoa_mission.routing.resample import deviation
+from ipoa_mission.routing.resample import lateral_deviation
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
@@ -123,7 +123,8 @@ class Flown:
 
     @cached_property
     def deviation(self) -> float:
-        return deviation(self.path, self.attempt.plan.curve)
+        """Return the lateral deviation from the curve [m]; clearances limit the vertical one."""
+        return lateral_deviation(self.path, self.attempt.plan.curve)
 
     @property
     def slack(self) -> float:

@@ -23,11 +23,11 @@ from ipoa_mission.forecast.contingency.contingencies import (
 from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import (
     Shortfall,
-    change_return_altitude,
     find_return_shortfalls,
     find_shortfalls,
     highest_return,
     return_altitude,
+    try_return_altitudes,
 )
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
@@ -36,6 +36,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
 
 NAMED = 3  # in a note on LAND
+RALLIED_ALTITUDES = 3  # at which rally points are tried
 
 
 def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
@@ -50,11 +51,14 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         return forecast, tuple(braking)
     if braking:  # needs another path
         return forecast, (*braking, *(one for one in find_return_shortfalls(ways) if one.part < ReturnLeg.RETURNS))
-    best, short = forecast, find_return_shortfalls(ways)
+    short = find_return_shortfalls(ways)
+    tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
-        best, short = change_return_altitude(ways, best, short)
-    if any(one.part >= ReturnLeg.RETURNS for one in short) and not forecast.mission.rally:
-        best, short = _with_rally_points(ways, best, short)
+        tried = try_return_altitudes(ways, forecast, short)
+    if any(one.part >= ReturnLeg.RETURNS for one in tried[0][1]) and not forecast.mission.rally:
+        rallied = (_with_rally_points(ways, *altitude) for altitude in tried[:RALLIED_ALTITUDES])
+        tried = [min(rallied, key=lambda one: (any(s.part >= ReturnLeg.RETURNS for s in one[1]), len(one[1]) > 0))]
+    best, short = tried[0]
     return best, tuple(short)
 
 

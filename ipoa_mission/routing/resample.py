@@ -60,11 +60,11 @@ def _spots(curve: Spline, tolerance: float, most: int) -> Points:
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
 
 
-def deviation(path: Points, curve: Spline) -> float:
-    """Return the symmetric Hausdorff distance of straight legs and a curve [m]."""
+def lateral_deviation(path: Points, curve: Spline) -> float:
+    """Return the symmetric Hausdorff distance of straight legs and a curve, seen from above [m]."""
     from ipoa_mission.routing._corridor import farthest
 
-    steps, samples = _steps(path), _dense(curve)
+    steps, samples = (points * (1.0, 1.0, 0.0) for points in (_steps(path), _dense(curve)))
     spacing = curve.length / (len(samples) - 1)
     away = max(farthest(steps, samples), farthest(samples, steps))
     return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))

@@ -231,7 +231,11 @@ class Airspace:
         least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
             return least
-        floor = self.bounds.margin((points[:-1] + points[1:]) / 2) - leg_lengths(points) / 2
+        middle = self.bounds.margin((points[:-1] + points[1:]) / 2)
+        lines = shapely.linestrings(np.stack([points[:-1, :2], points[1:, :2]], axis=1))
+        to_edge = shapely.distance(lines, self.bounds.footprint.shape.boundary)
+        inside = np.minimum(to_edge, np.minimum(margins[:-1], margins[1:])) - ROUNDING
+        floor = np.where((middle > 0) & (to_edge > 0), inside, middle - leg_lengths(points) / 2)
         for leg in np.argsort(floor, kind="stable"):
             if floor[leg] > least.distance:
                 break

@@ -42,7 +42,7 @@ class Polygon:
             words = f"expected rings that do not cross, not one with {shapely.is_valid_reason(shape)}"
             raise InvalidRing(words, place="a polygon")
 
-    @property
+    @cached_property
     def shape(self) -> shapely.Polygon:
         return shapely.Polygon(self.outer, self.holes)
 

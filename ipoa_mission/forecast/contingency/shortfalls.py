@@ -70,19 +70,20 @@ def return_altitude(forecast: Forecast) -> float:
     return max(mission.autopilot.return_height(values, 0.0, far, up) for up in ups)
 
 
-def change_return_altitude(
+def try_return_altitudes(
     paths: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
-) -> tuple[Forecast, list[Shortfall]]:
-    """Return the lowest clear return altitude that was tried, else the one with the smallest shortfall."""
+) -> list[tuple[Forecast, list[Shortfall]]]:
+    """Return the lowest clear return altitude that was tried, else all tried ones, the smallest shortfall first."""
 
-    def merit(tried: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
+    def merit(tried: tuple[Forecast, list[Shortfall]]) -> tuple[bool, float, float]:
         returns = sum(short.missing for short in tried[1] if short.part >= ReturnLeg.RETURNS)
-        return returns, sum(short.missing for short in tried[1])
+        return return_altitude(tried[0]) > allowed, returns, sum(short.missing for short in tried[1])
 
     by = forecast.mission.autopilot.parameter_table.return_height
     now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
-    highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
-    best, tried, heights = (forecast, short), {now}, list(_heights(paths, short, now))
+    allowed = highest_return(forecast)
+    highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
+    others, tried, heights = [(forecast, short)], {now}, list(_heights(paths, short, now))
     if now > highest:
         heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(8):
@@ -93,11 +94,10 @@ def change_return_altitude(
         raised = forecast.given.with_parameters({by.name: by.spelled(height)})
         other = Forecast(raised, forecast.scenario, forecast.wind)
         if not (left := find_return_shortfalls(paths.returning(other))):
-            return other, []
-        too_high = return_altitude(best[0]) > highest_return(forecast)
-        best = (other, left) if too_high else min(best, (other, left), key=merit)
+            return [(other, [])]
+        others.append((other, left))
         heights += _heights(paths, left, height)
-    return best
+    return sorted(others, key=merit)
 
 
 def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
