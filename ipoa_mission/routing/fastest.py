@@ -155,9 +155,9 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(clearance_task(scenario), TIGHT_PLACES))
-    improved = list(dict.fromkeys(ready for attempt in quickest for ready in (attempt, _improve(attempt))))
-    if len(improved) < 2:
-        return improved[0] if improved else None
+    if not quickest:
+        return None
+    improved = [*quickest, _improve(min(quickest, key=lambda attempt: attempt.sketched.seconds))]
     ends = [attempt.flown for attempt in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
