@@ -16,6 +16,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
+from ipoa_mission.routing.more_room import GROWTH_FACTOR, GROWTH_MARGIN, initial_needs
 from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through
 from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.scenario import Scenario
@@ -135,13 +136,16 @@ def _splines(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 class RouteSearch:
     starts: int = 2  # routes to improve
     most_behind: float = 1.06  # of the second start's time to the first's
-    trials: int = 60
+    trials: int = 36
     legs: int = 2000  # in all trials
-    patience: int = 25  # trials without gain
+    patience: int = 15  # trials without gain
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     least_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
     most_overrun: float = 0.5  # [m]
+    repaired_routes: int = 6
+    repairs: int = 3
+    least_repairable: float = -0.6  # slack [m]
 
 
 SEARCH = RouteSearch()
@@ -154,18 +158,26 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
-    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(clearance_task(scenario), TIGHT_PLACES))
+    too_near = list[Attempt]()
+    quickest = (
+        _quickest(drawn, scenario, too_near)
+        or _quickest(drawn, with_room(clearance_task(scenario), TIGHT_PLACES), too_near)
+        or _repaired(too_near)
+    )
     if not quickest:
         return None
-    improved = [*quickest, _improve(min(quickest, key=lambda attempt: attempt.sketched.seconds))]
+    improved = [*quickest, *map(_improve, quickest)]
     ends = [attempt.flown for attempt in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
     return improved[min(ranks)[-1]]
 
 
-def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
-    """Return the quickest valid routes with different numbers of waypoints; clear as few as possible."""
+def _quickest(drawn: list[Attempt], roomy: PathTask, too_near: list[Attempt]) -> list[Attempt]:
+    """Return the quickest valid routes with different numbers of waypoints; clear as few as possible.
+
+    Routes that only come too near are added to `too_near`.
+    """
     waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
@@ -178,8 +190,12 @@ def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
         if kind in fit:
             continue
         if is_clear:
-            if _is_fit(attempt):
+            if not _is_near_curve(attempt):
+                continue
+            if attempt.sketched.keeps_limits:
                 fit[kind] = attempt
+            else:
+                too_near.append(attempt)
             continue
         if place not in cleared:
             cleared[place] = push_clear(points, roomy)
@@ -189,13 +205,44 @@ def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
     return list(fit.values())
 
 
+def _repaired(too_near: list[Attempt]) -> list[Attempt]:
+    """Return a route whose waypoints were moved aside until its flights keep the limits, if one is almost clear."""
+    for attempt in sorted(too_near, key=lambda attempt: attempt.sketched.seconds)[-SEARCH.repaired_routes :]:
+        needs = initial_needs(attempt.scenario)
+        for _ in range(SEARCH.repairs):
+            if attempt.slack < SEARCH.least_repairable:
+                break
+            needs = needs.more(attempt, attempt.scenario)
+            shifted = _at_kept_height(attempt)
+            points = push_clear(shifted, needs.room(attempt.scenario, attempt.scenario, gaps=True))
+            if leg_lengths(points).min() < NEAREST or (points == attempt.route.points).all():
+                break
+            attempt = attempt.along(points)
+            if _is_fit(attempt):
+                return [attempt]
+    return []
+
+
+def _at_kept_height(attempt: Attempt) -> Points:
+    """Return the waypoints, the free ones higher or lower if a limit of height is broken."""
+    points, broken = attempt.route.points.copy(), attempt.promise.forbidding
+    up = max((-kept.slack for kept in broken if kept.limit == "ground"), default=0.0)
+    down = max((-kept.slack for kept in broken if kept.limits_above), default=0.0)
+    shift = up - down
+    points[_free(points, attempt.scenario.via_points), 2] += shift * GROWTH_FACTOR + np.sign(shift) * GROWTH_MARGIN
+    return points
+
+
 def _is_fit(attempt: Attempt) -> bool:
+    return _is_near_curve(attempt) and attempt.sketched.keeps_limits
+
+
+def _is_near_curve(attempt: Attempt) -> bool:
     flown = attempt.sketched
     return (
         flown.overrun <= SEARCH.most_overrun
         and flown.deviation <= attempt.scenario.route.tolerance
         and attempt.proof.holds
-        and flown.keeps_limits
     )
 
 
@@ -218,7 +265,7 @@ def _improve(attempt: Attempt) -> Attempt:
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
     """Yield the waypoints with one removed or moved by `step` [m]."""
-    free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
+    free = _free(points, via)
     for i in free:
         if (without := np.delete(points, i, axis=0)).tobytes() not in tried:
             yield without
@@ -230,3 +277,8 @@ def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Ite
             moved[i] += step * np.array(move)
             if leg_lengths(moved).min() >= NEAREST:
                 yield moved
+
+
+def _free(points: Points, via: Points) -> list[int]:
+    """Return the inner waypoints that are no via point."""
+    return [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.forecast.contingency.contingency_paths import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.forecast.deviation.room import grown, shrunk
@@ -39,6 +40,12 @@ class Needs:
     def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
         promise, curve = attempt.promise, attempt.plan.curve
         short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.in_cruise}
+        low = [
+            one.missing * GROWTH_FACTOR + GROWTH_MARGIN
+            for one in attempt.short
+            if not one.body and one.part < ReturnLeg.RETURNS
+        ]
+        short["ground"] = max([short.get("ground", 0.0), *low])
         wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.in_cruise and one.limit == "obstacles"]
         aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
         wanted += [(one.body, one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
