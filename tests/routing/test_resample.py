@@ -8,7 +8,7 @@ from scipy.optimize import lsq_linear
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing._corridor import farthest, fewest_legs
 from ipoa_mission.routing.fastest import _least_squares, relaxed
-from ipoa_mission.routing.resample import NO_PLACES, corridor, deviation, every, stations
+from ipoa_mission.routing.resample import NO_PLACES, corridor, every, lateral_deviation, stations
 
 RNG = np.random.default_rng(4)
 CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]
@@ -97,8 +97,8 @@ def test_waypoints_outside_the_bends_are_fewer_and_as_near(curve: Spline) -> Non
 def test_the_deviation_of_a_leg_is_found_in_its_middle() -> None:
     angle = np.linspace(0, np.pi, 60)
     bow = Spline(50 * np.column_stack([-np.cos(angle), np.sin(angle), 0 * angle]))
-    assert deviation(bow.control[[0, -1]], bow) == pytest.approx(50, abs=0.5)
-    assert deviation(bow.sample(2000), bow) == pytest.approx(0, abs=0.02)
+    assert lateral_deviation(bow.control[[0, -1]], bow) == pytest.approx(50, abs=0.5)
+    assert lateral_deviation(bow.sample(2000), bow) == pytest.approx(0, abs=0.02)
 
 
 def test_the_gentlest_line_beside_a_weak_weave_is_straight_and_round_a_corner_it_takes_all_the_room() -> None:
