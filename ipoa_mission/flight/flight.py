@@ -2,6 +2,7 @@
 
 import logging
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,7 +22,6 @@ from ipoa_mission.flight.flight_summary import (
     findings_as_json,
     items_as_json,
     limits_as_json,
-    option_as_json,
     passed_over_as_json,
     proof_as_json,
     rounded,
@@ -37,6 +37,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
@@ -58,17 +59,21 @@ class Flight:
 
     Attributes:
         plan: the path.
-        options: the ways to choose waypoints, with results.
         forecast: of the flight.
         findings: warnings of the check.
         remarks: notes, the warnings first.
+        options: ways to choose the waypoints, with their results; computed at first use.
     """
 
     plan: Plan
-    options: tuple[Option, ...]
     forecast: Forecast
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...]
+    chosen: Attempt
+
+    @cached_property
+    def options(self) -> tuple[Option, ...]:
+        return weigh_routes(self.plan, self.scenario, self.chosen)
 
     def __repr__(self) -> str:
         return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"
@@ -148,7 +153,6 @@ class Flight:
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(scenario),
             "unread": unread_as_json(scenario.unread),
-            "routes": [option_as_json(option, scenario.route.mode) for option in self.options],
         }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
@@ -208,7 +212,6 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     found = plan_with_room(scenario, seed, progress)
     requested, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
-    options = weigh_routes(plan, scenario, found)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     found_by_check = check(forecast)
@@ -225,4 +228,4 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
         *planned_returns(forecast),
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
-    return Flight(plan, options, forecast, findings, remarks)
+    return Flight(plan, forecast, findings, remarks, found)

@@ -18,7 +18,6 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.planning.proof import Proof
-    from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
 
 
@@ -82,20 +81,6 @@ def route_summary(estimate: "Estimate") -> dict[str, float] | None:
     if not route.seconds > 0:
         return None
     return {"seconds": round(route.seconds, 3), "least": round(route.least, 3), "ratio": round(route.ratio, 4)}
-
-
-def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
-    return {
-        "mode": option.mode,
-        "waypoints": len(option.route.points),
-        "spline": option.route.spline,
-        "seconds": option.seconds,
-        "ratio": option.ratio,
-        "deviation": option.deviation,
-        "flies_clear": option.flies_clear,
-        "chosen": option.mode == mode,
-        **({"passed_over": option.passed_over} if option.passed_over else {}),
-    }
 
 
 def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:
