@@ -35,7 +35,6 @@ from ipoa_mission.link.dialogue import TimeUp as TimeUp
 from ipoa_mission.link.line import Contested as Contested
 from ipoa_mission.link.line import SignsOtherwise as SignsOtherwise
 from ipoa_mission.link.line import SpeaksMavlink1 as SpeaksMavlink1
-from ipoa_mission.link.logbook import FlightRecord as FlightRecord
 from ipoa_mission.link.onboard_list import ReplacedSince as ReplacedSince
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
 from ipoa_mission.link.reconnect import NotTheSameVehicle as NotTheSameVehicle
@@ -46,6 +45,7 @@ from ipoa_mission.link.vehicle import Vehicle as Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown as NotFlown
 from ipoa_mission.link.vehicle_state import NotReady as NotReady
 from ipoa_mission.logs.flight_log import read_flight as read_flight
+from ipoa_mission.mission.flight_record import FlightRecord as FlightRecord
 from ipoa_mission.mission.items import FenceCircle as FenceCircle
 from ipoa_mission.mission.items import FencePolygon as FencePolygon
 from ipoa_mission.mission.items import Item as Item

@@ -151,6 +151,7 @@ TAKEOFF_AND_LAND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
+MULTICOPTER_LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
 WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT})
 #: param1 is a hold time [s].
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})

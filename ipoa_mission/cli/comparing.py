@@ -15,8 +15,8 @@ from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConfli
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.post_flight import FlownClearance
-    from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.logs.flight_log import LoggedFlight
+    from ipoa_mission.mission.flight_record import FlightRecord
     from ipoa_mission.mission.items import Mission
     from ipoa_mission.report.compare import ComparedFlight
     from ipoa_mission.scenario import Scenario

@@ -13,7 +13,7 @@ from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.unread import unread_as_json
 

@@ -19,8 +19,8 @@ from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.vehicle_file import read_vehicle
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import Wind

@@ -17,14 +17,13 @@ from ipoa_mission.cli.mission_source import FlownJob, Job, landing_remarks, read
 from ipoa_mission.cli.output import print_json
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
-from ipoa_mission.forecast.conformance import Deviation
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.flight_record import Deviation, FlightRecord
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
 

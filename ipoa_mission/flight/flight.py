@@ -48,7 +48,7 @@ from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
-    from ipoa_mission.link.logbook import FlightRecord
+    from ipoa_mission.mission.flight_record import FlightRecord
 
 log = logging.getLogger(__name__)
 

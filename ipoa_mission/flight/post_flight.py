@@ -10,7 +10,7 @@ from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.geometry import Points
-from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.scenario import Scenario

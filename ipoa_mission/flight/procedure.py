@@ -11,10 +11,10 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import OtherValue, idle_fence, other_values, without_station
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic

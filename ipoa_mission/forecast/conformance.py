@@ -2,8 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 from ipoa_mission.world.frame import Geodetic
 
 
@@ -34,33 +34,6 @@ class ConformanceLimits:
 
 LIMITS = ConformanceLimits()
 SPACING = 0.5  # of the corridor's points [m]
-
-
-class DeviationKind(StrEnum):
-    AWAY = "moves-away"
-    PASSED = "passed-item"
-    OUTSIDE = "left-corridor"
-    LATE = "late"
-
-
-@dataclass(frozen=True)
-class Deviation:
-    """A deviation on the way to item `item`; `measured` and `allowed` in meters, for LATE in seconds."""
-
-    kind: DeviationKind
-    item: int
-    time_s: float
-    measured: float
-    allowed: float
-    words: str
-
-    def __str__(self) -> str:
-        return f"item {self.item}: {self.words}"
-
-    def as_json(self) -> dict[str, Any]:
-        unit = "s" if self.kind is DeviationKind.LATE else "m"
-        rounded = {"time_s": round(self.time_s, 2), "found": round(self.measured, 2), "allowed": round(self.allowed, 2)}
-        return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
 
 
 class _Leg(NamedTuple):

@@ -6,13 +6,13 @@ import numpy as np
 
 from ipoa_mission import Geodetic, Mission
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Vector
 from ipoa_mission.learn.witness import Witness, witness_of
-from ipoa_mission.link.logbook import brings_down
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from ipoa_mission.wind import Wind
 
@@ -86,7 +86,7 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
         raise MissionError(words, code="log-incomplete", place=name)
     seconds = np.diff(done, prepend=0.0)
     least, share, landing = mission.autopilot.part(FlightModel).scatter
-    ends = np.array([brings_down(route.visits[n].item.command) for n in visits])
+    ends = np.array([route.visits[n].item.command in MULTICOPTER_LANDINGS for n in visits])
     return Evidence(name, mission, tuple(visits), seconds, np.where(ends, landing, least) + share * seconds)
 
 

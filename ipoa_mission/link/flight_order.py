@@ -19,7 +19,8 @@ from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation
+    from ipoa_mission.forecast.conformance import ConformanceMonitor
+    from ipoa_mission.mission.flight_record import Deviation
 
 log = logging.getLogger(__name__)
 ORDER_REPEATS = 6  # one a second

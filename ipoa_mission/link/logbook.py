@@ -3,74 +3,21 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.autopilot.commands import LAST_NAV, Command
+from ipoa_mission.autopilot.commands import LAST_NAV, MULTICOPTER_LANDINGS, Command
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.link.vehicle_state import IN_AIR_HEIGHT
+from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
-if TYPE_CHECKING:
-    from ipoa_mission.forecast.conformance import Deviation
-
 COMPLETE = 5  # MISSION_STATE
 LANDING_RADIUS = 20.0  # around the place of its LAND [m]
-
-
-@dataclass(frozen=True)
-class Sample:
-    """Seconds since arming, degrees, altitude AMSL [m], height above home [m], speed [m/s]."""
-
-    time_s: float
-    latitude_deg: float
-    longitude_deg: float
-    altitude: float
-    height: float
-    speed: float
-
-
-@dataclass(frozen=True)
-class FlightRecord:
-    """A flight as it was flown; times since arming.
-
-    Attributes:
-        item_reached_s: index into `Mission.items` -> when it was reached, or passed [s]. A final LAND or RTL is done
-            when the motors stop.
-        total_s: its duration [s].
-        path: position samples.
-        messages: the vehicle's texts.
-        completed: it landed and was disarmed at the end of its mission.
-        why_not: the reason for an incomplete flight.
-        armed: as last reported.
-        in_air: as last reported.
-        deviations: from the forecast, also of a completed flight.
-        remarks: on the log that it was read from.
-    """
-
-    item_reached_s: dict[int, float]
-    total_s: float
-    path: tuple[Sample, ...]
-    messages: tuple[str, ...]
-    completed: bool
-    why_not: str = ""
-    armed: bool = False
-    in_air: bool = False
-    deviations: "tuple[Deviation, ...]" = ()
-    remarks: tuple[str, ...] = ()
-
-    @property
-    def failure(self) -> str:
-        """Return why the flight is incomplete, else how it deviated, or an empty string."""
-        return self.why_not or "; ".join(map(str, self.deviations))
-
-
-def brings_down(command: int) -> bool:
-    return command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
 
 @dataclass
@@ -106,7 +53,7 @@ class Logbook:
 
     @property
     def lands(self) -> bool:
-        return bool(self._items) and brings_down(self._items[self._final].command)
+        return bool(self._items) and self._items[self._final].command in MULTICOPTER_LANDINGS
 
     @property
     def total(self) -> int:

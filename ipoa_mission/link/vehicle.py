@@ -22,7 +22,7 @@ from ipoa_mission.link.discovery import FoundVehicle, await_booted
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier
-from ipoa_mission.link.logbook import FlightRecord, Logbook, Observer, watch
+from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
@@ -32,6 +32,7 @@ from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, to_wire
 from ipoa_mission.progress import Progress, count, silent

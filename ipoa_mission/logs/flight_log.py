@@ -13,11 +13,12 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
-from ipoa_mission.link.logbook import FlightRecord, Logbook
+from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, Measured, log_format, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
 from ipoa_mission.world.frame import Geodetic

@@ -15,8 +15,8 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.wind import CALM, Wind

@@ -19,7 +19,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.compare import compare_flight, flown_track

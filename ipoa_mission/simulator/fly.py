@@ -8,10 +8,10 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot

@@ -22,10 +22,10 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
 from ipoa_mission.link.discovery import scan
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message, Text
 from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State

@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
+from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -16,6 +16,7 @@ from ipoa_mission.link.messages import CommandLong, Message
 from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station

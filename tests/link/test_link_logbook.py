@@ -2,7 +2,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
-from ipoa_mission.link.logbook import Logbook, brings_down, watch
+from ipoa_mission.link.logbook import Logbook, watch
 from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
@@ -124,7 +124,3 @@ def test_watching_ends_with_the_flight_and_tells_of_progress() -> None:
         assert exchange.finished
     done = [*((n, LANDS) for n in (0, 1)), *((n, HOLDS) for n in (0, 1, 2))]
     assert told == [f"item {n} of {len(items)}" for n, items in done]
-
-
-def test_a_mission_comes_down_with_a_landing_or_a_return() -> None:
-    assert [command for command in (16, 20, 21, 22, 178) if brings_down(command)] == [20, 21]

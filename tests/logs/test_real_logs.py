@@ -11,8 +11,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flight, read_flights
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from tests.refused import refuses
 

@@ -12,7 +12,7 @@ import ipoa_mission as api
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.link.logbook import FlightRecord, Sample
+from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.compare import compare_flight, flown_track

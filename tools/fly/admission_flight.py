@@ -21,10 +21,10 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.flight.procedure import begin_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.mission_io import read_mission, write_mission

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.compiled import jit_if_faster
@@ -115,8 +115,7 @@ class Px4Model(FlightModel):
                 remarks.append(f"some flights did not end: {lost}")
         runs = np.array(times or [smooth])
         done = runs.mean(axis=0)
-        landings = {Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH}
-        lands = np.array([visit.item.command in landings for visit in route.visits], dtype=bool)
+        lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in route.visits], dtype=bool)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
         below = RUNS.interval_deviations * runs.std(axis=0)
         above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)

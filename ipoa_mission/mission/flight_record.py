@@ -1,0 +1,79 @@
+"""A flight as flown, with its deviations from the forecast."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class DeviationKind(StrEnum):
+    AWAY = "moves-away"
+    PASSED = "passed-item"
+    OUTSIDE = "left-corridor"
+    LATE = "late"
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A deviation on the way to item `item`; `measured` and `allowed` in meters, for LATE in seconds."""
+
+    kind: DeviationKind
+    item: int
+    time_s: float
+    measured: float
+    allowed: float
+    words: str
+
+    def __str__(self) -> str:
+        return f"item {self.item}: {self.words}"
+
+    def as_json(self) -> dict[str, Any]:
+        unit = "s" if self.kind is DeviationKind.LATE else "m"
+        rounded = {"time_s": round(self.time_s, 2), "found": round(self.measured, 2), "allowed": round(self.allowed, 2)}
+        return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Seconds since arming, degrees, altitude AMSL [m], height above home [m], speed [m/s]."""
+
+    time_s: float
+    latitude_deg: float
+    longitude_deg: float
+    altitude: float
+    height: float
+    speed: float
+
+
+@dataclass(frozen=True)
+class FlightRecord:
+    """A flight as it was flown; times since arming.
+
+    Attributes:
+        item_reached_s: index into `Mission.items` -> when it was reached, or passed [s]. A final LAND or RTL is done
+            when the motors stop.
+        total_s: its duration [s].
+        path: position samples.
+        messages: the vehicle's texts.
+        completed: it landed and was disarmed at the end of its mission.
+        why_not: the reason for an incomplete flight.
+        armed: as last reported.
+        in_air: as last reported.
+        deviations: from the forecast, also of a completed flight.
+        remarks: on the log that it was read from.
+    """
+
+    item_reached_s: dict[int, float]
+    total_s: float
+    path: tuple[Sample, ...]
+    messages: tuple[str, ...]
+    completed: bool
+    why_not: str = ""
+    armed: bool = False
+    in_air: bool = False
+    deviations: tuple[Deviation, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def failure(self) -> str:
+        """Return why the flight is incomplete, else how it deviated, or an empty string."""
+        return self.why_not or "; ".join(map(str, self.deviations))
