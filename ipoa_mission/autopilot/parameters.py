@@ -89,3 +89,7 @@ class ParameterTable:
             old, factor = self.renamed[name]
             return [*here, (old, factor)]
         return [*here, *((new, 1.0 / factor) for new, (old, factor) in self.renamed.items() if old == name)]
+
+
+def name_values(parameters: Parameters) -> str:
+    return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())

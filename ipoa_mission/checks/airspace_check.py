@@ -1,7 +1,7 @@
-"""Check the distances of legs and flights to obstacles, ground and bounds."""
+"""Check distances to obstacles, ground and bounds."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import takewhile
 from typing import Any
 
@@ -11,18 +11,14 @@ import shapely
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.contingency.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
+from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
 from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
-from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.planning.proof import Check, prove, prove_ground
 from ipoa_mission.scenario import Scenario
-
-ROUNDING = {"m": 0.02, "deg": 0.5}  # of positions to 1e-7 degrees and to millimeters
 
 
 def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
@@ -41,25 +37,6 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
             hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
             return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), land)
     return others, (land,)
-
-
-def heights_above(above: float) -> Iterator[float]:
-    return (float(height) for height in range(HEIGHT_STEP, MAX_HEIGHT + 1, HEIGHT_STEP) if height > above)
-
-
-def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
-    """Return a test of paths for the required clearance, with room for the deviation bound."""
-    roomy, required = with_room(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
-    spare = 0.0 if scenario.safety.chance is None else SAG
-
-    def is_clear(legs: Iterable[Leg]) -> bool:
-        return all(
-            roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
-            and all(check.slack >= spare for check in prove_ground(leg.points, roomy))
-            for leg in legs
-        )
-
-    return is_clear
 
 
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
@@ -87,16 +64,6 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             else:
                 hint, remedies = remedy(forecast) if leg.phase is Phase.RETURN else (None, ())
                 yield item.error("leg-too-near", message, hint, remedies)
-
-
-def broken_limits(leg: Leg, scenario: Scenario) -> list[Check]:
-    limits = {"obstacles"}  # a take-off and a landing are steep, and begin or end on the ground
-    if leg.phase in (Phase.CRUISE, Phase.RETURN):
-        limits |= {"ground", "ceiling", "bounds"}
-    if leg.phase is Phase.CRUISE and np.ptp(leg.points[:, :2], axis=0).max() >= ROUNDING["m"]:
-        limits |= {"climb", "descent"}
-    checks = prove(leg.points, scenario, leg.stray).checks
-    return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 
 def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> Iterator[Finding]:

@@ -14,7 +14,7 @@ from ipoa_mission.checks.firmware_check import (
     check_version,
     is_too_long,
 )
-from ipoa_mission.checks.positions import check_positions, refusals, unsound
+from ipoa_mission.checks.positions import check_ground, check_landings, check_positions, refusals, unsound
 from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -82,8 +82,6 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
         if scenario is not None:
             findings += _check_world(flown, is_sound and not is_too_long(mission), findings)
         elif mission.landing_ground is not None:
-            from ipoa_mission.checks.ground_check import check_landings
-
             findings += check_landings(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
@@ -97,7 +95,6 @@ def _check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) 
         check_failsafe_return,
         check_wind,
     )
-    from ipoa_mission.checks.ground_check import check_ground
 
     promise = forecast.promise_if_known if is_flown else None
     findings = [*check_airspace(forecast)]

@@ -12,7 +12,6 @@ from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
-from ipoa_mission.checks.ground_check import landings, touches_down
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
@@ -20,6 +19,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
@@ -48,7 +48,7 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
     for landing in landings(forecast):
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
-                f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
+                f"{landing.words}: with the vehicle's own parameters, {landing.touches_down(own)}",
                 hint="set the mission's parameters (NAME.params) by `fly --set-params`; "
                 "--anyway flies with the vehicle's own",
             )

@@ -3,8 +3,9 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.airspace_check import broken_limits, clear_in
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.contingency.shortfalls import clear_in
+from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import Place
 

@@ -4,12 +4,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.parameters import name_values
 from ipoa_mission.autopilot.slow_landing import HEIGHT_UNCERTAINTY
-from ipoa_mission.checks.airspace_check import clear_in, heights_above
-from ipoa_mission.checks.ground_check import landings, name_values, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.forecast.leg_limits import landings
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
@@ -35,7 +36,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     if slowed is not None and slowed.is_fast(highest.counted):
         raise Unsafe(
             f"{highest.words}, and {' and '.join(names)} count up to {most:.0f} m above home: "
-            f"{touches_down(slowed, highest)}",
+            f"{highest.touches_down(slowed)}",
             hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
             f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
             "[vehicle.parameters], on your own responsibility",

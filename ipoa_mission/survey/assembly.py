@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission import Command, Frame
-from ipoa_mission.checks.airspace_check import clear_in
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.checks.airspace_check import broken_limits
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
+from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff
 from ipoa_mission.scenario import Scenario, parse_scenario

@@ -1,7 +1,7 @@
 """Find contingencies too near to something, and a return altitude without one."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,8 +14,13 @@ from ipoa_mission.forecast.contingency.contingency_paths import (
     ContingencySamples,
     ReturnLeg,
 )
+from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import Leg
+from ipoa_mission.planning.proof import prove_ground
+from ipoa_mission.scenario import Scenario
 
 HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
 SAG = 0.3  # below the set height of a return [m]
@@ -68,6 +73,25 @@ def return_altitude(forecast: Forecast) -> float:
     ups = (0.0, *(place.altitude for place in mission.rally))
     far = 1e5  # [m]
     return max(mission.autopilot.return_height(values, 0.0, far, up) for up in ups)
+
+
+def heights_above(above: float) -> Iterator[float]:
+    return (float(height) for height in range(HEIGHT_STEP, MAX_HEIGHT + 1, HEIGHT_STEP) if height > above)
+
+
+def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
+    """Return a test of paths for the required clearance, with room for the deviation bound."""
+    roomy, required = with_room(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
+    spare = 0.0 if scenario.safety.chance is None else SAG
+
+    def is_clear(legs: Iterable[Leg]) -> bool:
+        return all(
+            roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
+            and all(check.slack >= spare for check in prove_ground(leg.points, roomy))
+            for leg in legs
+        )
+
+    return is_clear
 
 
 def try_return_altitudes(
