@@ -13,7 +13,7 @@ from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.palette import Color
+from ipoa_mission.report.plots import Color
 
 #: distinct with color blindness
 COLORS = {

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -23,10 +24,27 @@ from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.map_extent import ground_mesh
 from ipoa_mission.report.number_format import signed
-from ipoa_mission.report.palette import Color
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
+
+
+class Color(StrEnum):
+    """The first seven for color-blind readers: M. Okabe and K. Ito, jfly.uni-koeln.de/color (2008)."""
+
+    BLACK = "#000000"
+    ORANGE = "#E69F00"
+    SKY_BLUE = "#56B4E9"
+    BLUISH_GREEN = "#009E73"
+    BLUE = "#0072B2"
+    VERMILLION = "#D55E00"
+    REDDISH_PURPLE = "#CC79A7"
+    LOW_GROUND = "#EFEBE1"
+    HIGH_GROUND = "#B5A98F"
+    LOW_ROOF = "#C5CCD4"
+    HIGH_ROOF = "#7D8A99"
+    OUTLINE = "#4A545F"
+
 
 View: TypeAlias = Literal["top", "front"]
 

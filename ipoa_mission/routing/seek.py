@@ -23,11 +23,10 @@ from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.changes import ChangeTrials
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.more_room import Needs, approximation_needs, initial_needs
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
-from ipoa_mission.routing.slower import slowed_where_needed
+from ipoa_mission.routing.slower import ChangeTrials, slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Airspace

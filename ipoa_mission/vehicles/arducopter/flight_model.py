@@ -1,4 +1,4 @@
-"""Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics; and its deviation law."""
+"""Flight times of ArduCopter 4.x in AUTO, item by item, by its simulated dynamics."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -11,7 +11,6 @@ from ipoa_mission.autopilot.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
-from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
@@ -34,22 +33,6 @@ from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.wind import Wind
-
-LAW = DeviationLaw(
-    level=Quantiles((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),
-    down=Quantiles((-0.3, 0.0, 0.02, 0.04, 0.1, 0.25), (1.0, 0.5, 0.2, 0.1, 0.01, 0.002)),
-    up=Quantiles((-0.1, 0.09, 0.11, 0.13, 0.17, 0.27, 0.43), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002)),
-    lowest=Quantiles((0.0, 0.05, 0.13, 0.30), (1.0, 0.2, 0.05, 0.01)),
-    highest=Quantiles((0.0, 0.05, 0.2, 0.3, 0.65), (1.0, 0.4, 0.1, 0.05, 0.01)),
-    farthest=Quantiles((0.0, 0.06, 0.1, 0.17, 0.25, 0.6), (1.0, 0.5, 0.25, 0.1, 0.05, 0.01)),
-    turn=4.0,
-    after_way=1.5,
-    memory=2.0,
-    height_memory=10.0,
-    growth=(0.06, 0.03, 0.1),
-    source="ArduCopter 4.7.0-dev in its simulator: 42 flights, 17 of them by its true position, and 25 in wind",
-    strongest=8.0,
-)
 
 
 @dataclass(frozen=True)

@@ -237,7 +237,7 @@ class ArduCopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.arducopter.deviation_law:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }

@@ -213,7 +213,7 @@ class Px4Multicopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.deviation_law:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
