@@ -17,10 +17,8 @@ from ipoa_mission.world.terrain import Flat, Grid
 
 COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # of a quarter circle, inside the true one
 CIRCLE_ERROR = 1 - np.cos(np.pi / 4 / QUARTER_SEGMENTS)
-SHARE_TOLERANCE, DISTANCE_TOLERANCE = (
-    1e-5,
-    1e-2,
-)  # as a share of the required distance and [m]
+SHARE_TOLERANCE = 1e-5  # of the required distance
+DISTANCE_TOLERANCE = 1e-2  # [m]
 
 
 @dataclass(frozen=True)
