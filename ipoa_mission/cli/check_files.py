@@ -33,7 +33,7 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
     for path in paths:
         inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in MISSIONS) if path.is_dir() else [path]
         if not inside:
-            raise Unreadable("cannot be read: Is a directory without mission files (.plan, .waypoints)", place=path)
+            raise Unreadable("no .plan or .waypoints file in this folder", place=path)
         found |= dict.fromkeys(map(expect_mission, inside))
     return list(found)
 

@@ -52,7 +52,7 @@ def check(
     from ipoa_mission.cli.reading import read_world
 
     if flown_by.air is not None and scenario is None:
-        words = "expected with --scenario"
+        words = "needs --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
     expect_world_of(contingencies, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()

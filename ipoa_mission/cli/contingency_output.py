@@ -10,7 +10,7 @@ from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grad
 
 CELLS = 50  # characters
 SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
-LEGEND = "- clear  + possibly not clear  # not clear at some time  ? unknown"
+LEGEND = "- clear  + perhaps not clear  # not clear  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
 NO_CONTINGENCIES = "endings: unknown, because the flight is unknown"
 

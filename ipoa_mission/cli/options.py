@@ -57,7 +57,7 @@ def expect_mission(path: Path) -> Path:
 
 def expect_world_of(contingencies: bool, scenario: Path | None) -> None:
     if contingencies and scenario is None:
-        words = "expected with --scenario"
+        words = "needs --scenario"
         raise OptionConflict(words, hint="the clearance of an ending depends on the obstacles", place="--endings")
 
 

@@ -51,7 +51,9 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     steady[:SMOOTHED_SAMPLES] = steady[-SMOOTHED_SAMPLES:] = False
     fast_s = (np.hypot(*velocity[steady, :2].T) > min_speed).sum() * SAMPLE_STEP_S
     if fast_s < min_time_s:
-        raise LogUseless(f"it flies level at more than {min_speed:g} m/s for {fast_s:.0f} s")
+        raise LogUseless(
+            f"expected {min_time_s:g} s or more of level flight over {min_speed:g} m/s, not {fast_s:.1f} s"
+        )
     velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
     airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
 
@@ -126,7 +128,7 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
     hovers &= heights > AIRBORNE_HEIGHT
     lasts = np.gradient(times)[hovers]
     if lasts.sum() < min_time_s:
-        raise LogUseless(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
+        raise LogUseless(f"expected {min_time_s:g} s or more of slow level flight, not {lasts.sum():.1f} s")
     return float(watts[hovers] @ lasts / lasts.sum())
 
 

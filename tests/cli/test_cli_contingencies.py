@@ -75,8 +75,8 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (f"show {MISSIONS}/sitl.plan --endings", "--endings: expected with --scenario"),
-        (f"check {MISSIONS}/sitl.plan --endings", "--endings: expected with --scenario"),
+        (f"show {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
+        (f"check {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
         (f"show {SITL} --endings --json", "--endings: expected without --json"),
     ],
 )

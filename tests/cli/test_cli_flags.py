@@ -103,7 +103,7 @@ def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
         for wind in ("", "--wind 5@9")
     )
     assert windy < quiet
-    assert "--wind: expected with --scenario" in run(f"check {SITL} --wind 5@9").err
+    assert "--wind: needs --scenario" in run(f"check {SITL} --wind 5@9").err
 
 
 def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:

@@ -233,7 +233,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
         ("plan {mission}", "expected a scenario (.toml), not a mission"),
         ("show {sitl}", "hint: first: ipoa-mission plan"),
         ("show 'my flight.toml'", "ipoa-mission plan 'my flight.toml'"),
-        ("check ''", "cannot be read: Is a directory"),
+        ("check ''", "no .plan or .waypoints file in this folder"),
         ("studio ''", "cannot be read: Is a directory"),
         ("plan {sitl} --optimizer quick", "optimizer.name: expected ipoa, poa"),
         ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
