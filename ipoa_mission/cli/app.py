@@ -13,9 +13,9 @@ from typing import Annotated, Any
 import typer
 
 from ipoa_mission.cli import checking, comparing, flying, linking, mocking, output, planning, showing
-from ipoa_mission.cli.groups import grouped
 from ipoa_mission.cli.interrupting import run_interruptible
 from ipoa_mission.cli.output import print_lines, shown
+from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)

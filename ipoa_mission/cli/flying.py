@@ -18,12 +18,12 @@ from ipoa_mission.cli.options import (
     or_packed,
 )
 from ipoa_mission.cli.output import FileOutput, expect_folder, expect_log, progress_bar, shown
+from ipoa_mission.cli.planners import Asked, Pilot, planner_of, planners
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.mission_source import FlownJob, Job
-    from ipoa_mission.cli.surveying import Pilot
     from ipoa_mission.simulator.faults import Faults
 
 
@@ -59,8 +59,6 @@ def fly(
     """
     from ipoa_mission.cli.flight_output import next_steps, print_flown, print_flown_json, print_planned
     from ipoa_mission.cli.mission_source import adapt_scenario, plan, planned, read_job
-    from ipoa_mission.cli.surveying import expect_flyable, fly_survey, plan_here
-    from ipoa_mission.files import unused
     from ipoa_mission.scenario import read_scenario
 
     is_planned, link = source.suffix.lower() == ".toml", on_vehicle.link
@@ -70,7 +68,7 @@ def fly(
     _expect_together(on_vehicle, faults)
     expect_folder(out)
     expect_log(on_link.log)
-    files, air = FileOutput(out, report, force, as_json), flown_by.air
+    asked = Asked(search, flown_by, FileOutput(out, report, force, as_json), on_vehicle, on_link)
     pilot: Pilot = partial(_fly_built_in, seed=search.seed, faults=faults)
     if link is not None:
         from ipoa_mission.cli.real_flight import RealVehicle
@@ -78,22 +76,18 @@ def fly(
         pilot = RealVehicle(source, flown_by, on_vehicle, on_link, as_json).fly
     if is_planned:
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore or ()), search, flown_by)
-        if scenario.survey is not None:
-            survey = plan_here(scenario, search, flown_by, first_item=on_vehicle.begin)
-            expect_flyable(survey, on_link.log, is_on_link=link is not None)
-            fly_survey(survey, pilot, on_link, link, files)
+        if (planner := planner_of(scenario, [make() for make in planners()])) is not None:
+            planner.fly(scenario, asked, pilot)
             return
-        files.expect_plans([scenario.name])
-        job = planned(plan(scenario, search.seed, air))
+        asked.files.expect_plans([scenario.name])
+        job = planned(plan(scenario, search.seed, flown_by.air))
     else:
         job = read_job(source, flown_by, ignore=ignore or ())
     with in_folder(out):
         planned_files = [] if job.flight is None else [*job.flight.write(out)]
         if job.flight is not None and not as_json:
             print_planned(job.flight, planned_files)
-        usual = out / f"{job.name}.tlog"
-        log = on_link.log or (usual if link is None else unused(usual))
-        flown = pilot(job, log)
+        flown = pilot(job, log := asked.log_of(job.name))
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", flown.record)

@@ -1,11 +1,7 @@
-"""Group options into one value of a verb; Typer sees each option."""
-
-import inspect
-from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
-from functools import cached_property, wraps
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -32,29 +28,6 @@ if TYPE_CHECKING:
     from ipoa_mission.autopilot.version import Version
     from ipoa_mission.simulator.faults import Faults
     from ipoa_mission.wind import Wind
-
-
-def grouped(verb: Callable[..., None]) -> Callable[..., None]:
-    """Return the verb with each parameter group expanded into its options."""
-    parameters: list[inspect.Parameter] = []
-    groups: dict[str, Any] = {}
-    for parameter in inspect.signature(verb).parameters.values():
-        if is_dataclass(parameter.annotation):
-            groups[parameter.name] = parameter.annotation
-            parameters += inspect.signature(groups[parameter.name]).parameters.values()
-        else:
-            parameters.append(parameter)
-
-    @wraps(verb)
-    def called(**given: Any) -> None:
-        for name, group in groups.items():
-            given[name] = group(**{field.name: given.pop(field.name) for field in fields(group) if field.name in given})
-        verb(**given)
-
-    named = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in parameters]
-    called.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
-    called.__annotations__ = {parameter.name: parameter.annotation for parameter in named}
-    return called
 
 
 @dataclass

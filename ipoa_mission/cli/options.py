@@ -61,14 +61,6 @@ def expect_world_of(contingencies: bool, scenario: Path | None) -> None:
         raise OptionConflict(words, hint="the clearance of an ending depends on the obstacles", place="--endings")
 
 
-ScenarioOrNone: TypeAlias = Annotated[
-    Path | None,
-    typer.Argument(
-        metavar="[SCENARIO]",
-        callback=lambda path: None if path is None else expect_scenario(path),
-        help="Scenario file (TOML), or `campus`; optional with --survey.",
-    ),
-]
 FileArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
 ]

@@ -1,6 +1,6 @@
 import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,19 +12,29 @@ from ipoa_mission.cli.options import (
     JsonOption,
     OutOption,
     ReportOption,
-    ScenarioOrNone,
+    expect_scenario,
 )
 from ipoa_mission.cli.output import FileOutput, expect_folder, expect_free, notes, print_json, print_lines
-from ipoa_mission.cli.surveying import SurveyOptions, plan_here, print_survey, write_survey
+from ipoa_mission.cli.planners import Asked, Planners, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 
 def plan(
     search: SearchOptions,
     flown_by: FlownByOptions,
-    surveyed: SurveyOptions,
-    scenario: ScenarioOrNone = None,
+    others: Planners,
+    scenario: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[SCENARIO]",
+            callback=lambda path: None if path is None else expect_scenario(path),
+            help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {one.option}' for one in planners())}.",
+        ),
+    ] = None,
     ignore: IgnoreOption = None,
     out: OutOption = Path(),
     split: Annotated[
@@ -38,10 +48,6 @@ def plan(
 
     NAME is the scenario's. Unchanged files of an earlier plan are overwritten.
 
-    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that cover the area. If one
-    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only the rest is planned, as
-    NAME-rest.
-
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.flight_output import print_parts, print_planned
@@ -50,18 +56,10 @@ def plan(
 
     expect_folder(out)
     to, air = FileOutput(out, report, force, as_json), flown_by.air
-    adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by).ignoring(ignore or ())
-    if adapted.survey is not None:
-        survey = plan_here(adapted, search, flown_by, surveyed.flown_logs)
-        written = write_survey(survey, to)
-        if as_json:
-            print_json(survey.summary() | {"written": [str(file) for file in written]})
-        else:
-            print_survey(survey, written)
+    adapted = adapt_scenario(_read(scenario, others), search, flown_by).ignoring(ignore or ())
+    if (planner := planner_of(adapted, others)) is not None:
+        planner.plan(adapted, Asked(search, flown_by, to))
         return
-    if surveyed.flown:
-        words = "expected a survey"
-        raise OptionConflict(words, hint="for the rest of another mission: ipoa-mission fly --from N", place="--flown")
     to.expect_plans([adapted.name])
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:
@@ -81,6 +79,17 @@ def plan(
         print_parts(flight, parts, files)
     else:
         print_planned(flight, files)
+
+
+def _read(path: Path | None, others: Planners) -> "Scenario":
+    from ipoa_mission.scenario import read_scenario
+
+    for planner in others:
+        if (scenario := planner.scenario(path)) is not None:
+            return scenario
+    if path is None:
+        raise OptionConflict(", or ".join(("expected a scenario", *(planner.instead for planner in others))))
+    return read_scenario(path)
 
 
 def new(

@@ -1,4 +1,4 @@
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -60,16 +60,12 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str, pa
         name = names[n + 1]
         if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
             words = f"expected a hole inside of its outer ring {names[0]}, but it lies outside"
-            raise BadInput(words, code="ring-misplaced", place=name, remedies=(Remedy(("polygon", part, n + 1)),))
+            raise _misplaced(words, name, part, n + 1)
         for m, other in enumerate(solid[:n]):
             if hole.within(other) or other.within(hole):
                 inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
-                raise BadInput(
-                    f"expected no ring inside of the hole {names[around]}: islands are not surveyed",
-                    code="ring-misplaced",
-                    place=names[inner],
-                    remedies=(Remedy(("polygon", part, inner)),),
-                )
+                words = f"expected no ring inside of the hole {names[around]}: islands are not surveyed"
+                raise _misplaced(words, names[inner], part, inner)
     left = bare
     for hole in solid:
         left = left.difference(hole)
@@ -112,16 +108,12 @@ def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
     (here, polygon), (there, other) = parts
     if polygon.intersection(other).area > LEAST_M2:
         words = f"expected parts that do not overlap, but it overlaps {where}[{there}]"
-        raise BadInput(words, code="ring-misplaced", place=f"{where}[{here}]", remedies=(Remedy(("polygon", here)),))
+        raise _misplaced(words, f"{where}[{here}]", here)
     for (part, inner), (around, outer) in (parts, parts[::-1]):
-        if any(inner.within(hole) for hole in _holes(outer)):
-            raise BadInput(
-                f"expected no part inside of a hole of {where}[{around}]: islands are not surveyed",
-                code="ring-misplaced",
-                place=f"{where}[{part}]",
-                remedies=(Remedy(("polygon", part)),),
-            )
+        if any(inner.within(shapely.Polygon(hole)) for hole in outer.interiors):
+            words = f"expected no part inside of a hole of {where}[{around}]: islands are not surveyed"
+            raise _misplaced(words, f"{where}[{part}]", part)
 
 
-def _holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:
-    return (shapely.Polygon(ring) for ring in polygon.interiors)
+def _misplaced(words: str, place: str, *at: int) -> BadInput:
+    return BadInput(words, code="ring-misplaced", place=place, remedies=(Remedy(("polygon", *at)),))

@@ -24,11 +24,12 @@ from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import corridor
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.camera import Camera
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.keep_out import TIGHT_PLACES
-from ipoa_mission.survey.line_heights import lifted
-from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.sight import Sight, lifted
+from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import union_of
@@ -88,7 +89,7 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
 
 
 def _gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
-    if scenario.survey is None or scenario.survey.gimbal is None:
+    if expect_survey(scenario)[0].gimbal is None:
         return []
     firmware = mission.autopilot.firmware(mission.firmware_version)
     if not firmware.takes(Command.DO_MOUNT_CONTROL):
@@ -200,14 +201,12 @@ def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) 
 
 
 def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
-    section, area = scenario.survey, scenario.survey_area
-    assert section is not None
-    assert area is not None
+    section, area = expect_survey(scenario)
     middles = section.middles(scenario.frame)
     kind, version = ("CorridorScan", 2) if middles else ("survey", 5)
     entry: dict[str, Any] = {
         TRANSECTS: {
-            "CameraCalc": _qgroundcontrol_camera(sight, scenario),
+            "CameraCalc": _qgroundcontrol_camera(sight, section.taken_by),
             "CameraShots": sight.photos_of(tour),
             "CameraTriggerInTurnAround": False,
             "HoverAndCapture": False,
@@ -239,9 +238,7 @@ def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scen
     return complex_item(items, entry)
 
 
-def _qgroundcontrol_camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
-    section = scenario.survey
-    assert section is not None
+def _qgroundcontrol_camera(sight: Sight, camera: Camera | None) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "AdjustedFootprintFrontal": round(sight.trigger or 0.0, 2),
         "AdjustedFootprintSide": round(sight.spacing, 3),
@@ -250,7 +247,7 @@ def _qgroundcontrol_camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
         "DistanceToSurface": round(sight.least, 3),
         "version": 2,
     }
-    if (camera := section.taken_by) is None or sight.trigger is None:
+    if camera is None or sight.trigger is None:
         return entry
     return entry | {
         "CameraName": "Custom Camera",

@@ -78,10 +78,6 @@ class Coverage:
     seen: Any
     outside_m: float
 
-    @property
-    def seen_m2(self) -> float:
-        return float(self.seen.area)
-
 
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
     """Return the coverage by a tour; `width` [m] of the sensor, `keep_out` a shapely geometry."""

@@ -33,11 +33,11 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     """Return the geometry to keep out of, in plan. `growth` [m] adds clearance by obstacle name, flown round."""
     air, bound = scenario.airspace, survey_bound(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
-    max_widening = min(0.05 * sight.spacing, 0.25)  # [m], for fewer corners
-    shapes = [
-        _grown(body, distance + bound.level + growth.get(body.name, 0.0), max_widening)
-        for body in flown_round(scenario, sight, growth)
-    ]
+    max_widening, segments = min(0.05 * sight.spacing, 0.25), 16  # [m], for fewer corners; of a quarter circle
+    shapes = list[Any]()
+    for body in flown_round(scenario, sight, growth):
+        away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
+        shapes.append(wider(body.plan.buffer(away, quad_segs=segments), max_widening))
     if air.bounds.footprint is not None:
         inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
         (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
@@ -54,12 +54,6 @@ def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -
         for body in air.obstacles
         if body.name in growth or not _is_passed(body, sight, air.ground, distance, bound)
     ]
-
-
-def _grown(body: Obstacle, distance: float, max_widening: float) -> Any:
-    segments = 16  # of a quarter circle
-    around = body.plan.buffer(distance / math.cos(math.pi / 4 / segments), quad_segs=segments)
-    return wider(around, max_widening)
 
 
 def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bound: DeviationBound) -> bool:

@@ -12,7 +12,6 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.ground import Ground
 
 MAX_REST = 5.0  # of a line, left unflown or overshot [m]
-MIN_LENGTH = 0.01  # [m]
 
 
 def left_to_fly(
@@ -28,15 +27,13 @@ def left_to_fly(
     """
     pieces = list[list[tuple[float, float]]]([] for _ in tour.swaths)
     for path in flown:
-        for run in _in_order(tour, path, sight, ground):
+        for run in runs_in_order(tour, path, sight, ground):
             pieces[run.line].append((run.begin, run.end))
     swaths, transits, before = list[Swath](), list[Points](), -1
     for n, swath in enumerate(tour.swaths):
         for begin, end in _left(pieces[n], swath.length, sight):
-            ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
             piece = Swath(
-                swath.begin + begin * ahead if begin > 0.0 else swath.begin,
-                swath.begin + end * ahead if end < swath.length else swath.end,
+                swath.at(begin) if begin > 0.0 else swath.begin, swath.at(end) if end < swath.length else swath.end
             )
             if swaths:
                 is_next = before == n - 1 and (swaths[-1].end == tour.swaths[before].end).all() and begin == 0.0
@@ -44,10 +41,6 @@ def left_to_fly(
             swaths.append(piece)
             before = n
     return Tour(tuple(swaths), tuple(transits)) if swaths else None
-
-
-def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
-    return bool(_in_order(tour, path, sight, ground))
 
 
 @dataclass(frozen=True)
@@ -60,7 +53,7 @@ class _Run:
     end: float
 
 
-def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_Run]:
+def runs_in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_Run]:
     """Return the longest chain of runs with lines in order."""
     chains = dict[int, list[_Run]]()
     for run in sorted(_runs(tour, path, sight, ground), key=lambda run: run.at):
@@ -106,8 +99,7 @@ def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_R
     max_lateral, max_slant = min(max(0.1 * sight.spacing, 2.0), 0.4 * sight.spacing), 0.25  # [m], [m/m]
     is_high = path[:, 2] - ground(path) >= 0.9 * sight.least
     for line, swath in enumerate(tour.swaths):
-        ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
-        off = path[:, :2] - swath.begin
+        ahead, off = swath.ahead, path[:, :2] - swath.begin
         along, aside = off @ ahead, off @ np.array([-ahead[1], ahead[0]])
         is_on = is_high & (np.abs(aside) <= max_lateral) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
         steps = np.diff(along)

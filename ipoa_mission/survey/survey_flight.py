@@ -8,17 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
+import shapely
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.checks.unsafe import expect_plannable
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight_files import write_files, write_several
 from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.planned_returns import planned_returns
@@ -28,7 +30,7 @@ from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.other_home import nearest_start
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
 from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, with_survey
-from ipoa_mission.survey.resume import is_along
+from ipoa_mission.survey.resume import runs_in_order
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
@@ -83,8 +85,11 @@ class Survey:
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings of its checks, then their hints."""
         messages = _messages_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
-        hints = (*_messages_of_flights(self.plan, _hints), *_more_flights(self.plan))
-        return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
+        hints = _messages_of_flights(self.plan, lambda flight: (f.hint for f in flight.findings if f.hint))
+        return (
+            *(f"warning: {words}" for words in messages),
+            *(f"hint: {words}" for words in (*hints, *_more_flights(self.plan))),
+        )
 
     def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
         of_flights, own = {*_messages_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
@@ -143,10 +148,9 @@ class Survey:
             pages.append(Path(folder) / f"{self.name}.html")
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            notes = PageNotes(self._notes_of(flight), flight.findings, panel)
-            page = report_html(flight.forecast, notes=notes)
             pages.append(Path(folder) / f"{name}.html")
-            write_atomically(pages[-1], page)
+            notes = PageNotes(self._notes_of(flight), flight.findings, panel)
+            write_atomically(pages[-1], report_html(flight.forecast, notes=notes))
         return tuple(pages)
 
 
@@ -178,17 +182,10 @@ def flight_table(survey: Survey) -> tuple[list[str], list[tuple[str, ...]]]:
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(survey.names, plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
-        rows.append(
-            (
-                f"{name}.plan",
-                str(len(flight.tour.swaths)),
-                str(plan.sight.photos_of(flight.tour)),
-                str(len(flight.forecast.mission.items)),
-                f"{flight.forecast.estimate.total_s:.1f}",
-                "" if energy is None else f"{energy.energy_wh:.1f}",
-                "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}",
-            )
-        )
+        counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
+        takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
+        least = "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}"
+        rows.append((f"{name}.plan", *map(str, counts), takes, wh, least))
     if plan.section.starts is not None:
         columns.append("from")
         rows = [(*row, begin_in_words(plan, flight)) for row, flight in zip(rows, plan.flights, strict=True)]
@@ -268,7 +265,7 @@ def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: i
     source, ground = "the log" if len(paths) == 1 else "the logs", whole.scenario.airspace.ground
     remarks = [f"by {source}, {length - left:.0f} m of {length:.0f} m of lines were flown before"]
     for name, flights in paths.items():
-        if not any(is_along(whole.tour, path, whole.sight, ground) for path in flights):
+        if not any(runs_in_order(whole.tour, path, whole.sight, ground) for path in flights):
             remarks.append(f"{name}: {stray}")
     return rest, remarks + [f"{name}: {remark}" for name, log in logs for remark in log.remarks]
 
@@ -283,12 +280,12 @@ def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
             yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
-def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any], home: Mapping[str, float]) -> Scenario:
-    """Return the scenario in a file, else at `home`, with the survey of a map's `area` in place of its goal.
+def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Scenario:
+    """Return the scenario in a file, else at the area's begin, with the survey of a map's `area` in place of its goal.
 
     `keys` are those of [survey]. Raises BadInput.
     """
-    table = {"name": area.stem.removesuffix(".osm"), "home": home} if file is None else read_table(file)
+    table = {"name": area.stem.removesuffix(".osm"), "home": _begin(area)} if file is None else read_table(file)
     own = table.pop("survey", {})
     section = (dict(own) if isinstance(own, dict) else {}) | dict(keys)
     if section.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
@@ -299,6 +296,13 @@ def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any], home: 
     section["area"] = str(area if file is None or file.parent == Path() else area.absolute())
     rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
     return scenario_of(rest | {"survey": section}, file or Path("--survey"))
+
+
+def _begin(area: Path) -> dict[str, float]:
+    for feature in read_features(area):
+        for longitude, latitude in shapely.get_coordinates(feature.shape).tolist():
+            return {"latitude_deg": latitude, "longitude_deg": longitude}
+    raise NothingThere("expected an area, not a map without one", place=area)
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
@@ -334,10 +338,6 @@ def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight],
 
 def _warned(flight: SurveyFlight) -> Iterator[str]:
     return (words for finding in flight.findings for words in (finding.message, finding.hint) if words)
-
-
-def _hints(flight: SurveyFlight) -> Iterator[str]:
-    return (finding.hint for finding in flight.findings if finding.hint)
 
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:

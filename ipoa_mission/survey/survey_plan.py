@@ -19,15 +19,12 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, returning, split_into_flights
 from ipoa_mission.survey.flown_coverage import AsFlown, Coverage, as_flown, coverage, expected_lines
-from ipoa_mission.survey.keep_out import flown_round, keep_out
+from ipoa_mission.survey.keep_out import flown_round
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
-from ipoa_mission.survey.sight import sight_of
-from ipoa_mission.survey.survey_task import SurveyTask, expect_high_enough, expect_survey
+from ipoa_mission.survey.survey_task import SurveyTask, task_of
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -95,23 +92,21 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 
     If too few flights keep it, obstacles get more clearance, then the speed is reduced.
     """
-    section, area = expect_survey(scenario)
     for n, share in enumerate(SPEEDS):
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
         world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
         progress(n / len(SPEEDS), f"lines at {world.vehicle.cruise_speed:g} m/s")
         try:
-            return _with_room(world, section, area, seed)
+            return _with_room(world, seed)
         except _TooNear as error:
             nearest = error
     raise _refusal(nearest, scenario)
 
 
-def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
-    sight, growth = sight_of(section, area, scenario), dict[str, float]()
-    expect_high_enough(sight, scenario)
+def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
+    growth = dict[str, float]()
     for _ in range(ROUNDS):
-        task = SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, growth))
+        task = task_of(scenario, growth)
         make = FlightMaker(task, growth, seed)
         tour, parts = split_into_flights(laid_tours(task), make)
         forecasts = [make(part) for part in parts]
@@ -121,16 +116,16 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         for kept, promise in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, promise)
-            bodies = flown_round(scenario, sight, growth)
+            bodies = flown_round(scenario, task.sight, growth)
             missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, bodies)
             for name, by in missing.items():  # [m]
                 wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
         growth |= wanted
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
-    seen = coverage(area, tour, sight.spacing, task.keep_out)
+    seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)
     flights = _checked(parts, forecasts)
-    return SurveyPlan(scenario, section, area, sight, task.keep_out, tour, seen, flights, growth)
+    return SurveyPlan(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, flights, growth)
 
 
 def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, Promise]]:
@@ -162,8 +157,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     make = FlightMaker(SurveyTask(scenario, section, plan.area, plan.sight, plan.keep_out), plan.growth, seed)
     tour, parts = split_into_flights([tour], make)
     forecasts = [make(part) for part in parts]
-    near = _too_near(forecasts)
-    if near:
+    if near := _too_near(forecasts):
         raise _refusal(_TooNear(*near[0]), scenario)
     return replace(plan, tour=tour, flights=_checked(parts, forecasts), is_rest=True)
 

@@ -22,7 +22,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
     return {
         "lines": len(plan.tour.swaths),
         "covered_share": rounded(seen.share),
-        "seen_m2": rounded(seen.seen_m2),
+        "seen_m2": rounded(seen.seen.area),
         "outside_m": rounded(seen.outside_m),
         "as_flown": flown and {"covered_share": rounded(flown.share), "outside_m": rounded(flown.outside_m)},
         "photos": plan.photos,
@@ -34,7 +34,8 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
         "flights": [
             {
                 "file": f"{name}.plan",
-                "start": _start_as_json(plan, flight),
+                "start": dict(zip(("east", "north"), map(rounded, plan.begin_of(flight)), strict=True))
+                | {key: getattr(flight.forecast.mission.home, key) for key in ("latitude_deg", "longitude_deg")},
                 "lines": len(flight.tour.swaths),
                 "photos": sight.photos_of(flight.tour),
                 "time_s": rounded(flight.forecast.estimate.total_s),
@@ -44,16 +45,6 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
             }
             for name, flight in zip(names, plan.flights, strict=True)
         ],
-    }
-
-
-def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
-    (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
-    return {
-        "east": rounded(east),
-        "north": rounded(north),
-        "latitude_deg": home.latitude_deg,
-        "longitude_deg": home.longitude_deg,
     }
 
 
@@ -156,21 +147,19 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
     """`names`: of the flights' files in the same folder."""
     whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
-    flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
     parts = {
         "title": escape(plan.scenario.name),
         "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
         "warnings": warnings([], [], remarks, plan.scenario.remarks),
         "survey": survey_panel(plan, names),
-        "flights": flights,
+        "flights": "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True)),
     }
     return page_of("survey.html", parts)
 
 
 def _flight(flight: SurveyFlight, name: str) -> str:
     forecast = flight.forecast
-    course = sample_track(forecast.estimate.track, forecast.world.airspace)
-    proof = forecast.proof_if_known
-    judged = verdict(proof, forecast.promise_if_known, find_dangers(course, forecast.world), flight.findings)
+    dangers = find_dangers(sample_track(forecast.estimate.track, forecast.world.airspace), forecast.world)
+    judged = verdict(forecast.proof_if_known, forecast.promise_if_known, dangers, flight.findings)
     link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
     return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

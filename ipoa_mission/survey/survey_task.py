@@ -1,6 +1,7 @@
 """Lay a survey's lines, also unchecked for interactive editing."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -68,15 +69,12 @@ class SurveySketch(SurveyTask):
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
     """Return the lines, for interactive editing. Raises BadInput, NoPath, MissionError."""
-    section, area = expect_survey(scenario)
-    sight = sight_of(section, area, scenario)
-    expect_high_enough(sight, scenario)
-    task = SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, {}))
+    task = task_of(scenario, {})
     with threadpool_limits(1, "blas"):
         tour = lay_lines(task)
         seconds = task.times.seconds(tour.path)
-    seen = coverage(area, tour, sight.spacing, task.keep_out)
-    return SurveySketch(scenario, section, area, sight, task.keep_out, tour, seen, seconds)
+    seen = coverage(task.area, tour, task.sight.spacing, task.keep_out)
+    return SurveySketch(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, seconds)
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
@@ -86,7 +84,15 @@ def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
     return section, area
 
 
-def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
+def task_of(scenario: Scenario, growth: Mapping[str, float]) -> SurveyTask:
+    """Return the task; `growth` [m] by obstacle name adds clearance. Raises BadInput, NoPath."""
+    section, area = expect_survey(scenario)
+    sight = sight_of(section, area, scenario)
+    _expect_high_enough(sight, scenario)
+    return SurveyTask(scenario, section, area, sight, keep_out(scenario, sight, growth))
+
+
+def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
     """Refuse a height too near to the ground. Raises NoPath."""
     needed = scenario.limits.height_above_ground + survey_bound(scenario).down + 2 * SPARE
     if sight.least < needed:
@@ -125,19 +131,20 @@ def _expect_manageable(task: SurveyTask) -> None:
     max_lines, max_hours = 3000, 100
     (west, south, east, north) = shape.bounds
     lines = shape.area / spacing / math.hypot(east - west, north - south)
+    length, apart = (
+        float(task.free.area) / spacing,
+        "set lines farther apart (survey.line_spacing, or a greater height)",
+    )
     if lines > max_lines:
         words = f"expected at most {max_lines} lines, not {lines:.0f} or more, {spacing:g} m apart"
-        hint = "set lines farther apart (survey.line_spacing, or a greater height), or split the survey"
-        raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
-    length = float(task.free.area) / spacing
-    if (hours := length / speed / 3600.0) > max_hours:
-        raise BadInput(
-            f"expected at most {max_hours} h of flight, not {hours:.0f} h or more: "
-            f"{length / 1000.0:.0f} km of lines at {speed:g} m/s",
-            hint="split the survey, or set lines farther apart (survey.line_spacing, or a greater height)",
-            code="survey-too-long",
-            place="survey",
-        )
+        hint = f"{apart}, or split the survey"
+    elif (hours := length / speed / 3600.0) > max_hours:
+        words = f"expected at most {max_hours} h of flight, not {hours:.0f} h or more: "
+        words += f"{length / 1000.0:.0f} km of lines at {speed:g} m/s"
+        hint = f"split the survey, or {apart}"
+    else:
+        return
+    raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
 
 
 def _corridor_tour(task: SurveyTask, middle: Points, width: float, begin: Vector) -> Tour | None:

@@ -33,9 +33,7 @@ class LegTimes:
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
-        """Return a vehicle's times at a `speed` of DO_CHANGE_SPEED [m/s] and a `height` above home [m]. Raises
-        MissionError.
-        """
+        """Return a vehicle's times at a `speed` of DO_CHANGE_SPEED [m/s] and a `height` above home [m]."""
         limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters, speed)
         to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
         long = 10.0 * to_speed * speed  # accelerating and braking lengths

@@ -26,7 +26,7 @@ def test_shaded_is_what_is_seen_and_flights_have_their_colors() -> None:
     drawn = re.findall(r'<path d="([^"]*)" fill="currentColor"', panel)
     whole, seen = map(area_of, drawn)
     assert whole == pytest.approx(100.0 * 80.0 - 20.0 * 20.0)
-    assert seen == pytest.approx(survey.plan.coverage.seen_m2, rel=0.002)
+    assert seen == pytest.approx(survey.plan.coverage.seen.area, rel=0.002)
     on_map = list(dict.fromkeys(re.findall(r"stroke:(hsl\([^)]*\));fill:none", panel)))
     assert on_map == re.findall(r"color:(hsl\([^)]*\))\">━", panel)
     assert len(on_map) == 2

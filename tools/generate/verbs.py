@@ -12,7 +12,7 @@ from typing import Any, get_args
 from typer.models import OptionInfo
 
 from ipoa_mission.cli.app import VERBS
-from ipoa_mission.cli.groups import grouped
+from ipoa_mission.cli.planners import grouped
 from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "verbs.md"
@@ -87,7 +87,7 @@ def page() -> str:
         parts.append(f"## {heading}\n")
         for verb in verbs:
             arguments = [flag for flag in flags(verb) if not flag.is_option]
-            parts += [f"### {names[verb]}\n", _about(verb.__doc__ or "")]
+            parts += [f"### {names[verb]}\n", _about(grouped(verb).__doc__ or "")]
             parts += ["".join(f"* `{one.name}`: {one.words}\n" for one in arguments)] if arguments else []
     cells = (
         f"| `{one.name}` | {one.value} | {one.words} | {one.default} | {', '.join(takers)} |"

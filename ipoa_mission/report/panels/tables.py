@@ -18,7 +18,6 @@ from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.drawn_flight import ItemLeg
 from ipoa_mission.report.number_format import number, seconds, signed
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.flight_sections import CostSection
 
 
 def legs_table(legs: Sequence[ItemLeg], flown_s: Mapping[int, float] | None) -> str:
@@ -158,13 +157,14 @@ def search_panel(plan: Plan, scenario: Scenario) -> str:
     search = _convergence(plan.evaluations, plan.history)
     return (
         f'<section><h2>Cost and search</h2><p class="note">{words}</p><div class="side-by-side">'
-        f'<div class="scroll" tabindex="0">{_cost_table(plan.cost, scenario.cost)}</div>{search}</div></section>'
+        f'<div class="scroll" tabindex="0">{_cost_table(plan.cost, scenario)}</div>{search}</div></section>'
     )
 
 
-def _cost_table(terms: CostTerms, cost: CostSection) -> str:
+def _cost_table(terms: CostTerms, scenario: Scenario) -> str:
     """Show the paper's eq. (10) with weights and shares."""
-    (length, turning, threat), total = cost.omega, terms.total or math.inf
+    cost, total = scenario.cost, terms.total or math.inf
+    length, turning, threat = cost.omega
     rows = (
         ("length W1", terms.length, "m", length),
         ("turning, W2", terms.turning_deg, "°", turning * cost.a1),

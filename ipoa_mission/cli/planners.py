@@ -1,0 +1,89 @@
+"""Expand groups of options into a verb, for Typer; other rooms add groups to `plan`, and fly what they plan."""
+
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cache, wraps
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
+
+from ipoa_mission.cli.groups import FlightOptions, FlownByOptions, LinkOptions, SearchOptions
+from ipoa_mission.cli.output import FileOutput
+from ipoa_mission.files import unused
+
+if TYPE_CHECKING:
+    from ipoa_mission.cli.mission_source import FlownJob, Job
+    from ipoa_mission.scenario import Scenario
+
+#: Flies a job; every frame goes to the log.
+Pilot: TypeAlias = "Callable[[Job, Path], FlownJob]"
+
+
+@dataclass(frozen=True)
+class Asked:
+    """Options that `plan` and `fly` give to a planner."""
+
+    search: SearchOptions
+    flown_by: FlownByOptions
+    files: FileOutput
+    on_vehicle: FlightOptions = field(default_factory=FlightOptions)
+    on_link: LinkOptions = field(default_factory=LinkOptions)
+
+    def log_of(self, name: str) -> Path:
+        usual = self.files.folder / f"{name}.tlog"
+        return self.on_link.log or (usual if self.on_vehicle.link is None else unused(usual))
+
+
+class Planner(Protocol):
+    """A room's options of `plan`, as a dataclass with a default for each, and its planning and flying."""
+
+    option: ClassVar[str]  # in place of a scenario file
+    instead: ClassVar[str]  # the same, in words
+    about: ClassVar[str]  # for the help of `plan`
+
+    def scenario(self, path: Path | None) -> "Scenario | None":
+        """Return the scenario of these options, or None. Raises BadInput."""
+
+    def accepts(self, scenario: "Scenario") -> bool: ...
+    def plan(self, scenario: "Scenario", asked: Asked) -> None: ...
+    def fly(self, scenario: "Scenario", asked: Asked, pilot: Pilot) -> None: ...
+
+
+Planners: TypeAlias = list[Planner]
+
+
+@cache
+def planners() -> tuple[type[Any], ...]:
+    return tuple(entry.load() for entry in entry_points(group="ipoa_mission.planners"))
+
+
+def planner_of(scenario: "Scenario", among: Iterable[Planner]) -> Planner | None:
+    return next((planner for planner in among if planner.accepts(scenario)), None)
+
+
+def grouped(verb: Callable[..., None]) -> Callable[..., None]:
+    """Return the verb with each parameter group expanded into its options."""
+    parameters: list[inspect.Parameter] = []
+    groups: dict[str, tuple[Any, ...]] = {}
+    for parameter in inspect.signature(verb).parameters.values():
+        if parameter.annotation is Planners or is_dataclass(parameter.annotation):
+            groups[parameter.name] = planners() if parameter.annotation is Planners else (parameter.annotation,)
+            for group in groups[parameter.name]:
+                parameters += inspect.signature(group).parameters.values()
+        else:
+            parameters.append(parameter)
+
+    @wraps(verb)
+    def called(**given: Any) -> None:
+        for name, kinds in groups.items():
+            made = [kind(**{f.name: given.pop(f.name) for f in fields(kind) if f.name in given}) for kind in kinds]
+            given[name] = made if kinds == planners() else made[0]
+        verb(**given)
+
+    named = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in parameters]
+    called.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
+    called.__annotations__ = {parameter.name: parameter.annotation for parameter in named}
+    about = (inspect.cleandoc(kind.about) for kinds in groups.values() if kinds == planners() for kind in kinds)
+    called.__doc__ = inspect.cleandoc(verb.__doc__ or "").replace("Example: ", "\n\n".join((*about, "Example: ")))
+    return called
