@@ -66,10 +66,12 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
 
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
-    starts = () if scenario.survey is None else scenario.survey.starts or ()
-    if any(math.dist(place[:2], start) < np.hypot(*place[:2]) for start in starts if math.hypot(*start) > HOME_RADIUS):
+    others = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
+    for name, start in others:
+        if math.hypot(*start) <= HOME_RADIUS or math.dist(place[:2], start) >= np.hypot(*place[:2]):
+            continue
         raise NotAtStart(
-            f"{where}, and nearer to another of the survey's start places",
+            f"{where}, and nearer to another of the {name}'s start places",
             hint=f"bring it to {mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}, or fly the flight "
             "that begins there",
         )

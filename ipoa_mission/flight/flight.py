@@ -195,9 +195,9 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         >>> flight.proof.holds, [path.name for path in flight.write(".")]
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
-    if scenario.survey is not None:
-        words = "expected a scenario without a survey"
-        raise BadInput(words, hint="use plan_survey, as `ipoa-mission plan` does", place="survey")
+    for name, section in scenario.added.items():
+        hint = f"use {section.planned_by}, as `ipoa-mission plan` does"
+        raise BadInput(f"expected a scenario without a {name}", hint=hint, place=name)
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         flight = plan_regardless_of_battery(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:

@@ -67,10 +67,8 @@ class Forecast:
         self._made: dict[Any, Any] = {}
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         if scenario is not None:
-            if scenario.survey is not None and scenario.survey.starts is not None:
-                from ipoa_mission.scenario.other_home import flown_from
-
-                scenario = flown_from(scenario, mission.home)
+            for section in scenario.added.values():
+                scenario = section.seen_from(scenario, mission.home)
             scenario = (scenario if wind is None else scenario.in_wind(wind)).flown_by(mission.autopilot)
             vehicle = scenario.vehicle
             version = mission.firmware_version or vehicle.version

@@ -1,11 +1,14 @@
+from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
+from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
+from pydantic_core import PydanticKnownError
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar
@@ -32,10 +35,8 @@ from ipoa_mission.scenario.place_sections import (
     Place,
     TerrainSection,
 )
-from ipoa_mission.scenario.section import NotNegative, Section
-from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
-from ipoa_mission.scenario.survey_area import Area, Reach
-from ipoa_mission.scenario.survey_section import SurveySection, with_survey
+from ipoa_mission.scenario.section import NotNegative, Section, merged
+from ipoa_mission.scenario.surroundings import Reach, Surroundings, surroundings_of
 from ipoa_mission.scenario.vehicle_section import VehicleSection
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
@@ -49,25 +50,18 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
     "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
     "endurance": {"cost": {"omega": (0.5, 0.45, 0.05)}, "route": {"tolerance": 8.0}},
 }
-
-
-def _merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
-    merged = {**settings, **table}
-    for key in settings.keys() & table.keys():
-        if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
-            merged[key] = _merged(settings[key], table[key])
-    return merged
-
-
 # A file's name that is valid on every system.
 _NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
-CACHED = ("frame", "survey_area", "_surroundings", "from_starts")
-WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
+CACHED = ("frame", "known", "_surroundings")
+WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
 
 
-def _needs_ends(schema: dict[str, Any]) -> None:
-    schema["required"] = ["home"]
-    schema["anyOf"] = [{"required": ["start", "goal"]}, {"required": ["survey"]}]
+def _expect_added(value: Any) -> Any:
+    if isinstance(value, ValidationError):
+        raise value
+    if not isinstance(value, AddedSection):
+        raise PydanticKnownError("extra_forbidden")
+    return value
 
 
 class Scenario(Section):
@@ -81,7 +75,7 @@ class Scenario(Section):
         array([120.,  90.,  20.])
     """
 
-    model_config = ConfigDict(json_schema_extra=_needs_ends)
+    model_config = ConfigDict(extra="allow")
 
     name: Annotated[str, Field(pattern=_NAME)] = "mission"
     """Also the name of the output files. Default: that of the scenario file."""
@@ -126,8 +120,19 @@ class Scenario(Section):
     """Geofence that the path keeps and the mission contains."""
     rally: tuple[Place, ...] = ()
     """Rally points of the mission."""
-    survey: SurveySection | None = None
-    """Area to photograph or scan, in place of a goal."""
+    __pydantic_extra__: dict[str, Annotated[Any, AfterValidator(_expect_added)]]
+
+    @classmethod
+    def model_json_schema(cls, *given: Any, **named: Any) -> dict[str, Any]:
+        whole, ends = super().model_json_schema(*given, **named), [{"required": ["start", "goal"]}]
+        for name, section in added_sections().items():
+            own = section.model_json_schema(*given, **named)
+            whole["$defs"] |= own.pop("$defs", {}) | {section.__name__: own}
+            choices = [{"$ref": f"#/$defs/{section.__name__}"}, {"type": "null"}]
+            whole["properties"][name] = {"anyOf": choices, "default": None, "description": section.about}
+            ends.append({"required": [name]})
+        whole["$defs"] = dict(sorted(whole["$defs"].items()))
+        return dict(sorted((whole | {"additionalProperties": False, "anyOf": ends, "required": ["home"]}).items()))
 
     @model_validator(mode="before")
     @classmethod
@@ -136,7 +141,7 @@ class Scenario(Section):
             return table
         name = table.get("profile")
         profile = PROFILES.get(name, {}) if isinstance(name, str) else {}
-        return with_survey(_merged(profile, table), info.context)
+        return _with_added(merged(profile, table), info.context)
 
     @model_validator(mode="after")
     def _near_home(self) -> "Scenario":
@@ -183,7 +188,7 @@ class Scenario(Section):
             The copy; it shares the world unless `update` changes it.
         """
         copied = super().model_copy(update=update, deep=deep)
-        if not WORLD & (update or {}).keys():
+        if not (WORLD | added_sections().keys()) & (update or {}).keys():
             copied.__dict__ |= {key: self.__dict__[key] for key in CACHED if key in self.__dict__}
         return copied
 
@@ -258,20 +263,20 @@ class Scenario(Section):
     def rally_points(self) -> Points:
         return self._points(self.rally)
 
-    @cached_property
-    def survey_area(self) -> Area | None:
-        """Raises BadInput."""
-        return None if self.survey is None else self.survey.build(self.frame)
+    @property
+    def added(self) -> "dict[str, AddedSection]":
+        return self.__pydantic_extra__
 
     @cached_property
-    def from_starts(self) -> "dict[int, Scenario]":
+    def known(self) -> dict[Any, Any]:
+        """Return what added tables have computed in this world."""
         return {}
 
     @property
-    def survey_reach(self) -> Reach:
-        """Return a survey's corners (n, 2), and its height [m]."""
-        area = self.survey_area
-        return (np.zeros((0, 2)), 0.0) if self.survey is None or area is None else self.survey.reach(area)
+    def added_reach(self) -> Reach:
+        reaches = [section.reach(self) for section in self.added.values()]
+        corners = np.vstack([np.zeros((0, 2)), *(corners for corners, _ in reaches)])
+        return corners, max((height for _, height in reaches), default=0.0)
 
     @property
     def airspace(self) -> Airspace:
@@ -340,3 +345,48 @@ class Scenario(Section):
     @cached_property
     def _surroundings(self) -> Surroundings:
         return surroundings_of(self)
+
+
+class AddedSection(Section):
+    """A table of another room, in place of start and goal; an entry point of `ipoa_mission.scenario_sections`."""
+
+    about: ClassVar[str]
+    planned_by: ClassVar[str]
+
+    @classmethod
+    @abstractmethod
+    def with_ends(cls, table: Mapping[str, Any], given: Self | None) -> dict[str, Any]:
+        """Add start and goal to a scenario's table; None: it is invalid. Raises ValueError."""
+
+    @abstractmethod
+    def reach(self, scenario: Scenario) -> Reach:
+        """Return its corners (n, 2), and its greatest height above ground [m]."""
+
+    @abstractmethod
+    def seen_from(self, scenario: Scenario, home: Geodetic) -> Scenario:
+        """Return the scenario with the home of a mission, if a flight may begin there."""
+
+    @property
+    @abstractmethod
+    def start_places(self) -> tuple[tuple[float, float], ...]: ...
+
+
+@cache
+def added_sections() -> dict[str, type[AddedSection]]:
+    return {entry.name: entry.load() for entry in entry_points(group="ipoa_mission.scenario_sections")}
+
+
+def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:
+    """Read added tables; `_expect_added` raises their errors."""
+    for name, section in added_sections().items():
+        if (raw := table.pop(name, None)) is None:
+            continue
+        given: AddedSection | ValidationError
+        try:
+            given = section.model_validate(raw, context=context)
+        except ValidationError as error:
+            given = error
+        if isinstance(raw, Mapping | section):
+            table = section.with_ends(table, given if isinstance(given, section) else None)
+        table = {name: given, **table}
+    return table

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.scenario.explain import explained, lowered
-from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.scenario.model import Scenario, added_sections
 
 LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
@@ -58,7 +58,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     try:
         scenario.read_maps()
     except BadInput as error:
-        if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
+        if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields | added_sections():
             raise
         raise error.at(path) from error
     return scenario.with_wind_read()

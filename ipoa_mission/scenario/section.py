@@ -49,6 +49,14 @@ def _no_truth(value: Any) -> Any:
     return value
 
 
+def merged(settings: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, Any]:
+    both = {**settings, **table}
+    for key in settings.keys() & table.keys():
+        if isinstance(settings[key], Mapping) and isinstance(table[key], Mapping):
+            both[key] = merged(settings[key], table[key])
+    return both
+
+
 def existing_file(what: str) -> AfterValidator:
     """Resolve a path relative to the scenario file."""
 

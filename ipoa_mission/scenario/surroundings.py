@@ -5,14 +5,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
@@ -30,7 +30,6 @@ from ipoa_mission.scenario.place_sections import (
     TerrainSection,
     east_north_of,
 )
-from ipoa_mission.scenario.survey_area import Reach
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
@@ -42,6 +41,9 @@ from ipoa_mission.world.terrain import Grid, Terrain
 HOME = shapely.Point(0.0, 0.0)
 WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
+
+
+Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
 
 
 class Site(Protocol):
@@ -61,7 +63,7 @@ class Site(Protocol):
     def unix_s(self) -> float | None: ...
 
     @property
-    def survey_reach(self) -> Reach: ...
+    def added_reach(self) -> Reach: ...
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
@@ -239,9 +241,9 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 
 
 def _places(scenario: Site) -> NDArray[np.float64]:
-    """Return home, places and survey corners, (n, 2) [m]."""
+    """Return home, places and corners of added tables, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    corners = scenario.survey_reach[0]
+    corners = scenario.added_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
@@ -339,7 +341,7 @@ def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacl
     ground = on_lines(terrain, corners)
     boxes = np.array([obstacle.bounds for obstacle in obstacles], float).reshape(-1, 2, 3)
     inside = boxes[meets(boxes[:, :, :2], corners, 0.0)]
-    ends += [float(ground.max()) + scenario.survey_reach[1]]
+    ends += [float(ground.max()) + scenario.added_reach[1]]
     everything = np.concatenate([ends, [ground.min(), ground.max()], inside[:, :, 2].ravel()])
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 

@@ -8,9 +8,10 @@ import shapely
 import tomlkit
 
 from ipoa_mission.errors import BadInput, InvalidRing
-from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
 from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapArea, OwnArea, PutCorner
 from ipoa_mission.studio.vocabulary import LngLat, Path
+from ipoa_mission.survey.survey_area import depth_of, parts_of
+from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 DIGITS, DEGREES = 2, 7  # decimals of meters and of degrees
@@ -49,7 +50,7 @@ def is_of_area(path: Path) -> bool:
     return len(path) > 1 and path[0] == "survey" and path[1] in LEAST_CORNERS
 
 
-def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
+def rings_in(polygon: Any) -> Iterator[tuple[Path, Any]]:
     """Yield the rings of `survey.polygon` with their paths, at any depth, outer ring first."""
     depth = depth_of(polygon)
     if depth == 2:
@@ -59,10 +60,6 @@ def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
             yield ("survey", "polygon", n), part
         for m, ring in enumerate(part if depth == 4 else ()):
             yield ("survey", "polygon", n, m), ring
-
-
-def depth_of(value: Any) -> int:
-    return 1 + (depth_of(value[0]) if len(value) else 0) if isinstance(value, list) else 0
 
 
 def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: LocalFrame) -> None:
@@ -85,7 +82,7 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
     """Remove a corner, a hole, or an area. Raises BadInput if nothing is left."""
     polygon = document["survey"].get("polygon")
-    ring_paths = {ring_path for ring_path, _ in parts_of(polygon)} if polygon is not None else {("survey", "line")}
+    ring_paths = {ring_path for ring_path, _ in rings_in(polygon)} if polygon is not None else {("survey", "line")}
     if path[:-1] in ring_paths:
         ring, at, mate = _corner(document, path)
         if len(ring) - len(mate) <= LEAST_CORNERS[str(path[1])]:
@@ -134,17 +131,11 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
     elif polygon is None:
         _shaped(document, "polygon", [ring])
     else:
-        document["survey"]["polygon"] = [*_parts(polygon), [ring]]
-
-
-def _parts(polygon: Any) -> list[Any]:
-    """Return polygons as rings, the outer one first."""
-    depth = depth_of(polygon)
-    return [[polygon]] if depth == 2 else [polygon] if depth == 3 else list(polygon)
+        document["survey"]["polygon"] = [*parts_of(polygon), [ring]]
 
 
 def _put_hole(document: MutableMapping[str, Any], polygon: Any, ring: list[list[float]]) -> None:
-    for n, rings in enumerate([] if polygon is None else _parts(polygon)):
+    for n, rings in enumerate([] if polygon is None else parts_of(polygon)):
         if shapely.Polygon(rings[0]).buffer(0.0).intersects(shapely.Point(ring[0])):
             if depth_of(polygon) == 2:
                 document["survey"]["polygon"] = [polygon, ring]

@@ -65,7 +65,7 @@ def sketch(order: JobOrder, answer: Answer) -> None:
     else:
         scenario = _scenario(order["text"], order["path"])
     try:
-        if scenario.survey is None:
+        if "survey" not in scenario.added:
             path = sketch_path(scenario)
             answer(sketched(path, scenario, revision, number, time.perf_counter() - begun))
         else:
@@ -118,7 +118,7 @@ class PlanWorker:
         self._plan = None
         scenario = _scenario(order["text"], order["path"])
         try:
-            if scenario.survey is None:
+            if "survey" not in scenario.added:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
                 answer(planned(flight, revision, time.perf_counter() - begun))
             else:

@@ -10,20 +10,22 @@ import shapely
 from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
-from ipoa_mission.studio.area_edits import depth_of
 from ipoa_mission.studio.requests import Add, Change, Put, Take
 from ipoa_mission.studio.survey_view import in_words, ring_name
 from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_area import depth_of
+from ipoa_mission.survey.survey_section import survey_of
+from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.world.obstacles import Obstacle
 
 
 def plan_trouble(
     error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan"
 ) -> Trouble:
-    if scenario.survey is None:
+    if survey_of(scenario) is None:
         own = (*_higher(error, scenario), *_return_remedies(error, scenario))
     else:
         own = tuple(_survey_remedies(error, scenario))
@@ -130,8 +132,6 @@ def _return_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy
 
 
 def _survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    if scenario.survey_area is None:
-        return
     if error.known.get("limit") == "bounds":
         yield from _wider_bounds(scenario)
     elif error.code in ("area-covered", "survey-too-near"):
@@ -149,9 +149,7 @@ def _survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy
 
 
 def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
-    assert scenario.survey is not None
-    assert scenario.survey_area is not None
-    corners, height = scenario.survey.reach(scenario.survey_area)
+    corners, height = scenario.added_reach
     ground = scenario.airspace.ground(corners)
     (west, south), (east, north) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     needed = {"east": (west, east), "north": (south, north), "up": (float(ground.min()), float(ground.max()) + height)}
@@ -166,18 +164,17 @@ def _wider_bounds(scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
-    survey = scenario.survey
+    survey = survey_of(scenario)
     takes: tuple[Change, ...] = (Take(path=("survey", "gsd_cm")),) if survey and survey.gsd_cm is not None else ()
     put = Put(path=("survey", "height_above_ground"), value=float(height))
     return Remedy(label=f"{height:g} m above ground{words}", changes=(*takes, put))
 
 
 def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
-    assert scenario.survey is not None
-    assert scenario.survey_area is not None
-    sight = sight_of(scenario.survey, scenario.survey_area, scenario)
+    section, area = expect_survey(scenario)
+    sight = sight_of(section, area, scenario)
     zone = keep_out(scenario, sight, {})
-    covered = shapely.Polygon() if zone is None else zone.intersection(scenario.survey_area.shape)
+    covered = shapely.Polygon() if zone is None else zone.intersection(area.shape)
     obstacles = scenario.airspace.obstacles
     bodies = [body for body in obstacles if (body.name == name if name else body.plan.intersects(covered))]
     if not bodies:

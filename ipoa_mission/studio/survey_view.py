@@ -10,10 +10,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.camera import CAMERAS
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.studio import answers
-from ipoa_mission.studio.area_edits import depth_of, parts_of
+from ipoa_mission.studio.area_edits import rings_in
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.handed import survey_over
 from ipoa_mission.studio.plan_answers import expected
@@ -28,10 +26,13 @@ from ipoa_mission.studio.survey_answers import (
 )
 from ipoa_mission.studio.view import on_map, without_folders
 from ipoa_mission.studio.vocabulary import Path, renamed
+from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.overlap import Overlap, Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.survey_area import Area, depth_of
 from ipoa_mission.survey.survey_flight import Survey
 from ipoa_mission.survey.survey_plan import SurveyPlan
+from ipoa_mission.survey.survey_section import SurveySection, surveyed_area
 from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
@@ -42,8 +43,8 @@ def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) 
     rings = list[AreaRing]()
     with suppress(KeyError, TypeError, ValueError, IndexError):
         rings = list(_drawn(table["survey"], frame_of(dict(table))))
-    if not rings and scenario is not None and scenario.survey_area is not None:
-        rings = list(_mapped(scenario))
+    if not rings and scenario is not None and (area := surveyed_area(scenario)) is not None:
+        rings = list(_mapped(area, scenario.frame))
     return SurveyArea(revision=revision, rings=tuple(rings), cameras=tuple(CAMERAS))
 
 
@@ -51,20 +52,19 @@ def _drawn(survey: Mapping[str, Any], frame: LocalFrame) -> Iterator[AreaRing]:
     if "line" in survey:
         yield AreaRing(name="corridor", path=("survey", "line"), what="line", places=_places(survey["line"], frame))
     polygon = survey.get("polygon", [])
-    for path, ring in parts_of(polygon):
+    for path, ring in rings_in(polygon):
         is_hole = len(path) > 2 and path[-1] != 0
         corners = ring[:-1] if len(ring) > 3 and list(ring[0]) == list(ring[-1]) else ring
         places = _places(corners, frame)
         yield AreaRing(name=ring_name(path, polygon), path=path, what="hole" if is_hole else "outer", places=places)
 
 
-def _mapped(scenario: Scenario) -> Iterator[AreaRing]:
-    assert scenario.survey_area is not None
-    parts = shapely.get_parts(scenario.survey_area.shape)
+def _mapped(area: Area, frame: LocalFrame) -> Iterator[AreaRing]:
+    parts = shapely.get_parts(area.shape)
     for n, part in enumerate(parts):
         for m, ring in enumerate((part.exterior, *part.interiors)):
             name = _name(n, m, len(parts))
-            places = on_map(scenario.frame, shapely.get_coordinates(ring)[:-1])
+            places = on_map(frame, shapely.get_coordinates(ring)[:-1])
             yield AreaRing(name=name, path=None, what="hole" if m else "outer", places=places)
 
 
@@ -165,9 +165,8 @@ def _layout(
     east, north = longest.end - longest.begin
     gaps = [part for part in shapely.get_parts(coverage.gaps) if part.area > 0.01]  # [m^2], else of rounding
     front, side = (None, None) if overlaps is None else (overlaps.front, overlaps.side)
-    starts = () if scenario.survey is None else scenario.survey.starts or ()
     return SurveyLayout(
-        starts=on_map(frame, np.array(starts).reshape(-1, 2)),
+        starts=on_map(frame, np.array(laid.section.start_places).reshape(-1, 2)),
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.transits if len(way) > 1),
         seen=_polygons(scenario, coverage.seen),

@@ -24,8 +24,8 @@ from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.resample import corridor
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.camera import Camera
 from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.camera import CameraSection
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.survey.sight import Sight, lifted
@@ -206,7 +206,7 @@ def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scen
     kind, version = ("CorridorScan", 2) if middles else ("survey", 5)
     entry: dict[str, Any] = {
         TRANSECTS: {
-            "CameraCalc": _qgroundcontrol_camera(sight, section.taken_by),
+            "CameraCalc": _qgroundcontrol_camera(sight, section.camera),
             "CameraShots": sight.photos_of(tour),
             "CameraTriggerInTurnAround": False,
             "HoverAndCapture": False,
@@ -238,7 +238,7 @@ def _qgroundcontrol_item(items: tuple[Item, ...], tour: Tour, sight: Sight, scen
     return complex_item(items, entry)
 
 
-def _qgroundcontrol_camera(sight: Sight, camera: Camera | None) -> dict[str, Any]:
+def _qgroundcontrol_camera(sight: Sight, camera: CameraSection | None) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "AdjustedFootprintFrontal": round(sight.trigger or 0.0, 2),
         "AdjustedFootprintSide": round(sight.spacing, 3),
@@ -252,15 +252,15 @@ def _qgroundcontrol_camera(sight: Sight, camera: Camera | None) -> dict[str, Any
     return entry | {
         "CameraName": "Custom Camera",
         "FixedOrientation": False,
-        "FocalLength": camera.focal_length,
+        "FocalLength": camera.focal_length_mm,
         "FrontalOverlap": round(100.0 * sight.overlaps[0], 3),
-        "ImageDensity": round(100.0 * camera.sensor[0] / camera.pixels[0] * sight.least / camera.focal_length, 6),
+        "ImageDensity": round(100.0 * camera.sensor_mm[0] / camera.pixels[0] * sight.least / camera.focal_length_mm, 6),
         "ImageHeight": camera.pixels[1],
         "ImageWidth": camera.pixels[0],
         "Landscape": True,
         "MinTriggerInterval": 0,
-        "SensorHeight": camera.sensor[1],
-        "SensorWidth": camera.sensor[0],
+        "SensorHeight": camera.sensor_mm[1],
+        "SensorWidth": camera.sensor_mm[0],
         "SideOverlap": round(100.0 * sight.overlaps[1], 3),
         "ValueSetIsDistance": True,
     }

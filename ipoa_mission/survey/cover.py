@@ -11,11 +11,11 @@ import shapely
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.scenario.survey_area import ARC, Area
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.free import FreeSpace, Transits
 from ipoa_mission.survey.outline import narrower, wider
+from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
     GapCloser,

@@ -18,8 +18,8 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.planned_returns import or_else, settled, why_not_planned
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.other_home import at_start, between
 from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.survey_section import at_start, between
 from ipoa_mission.survey.survey_task import SurveyTask, lay_lines
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import (

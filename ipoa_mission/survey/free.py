@@ -9,8 +9,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.survey_area import INSET
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
+from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
 
 

@@ -10,12 +10,13 @@ import shapely
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import BAND, SurveySection
+from ipoa_mission.survey.survey_area import Area
+from ipoa_mission.survey.survey_section import BAND, SurveySection
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.ground import Ground
 
 MIN_TRIGGER = 0.1  # [m]
+USUAL_OVERLAP = 0.7
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,10 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
     """Return the requested flight and view. Raises BadInput."""
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
-    camera, spacing, trigger = section.taken_by, section.spacing(least), section.trigger(least)
-    across, along = (spacing, 0.0) if camera is None else camera.footprint(least)
+    camera, (front, side) = section.camera, (section.front_overlap, section.side_overlap)
+    across, along = (section.line_spacing or 0.0, 0.0) if camera is None else camera.footprint(least)
+    spacing = section.line_spacing or across * (1.0 - (USUAL_OVERLAP if side is None else side))
+    trigger = None if camera is None else along * (1.0 - (USUAL_OVERLAP if front is None else front))
     spacing_key, min_distance = "line_spacing" if section.line_spacing else "side_overlap", 0.5  # [m]
     for key, distance in ((spacing_key, spacing), ("front_overlap", trigger)):
         if distance is not None and distance < min_distance:

@@ -27,11 +27,10 @@ from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
-from ipoa_mission.scenario.other_home import nearest_start
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
-from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, with_survey
 from ipoa_mission.survey.resume import runs_in_order
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
+from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
@@ -308,15 +307,14 @@ def _begin(area: Path) -> dict[str, float]:
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
     given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
     if area is None:
-        table = ({} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)) | given
+        table = ({} if (own := survey_of(scenario)) is None else own.model_dump(exclude_unset=True)) | given
     elif isinstance(area, str | Path):
         table = given | {"area": area}
     else:
         table = given | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
     try:
         section = SurveySection.model_validate(table)
-        ends = with_survey({"survey": section}, None)
-        places = Scenario.model_validate({"home": scenario.home, **ends})
+        places = Scenario.model_validate({"home": scenario.home, "survey": section})
     except ValidationError as error:
         raise explained(error, table, SurveySection, "survey.") from error
     changed = {"survey": section, "start": places.start, "goal": places.goal, "via": ()}

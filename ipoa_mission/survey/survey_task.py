@@ -16,12 +16,12 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.survey_area import Area
-from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
 from ipoa_mission.survey.flown_coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.survey_area import Area
+from ipoa_mission.survey.survey_section import SurveySection, survey_of, surveyed_area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
@@ -78,7 +78,7 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    section, area = scenario.survey, scenario.survey_area
+    section, area = survey_of(scenario), surveyed_area(scenario)
     if section is None or area is None:
         raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area

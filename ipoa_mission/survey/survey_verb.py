@@ -70,10 +70,11 @@ class SurveyPlanner:
         return None
 
     def accepts(self, scenario: "Scenario") -> bool:
-        if scenario.survey is None and self.flown:
+        is_survey = "survey" in scenario.added
+        if self.flown and not is_survey:
             hint = "for the rest of another mission: ipoa-mission fly --from N"
             raise OptionConflict("expected a survey", hint=hint, place="--flown")
-        return scenario.survey is not None
+        return is_survey
 
     def plan(self, scenario: "Scenario", asked: Asked) -> None:
         survey = self._planned(scenario, asked)

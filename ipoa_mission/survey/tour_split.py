@@ -11,7 +11,7 @@ import shapely
 
 from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.routing.battery_split import greatest_fitting
-from ipoa_mission.scenario.survey_area import Area
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour, without_repeats
 

@@ -60,6 +60,6 @@ def test_a_survey_is_refused_without_its_room(run: Run, tmp_path: Path) -> None:
     for verb in ("plan", "fly"):
         refused = run("survey", verb, "field.toml")
         assert (refused.returncode, refused.stdout) == (2, "")
-        assert "survey: " in refused.stderr
+        assert "field.toml: survey: unknown key" in refused.stderr
         assert "Traceback" not in refused.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["field.toml"]

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.scenario.camera import CAMERAS
+from ipoa_mission.survey.camera import CAMERAS
+from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_section import surveyed_area
+from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
@@ -31,7 +34,7 @@ def test_a_survey_takes_the_place_of_start_and_goal() -> None:
 
 @pytest.mark.parametrize("polygon", [[SQUARE, POND], [[SQUARE, POND]]])
 def test_holes_are_inner_rings(polygon: Any) -> None:
-    area = scenario(LINES | {"polygon": polygon}).survey_area
+    area = surveyed_area(scenario(LINES | {"polygon": polygon}))
     assert area is not None
     assert area.shape.area == pytest.approx(8000.0 - 200.0)
 
@@ -55,7 +58,7 @@ def test_an_area_comes_from_a_map_with_its_holes(tmp_path: Path) -> None:
     polygons.append({"type": "Polygon", "coordinates": [degrees(far)]})
     geojson(tmp_path / "field.geojson", *polygons)
     text = f"[home]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\naltitude_amsl = 400\n[survey]\n{KEYS}"
-    area = parse_scenario(text, tmp_path / "field.toml").survey_area
+    area = surveyed_area(parse_scenario(text, tmp_path / "field.toml"))
     assert area is not None
     assert [part.area for part in area.shape.geoms] == pytest.approx([7800.0, 8000.0], rel=1e-3)
 
@@ -65,21 +68,20 @@ KEYS = 'area = "field.geojson"\nline_spacing = 20\nheight_above_ground = 40\n'
 
 def test_a_line_with_a_width_is_a_corridor(tmp_path: Path) -> None:
     drawn = scenario({"line": [[0, 0], [100, 0]], "width": 30, "line_spacing": 10, "height_above_ground": 40})
-    assert drawn.survey_area is not None
-    assert drawn.survey_area.shape.area == pytest.approx(3000.0)
+    assert expect_survey(drawn)[1].shape.area == pytest.approx(3000.0)
     line = {"type": "LineString", "coordinates": degrees([[0.0, 0.0], [100.0, 0.0]])[:2]}
     path = geojson(tmp_path / "road.geojson", line)
     mapped = scenario({"area": str(path), "width": 30, "line_spacing": 10, "height_above_ground": 40})
-    assert mapped.survey_area is not None
-    assert mapped.survey_area.shape.area == pytest.approx(3000.0, rel=1e-3)
+    assert expect_survey(mapped)[1].shape.area == pytest.approx(3000.0, rel=1e-3)
 
 
 def test_a_camera_says_height_spacing_and_trigger() -> None:
-    survey = scenario({"polygon": SQUARE, "camera": "sony a6000 16mm", "gsd_cm": 2.0, "side_overlap": 0.6}).survey
-    assert survey is not None
+    world = scenario({"polygon": SQUARE, "camera": "sony a6000 16mm", "gsd_cm": 2.0, "side_overlap": 0.6})
+    survey, area = expect_survey(world)
     assert survey.height == pytest.approx(2.0 / 100 * 16.0 / (23.5 / 6000))  # the wider of both pitches
-    assert survey.spacing(80.0) == pytest.approx(0.4 * 23.5 / 16.0 * 80.0)
-    assert survey.trigger(80.0) == pytest.approx(0.3 * 15.6 / 16.0 * 80.0)
+    sight = sight_of(survey, area, world)
+    assert sight.spacing == pytest.approx(0.4 * 23.5 / 16.0 * survey.height)
+    assert sight.trigger == pytest.approx(0.3 * 15.6 / 16.0 * survey.height)
     assert all(camera.footprint(50.0)[0] >= camera.footprint(50.0)[1] for camera in CAMERAS.values())
 
 

@@ -11,6 +11,8 @@ from ipoa_mission import plan_survey
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.survey.survey_section import survey_of, surveyed_area
+from ipoa_mission.survey.survey_task import expect_survey
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
@@ -67,7 +69,7 @@ def scenario(*changes: Change) -> Scenario:
 
 
 def area(*changes: Change) -> Any:
-    found = scenario(*changes).survey_area
+    found = surveyed_area(scenario(*changes))
     assert found is not None
     return found.shape
 
@@ -119,7 +121,7 @@ def test_a_corner_is_moved_and_all_else_stays_byte_for_byte() -> None:
 def test_a_ring_that_is_written_closed_stays_closed() -> None:
     closed = Put(path=("survey", "polygon"), value=[[10, 0], [50, 0], [50, 20], [10, 20], [10, 0]])
     for change in (PutCorner(path=("survey", "polygon", 0), place=OUTLINE[0]), Take(path=("survey", "polygon", 0))):
-        survey = scenario(closed, change).survey
+        survey = survey_of(scenario(closed, change))
         assert survey is not None
         ring = list(survey.polygon or ())
         assert ring[0] == ring[-1]
@@ -146,10 +148,8 @@ def test_home_moves_alone_and_an_area_moves_whole() -> None:
 
 def test_a_corridor_and_a_map_take_the_area_s_place(tmp_path: Path) -> None:
     corridor = scenario(DrawArea(what="corridor", ring=OUTLINE[:2]))
-    assert corridor.survey is not None
-    assert corridor.survey.polygon is None
-    assert corridor.survey_area is not None
-    assert corridor.survey_area.shape.area == pytest.approx(40.0 * 45.4, rel=0.01)
+    assert expect_survey(corridor)[0].polygon is None
+    assert expect_survey(corridor)[1].shape.area == pytest.approx(40.0 * 45.4, rel=0.01)
     feature = {
         "type": "Feature",
         "properties": {},
@@ -158,13 +158,10 @@ def test_a_corridor_and_a_map_take_the_area_s_place(tmp_path: Path) -> None:
     (tmp_path / "field.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
     text = changed(MEADOW.read_text(), [WIDE, MapArea(file="field.geojson")])
     mapped = parse_scenario(text, tmp_path / "x.toml")
-    assert mapped.survey_area is not None
-    assert mapped.survey_area.shape.symmetric_difference(area()).area < 0.01 * area().area
+    assert expect_survey(mapped)[1].shape.symmetric_difference(area()).area < 0.01 * area().area
     own = parse_scenario(changed(text, [OwnArea(parts=((OUTLINE, HOLE),))]), tmp_path / "x.toml")
-    assert own.survey is not None
-    assert own.survey.area is None
-    assert own.survey_area is not None
-    assert len(own.survey_area.shape.geoms[0].interiors) == 1
+    assert expect_survey(own)[0].area is None
+    assert len(expect_survey(own)[1].shape.geoms[0].interiors) == 1
 
 
 # --- what is refused, and what helps ----------------------------------------------------------------------------------
@@ -328,7 +325,7 @@ def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
     use = studio.client.post(f"/{TOKEN}/drop/flight.tlog", content=CAMPUS_LOG.read_bytes(), headers=OWN).json()
     assert (use["kind"], use["file"]) == ("log", "flight.tlog")
     moved = changed(text, [Shift(path=("home",), taken=(8.5, 47.3), put_down=(8.5, 47.3001))])
-    assert parse_scenario(moved, MEADOW).survey.starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
+    assert survey_of(parse_scenario(moved, MEADOW)).starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
 
 
 def test_on_a_link_the_next_flight_waits_for_a_battery_and_is_the_same_vehicle_s() -> None:

@@ -21,12 +21,13 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.survey_area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
+from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_report import survey_as_json
+from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
@@ -315,8 +316,7 @@ def test_the_library_takes_an_area_and_a_camera() -> None:
 
 def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -> None:
     world = scenario(PHOTOS)
-    assert world.survey is not None
-    sight = sight_of(world.survey, Area.of([[FIELD]]), world)
+    sight = sight_of(expect_survey(world)[0], Area.of([[FIELD]]), world)
     at = [np.array(place) for place in ([30.0, 20.0], [130.0, 20.0], [130.0, 60.0], [60.0, 60.0])]
     swaths = (Swath(at[0], at[1]), Swath(at[2], at[2]), Swath(at[2], at[3]))
     mission = assemble_survey(Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]]))), sight, world, {}, 0)

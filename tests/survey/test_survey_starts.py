@@ -19,10 +19,11 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.other_home import at_start
 from ipoa_mission.survey.flight_maker import _sets_of_starts
 from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
+from ipoa_mission.survey.survey_section import at_start, surveyed_area
+from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.survey.tour_split import RouteCost, StartSites, nearest_areas, quickest_parts
@@ -76,7 +77,7 @@ def test_from_another_start_place_everything_stands_where_it_is_on_the_earth(pla
         assert np.abs(body.distance(near) - other.distance(there)).max() < 0.15
     above, from_there = (air.terrain.height(p) for air, p in ((world.airspace, near), (moved.airspace, there)))
     assert np.abs((near[:, 2] - above) - (there[:, 2] - from_there)).max() < 0.05
-    east, north = (moved.survey_area.shape.bounds[n] for n in (0, 1)) if moved.survey_area else (0.0, 0.0)
+    east, north = expect_survey(moved)[1].shape.bounds[:2]
     corner = moved.frame.to_geodetic(np.array([[east, north, 0.0]]))
     assert apart(Geodetic(corner[0][0], corner[1][0]), world.frame.geodetic(np.array([20.0, 10.0, 0.0]))) < 15.0
     for name in ("rally_points", "start_point"):
@@ -146,7 +147,7 @@ def test_a_line_that_is_too_long_for_all_is_cut() -> None:
 
 
 def test_what_is_nearest_to_each_start_place_is_all_of_the_area() -> None:
-    area = scenario(OVER).survey_area
+    area = surveyed_area(scenario(OVER))
     assert area is not None
     for starts in ([[0.0, 0.0]], ENDS, [*ENDS, [300.0, -40.0], [-900.0, -900.0]]):
         cells = nearest_areas(area, np.array(starts), 20.0)

@@ -1,14 +1,19 @@
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput, InvalidRing, Remedy
+from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.around import Around
+from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
+from ipoa_mission.world.frame import REACH, LocalFrame
+from ipoa_mission.world.polygon import union_of
 
-Reach: TypeAlias = tuple[Points, float]  # corners (n, 2), greatest height above ground [m]
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
 ARC = 64  # segments of a quarter circle
@@ -117,3 +122,79 @@ def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
 
 def _misplaced(words: str, place: str, *at: int) -> BadInput:
     return BadInput(words, code="ring-misplaced", place=place, remedies=(Remedy(("polygon", *at)),))
+
+
+def depth_of(value: Any) -> int:
+    return 1 + (depth_of(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
+
+
+def parts_of(polygon: Any) -> list[Any]:
+    """Return polygons as rings, the outer one first."""
+    depth = depth_of(polygon)
+    return [[polygon]] if depth == 2 else [polygon] if depth == 3 else list(polygon)
+
+
+def expect_here(area: Area, place: str) -> Area:
+    farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
+    if not farthest < REACH:
+        words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
+        raise TooFar(words, hint="places count in meters from home", place=place)
+    return area
+
+
+def drawn(polygon: Any) -> Area:
+    depth = depth_of(polygon)
+    try:
+        return Area.of(parts_of(polygon), "survey.polygon")
+    except BadInput as error:
+        all_brackets = "survey.polygon" + "[0]" * (4 - depth)
+        error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
+        error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
+        fields = (remedy.field[5 - depth :] for remedy in error.remedies)
+        error.remedies = tuple(Remedy(("survey", "polygon", *field)) for field in fields if field)
+        raise
+
+
+def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
+    polygons: list[Any] = []
+    for place, shape in shapes_in(path, frame):
+        if shape.geom_type == "LineString" and width is not None:
+            polygons.append(corridor(shapely.get_coordinates(shape), width, place))
+            continue
+        if shape.geom_type != "Polygon":
+            words = "expected a polygon, not an open line"
+            raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
+        (clean,) = unrepeated(np.array([shape], object))
+        rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
+        polygons += Area.of([rings], place).shape.geoms
+    if not polygons:
+        wanted = "a polygon" if width is None else "a line or a polygon"
+        message = f"expected {wanted}, but there is none"
+        raise NothingThere(message, hint="an area is a Polygon, or a closed line", place=path)
+    if width is not None:
+        return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
+    rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
+    return Area.of([*rings_of], str(path))
+
+
+def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
+    features = read_features(path, Around.of(frame))
+    about = MapExtent(frame)
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
+    about.expect_near()
+    for feature, shape, counts in zip(features, shapes, near, strict=True):
+        if (missing := feature.missing) is not None and not missing.elsewhere:
+            words = f"expected an area that can be read, not {missing.words}"
+            raise BadInput(words, missing.remedy, place=feature.place)
+        for part in flat(shape) if counts else ():
+            if part.geom_type in ("Polygon", "LineString"):
+                yield f"{feature.place}.geometry", closed_as_polygon(part)
+
+
+def corridor(line: Points, width: float, place: str) -> Any:
+    if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
+        raise InvalidRing("expected a line without repeated corners", place=place)
+    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=2.0)
+    if shape.geom_type != "Polygon" or shape.area < LEAST_M2:
+        raise InvalidRing("expected a line whose corridor is one polygon", place=place)
+    return shape
