@@ -126,12 +126,13 @@ class RouteSection(Section):
 
     mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
     """`even`: a waypoint every `spacing` meters. `corridor`: fewest waypoints with legs within `tolerance`. `spline`:
-    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time with the predicted path within
-    `tolerance`; of routes within half a per cent, the one with the greatest clearance."""
+    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time, with a lateral deviation of the
+    predicted path within `tolerance`; of routes within half a per cent, the one with the greatest clearance."""
     spacing: Positive = 10.0
     """Greatest distance between waypoints of `even` and `spline` [m]."""
     tolerance: Positive = 4.0
-    """Greatest distance of the legs (`corridor`) or the predicted path (`fastest`) from the curve [m]."""
+    """Greatest distance of the legs (`corridor`), or lateral deviation of the predicted path (`fastest`), from the
+    curve [m]."""
     ending: Literal["rtl", "land"] = "rtl"
     """`rtl`: return to home and land, after a climb over the goal if needed for clearance. `land`: land at the goal."""
 
