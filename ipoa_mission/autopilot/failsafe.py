@@ -107,7 +107,7 @@ class Failsafe:
 
     @property
     def lands_by_choice(self) -> bool:
-        """Return whether it lands although another value would return."""
+        """Return whether the vehicle lands although another value would return."""
         return self.route.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:

@@ -81,7 +81,7 @@ class JumpProfile:
 class ProtocolProfile:
     #: A transfer deletes the old mission or rally points first; a fence is replaced at its end.
     forgets_at_count: bool = False
-    judges_later: bool = False  # the same, but a fence is replaced at once
+    judges_later: bool = False  # may report the stored mission unflyable after its Ack
     starts_by_command: bool = False  # once armed it waits for MISSION_START
     pauses_in_mission: bool = False  # DO_PAUSE_CONTINUE pauses its mission
     takes_mission_file: bool = False  # it takes a mission as a file over MAVFTP

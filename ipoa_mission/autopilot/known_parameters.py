@@ -64,7 +64,7 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Return that of the first known parameter.
+    """Return the firmware of the first known parameter.
 
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>

@@ -16,7 +16,7 @@ class Learned:
 
 @dataclass(frozen=True)
 class LearnedVehicle:
-    """Fitted values; None: undetermined, as simulated.
+    """Fitted values; None: not determined, the simulator's value holds.
 
     `drag`: multiple. `lag`: rotors and rate loop [s]. `lift_delay`, `landing_delay`: lift-off and disarming [s,
     signed]. Power [W]: `hover_power` + `square_power` v^2 + `cube_power` v^3 up to `airspeed` [m/s]; `climb_power` and

@@ -1,4 +1,4 @@
-"""Check positions that no vehicle should fly to, and landings above or below home."""
+"""Check positions that no vehicle should fly to, and landings."""
 
 import math
 from collections.abc import Iterable, Iterator

@@ -1,8 +1,7 @@
-"""Handle Ctrl-C: exit code 130, and a message of what was changed on the vehicle and in files.
+"""Handle Ctrl-C: exit code 130, and a message of changes on the vehicle and in files.
 
-A waiting dialogue (`link.line.converse`) gets `Cancelled` at the first Ctrl-C, and ends so that the vehicle keeps a
-whole mission; `holds` names it. A second Ctrl-C ends at once. In `fly` each stage adds the state that it leaves
-(`showing_stage`). Before the start the vehicle is on the ground. In flight it flies on, unwatched.
+The first Ctrl-C ends a dialogue by `Cancelled`; the vehicle keeps a whole mission. A second ends at once. Each stage
+of `fly` adds the state that it leaves (`showing_stage`). A vehicle in flight flies on, unwatched.
 """
 
 from collections.abc import Callable, Iterator

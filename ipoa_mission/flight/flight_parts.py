@@ -33,10 +33,7 @@ def plan_for_batteries(
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts without the whole, which needs several batteries.
-
-    `summary` goes to NAME.json; `report`: also NAME.html. Raises BadInput.
-    """
+    """Write the parts, `summary` as NAME.json, and for `report` NAME.html. Raises BadInput."""
     make_folder(folder)
     plans = names_of(whole, parts, folder)
     missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))

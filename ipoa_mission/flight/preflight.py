@@ -188,7 +188,7 @@ def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tup
 def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
     """Report each limit that a flight from home `there` would reach, with the furthest place.
 
-    The way home is among the legs. One flight in a hundred deviates farther from them than counted.
+    One flight in a hundred deviates farther than counted.
     """
     law, share, forecast = law_of(mission.autopilot), 0.01, Forecast(mission)
     center, legs = forecast.frame.local(there)[:2], forecast.legs

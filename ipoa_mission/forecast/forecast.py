@@ -204,7 +204,7 @@ class Forecast:
 
     @cached_property
     def promise(self) -> "Promise":
-        """Return the kept limits; raises as `predicted`, and where its way is unknown."""
+        """Return the kept limits; raises as `predicted`, and if the path is unknown."""
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 

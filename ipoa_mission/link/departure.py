@@ -1,6 +1,7 @@
 """Start a mission from the ground at a known item, in each firmware's order.
 
-A refusal after the arming disarms the vehicle, unless it may be in the air.
+`prepare`: streams, first item, mode, position, pre-arm checks. `depart`: lists proved, armed, begun. A refusal after
+the arming disarms the vehicle, unless it may be in the air.
 """
 
 from collections.abc import Callable

@@ -113,8 +113,7 @@ def plan_path(
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
-        NoPath: a given place breaks a limit, or no path was found that keeps them all; the message says which, where
-            and by how much.
+        NoPath: a given place breaks a limit, or no path was found that keeps them all.
 
     Example:
         >>> from ipoa_mission import plan_path, read_scenario

@@ -106,8 +106,8 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
     checks, airspace, limits = list[Check](), task.airspace, task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
-        checks.append(Check("obstacles", clearance.less(stray), limits.obstacle_distance))
-    checks.append(Check("bounds", airspace.bounds_margin(legs).less(stray), 0.0))
+        checks.append(Check("obstacles", clearance.minus(stray), limits.obstacle_distance))
+    checks.append(Check("bounds", airspace.bounds_margin(legs).minus(stray), 0.0))
     checks += prove_heights(legs, task, stray, spare)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
@@ -126,7 +126,7 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
     if np.isfinite(task.limits.ceiling_above_ground):
         vertical = stray * (1 + task.airspace.terrain.steepness)
         reached = task.airspace.height_reached(legs)
-        yield Check("ceiling", reached.less(-vertical), task.limits.ceiling_above_ground, at_most=True)
+        yield Check("ceiling", reached.minus(-vertical), task.limits.ceiling_above_ground, at_most=True)
 
 
 def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
@@ -135,7 +135,7 @@ def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float 
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
         clearance = airspace.terrain_clearance(run, within=required + vertical + spare)
-        clearance = replace(clearance.less(vertical), leg=first_leg + clearance.leg)
+        clearance = replace(clearance.minus(vertical), leg=first_leg + clearance.leg)
         heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())
 

@@ -24,6 +24,8 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
+    """States: the `draft`, the `whole` mission, the `forecast` with settled returns, and whether it `holds`."""
+
     plan: Plan
     route: Route
     scenario: Scenario
@@ -33,7 +35,7 @@ class Attempt:
 
     @cached_property
     def draft(self) -> Forecast:
-        """Forecast without the legs between home and the start."""
+        """Forecast without the legs from and to home."""
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property

@@ -80,11 +80,7 @@ class RouteGrid:
     straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance
     aside_share: float = 0.6
     turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # of PX4 [m]; 0: its parameter
-    spline_shares: tuple[float, ...] = (
-        0.8,
-        0.4,
-        0.0,
-    )  # of the tolerance
+    spline_shares: tuple[float, ...] = (0.8, 0.4, 0.0)  # of the tolerance
     spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # [m]
     most_splines: int = 200
 

@@ -117,10 +117,9 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
     """Return a route along a plan whose flights keep what is required.
 
     Raises:
-        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
-            does not fly the kind of waypoints that the scenario asks for.
-        NoPath: a given place breaks a limit, no path was found that keeps them all, or too few flights would keep them.
-        NoRoute: no choice of waypoints of that kind keeps the limits; the way from home to the start is not clear.
+        BadInput: unknown optimizer or setting; start equal to goal; waypoints that the autopilot does not fly.
+        NoPath: a given place breaks a limit, or no path was found whose flights keep them all.
+        NoRoute: no waypoints of that kind keep the limits; the way from home to the start is not clear.
         Unsafe: it would touch down fast, and nothing helps.
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)

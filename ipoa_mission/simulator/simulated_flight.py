@@ -51,7 +51,7 @@ class Pilot(Protocol):
 
 @dataclass(frozen=True)
 class Pilots:
-    """`rng` gives the errors of the sensors."""
+    """`pilot` makes a flight's pilot; its random numbers are sensor errors."""
 
     pilot: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], Pilot]
 

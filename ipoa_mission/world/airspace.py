@@ -29,9 +29,9 @@ class Clearance:
         east, north, up = self.place
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
-    def less(self, stray: float) -> "Clearance":
-        """Return it, nearer by `stray` [m]."""
-        return replace(self, distance=self.distance - stray)
+    def minus(self, deviation: float) -> "Clearance":
+        """Subtract a deviation [m]."""
+        return replace(self, distance=self.distance - deviation)
 
 
 ROUNDING = 1e-6  # [m]

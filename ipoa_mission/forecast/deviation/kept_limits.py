@@ -112,9 +112,9 @@ def limits_kept(path: Points, task: PathTask, bound: DeviationBound) -> Iterator
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
-            yield replace(check, nearest=check.nearest.less(-bound.up))
+            yield replace(check, nearest=check.nearest.minus(-bound.up))
         elif check.limit == "ground" and check.required >= least + bound.down:
-            yield replace(check, nearest=check.nearest.less(bound.down), required=least)
+            yield replace(check, nearest=check.nearest.minus(bound.down), required=least)
     if (bounds := _bounds_kept(path, task, bound)) is not None:
         yield bounds
 

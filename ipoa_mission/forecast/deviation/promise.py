@@ -53,7 +53,7 @@ class KeptLimit:
 
     @property
     def forbids(self) -> bool:
-        """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted."""
+        """Return whether the limit forbids the flight: too little on the way, or at a tight place as predicted."""
         if self.part in (TAKEOFF_PART, LANDING_PART):
             return False
         return self.falls_short and (self.in_cruise or self.nominal < self.required - 2 * THINNING_TOLERANCE)

@@ -130,7 +130,7 @@ class FlightModel(ABC):
         raise NotModeled("this model has no aborted flights")
 
     def never_lands(self, words: str) -> MissionError:
-        """Return the error of a contingency without an end; `EndlessFlight` is that of a mission."""
+        """Return the error of a contingency without an end; a mission's is `EndlessFlight`."""
         return MissionError(words, code="endless-flight")
 
     def airframe(self, altitude: float) -> SlowedByAir:

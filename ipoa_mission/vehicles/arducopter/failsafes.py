@@ -157,7 +157,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 
 
 def _with_a_path(rule: FailsafeRule, action: FailsafeAction, parameters: Parameters) -> FailsafeAction:
-    """Replace SmartRTL by its fallback if it records no path."""
+    """Replace SmartRTL by its fallback if the vehicle records no path."""
     records = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
     if action.contingency is not Contingency.SMART_RTL or records:
         return action

@@ -59,7 +59,7 @@ ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """Return the learned or simulated one.
+    """Return the learned airframe, or the simulator's.
 
     >>> airframe_of(None) is ARDUPILOT_SIMULATOR
     True

@@ -133,7 +133,7 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
 
 
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
-    """Return whether it is over."""
+    """Return whether the spline is over."""
     state.clock += h
     (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
     left = math.sqrt((this.target.x - x) ** 2 + (this.target.y - y) ** 2 + (this.target.z - z) ** 2)
@@ -166,7 +166,7 @@ def braked(error: float, speed: float, accel: float, gain: float) -> float:
 
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Return whether it is over."""
+    """Return whether the climb or descent is over."""
     top = this.target.z
     if this.leave > 0.0:
         shape_to_rest(state, tuning)

@@ -46,7 +46,7 @@ KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, d
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """Return the learned one, or SIH's.
+    """Return the learned airframe, or SIH's.
 
     >>> airframe_of(None) is SIH
     True

@@ -189,7 +189,7 @@ class _Navigator:
         return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
-        """Open coordinates are the last commanded ones."""
+        """Return the place of visit n; open coordinates are those last commanded."""
         return Enu(*self.route.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:

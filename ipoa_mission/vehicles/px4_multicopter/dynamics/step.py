@@ -255,7 +255,7 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Return whether it is done, as guidance knows, or aborted."""
+    """Return whether the order was held long enough, or its time `until` passed."""
     if state.time >= order.until:
         return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
