@@ -130,9 +130,9 @@ def test_no_room_names_an_autopilot() -> None:
     assert found == set()
 
 
-@pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "trace_returns", "promise_of"])
+@pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "trace_returns", "clearance_guarantee_of"])
 def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
-    """A forecast keeps legs, times and promises."""
+    """A forecast keeps legs, times and guarantees."""
     callers = {
         path.relative_to(PACKAGE).as_posix()
         for path in FILES

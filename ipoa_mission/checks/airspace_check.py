@@ -12,8 +12,8 @@ from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.deviation.law import not_measured
-from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
@@ -66,18 +66,18 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
                 yield item.error("leg-too-near", message, hint, remedies)
 
 
-def check_clearance(mission: Mission, scenario: Scenario, promise: Promise) -> Iterator[Finding]:
+def check_clearance(mission: Mission, scenario: Scenario, guarantee: ClearanceGuarantee) -> Iterator[Finding]:
     """Report each limit that too few flights keep.
 
     It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
     """
-    if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
+    if guarantee.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
-    for limit in promise.broken:
+    for limit in guarantee.broken:
         item = item_of(mission, limit.item)
         touches = limit.limit == "obstacles" and limit.guaranteed < scenario.vehicle.radius
         report = item.error if limit.forbids or touches else item.warning
-        yield report("flights-too-near", f"{_where(limit)}: {limit.words(promise.confidence)}")
+        yield report("flights-too-near", f"{_where(limit)}: {limit.words(guarantee.confidence)}")
 
 
 def _where(limit: KeptLimit) -> str:

@@ -22,7 +22,7 @@ from ipoa_mission.mission.items import LEFT_OUT, Mission
 from ipoa_mission.rules import expect_ignorable
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.deviation.promise import Promise
+    from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
     from ipoa_mission.scenario import Scenario
 
 
@@ -96,16 +96,16 @@ def _check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) 
         check_wind,
     )
 
-    promise = forecast.promise_if_known if is_flown else None
+    guarantee = forecast.guarantee_if_known if is_flown else None
     findings = [*check_airspace(forecast)]
     judged = {finding.seq for finding in findings}
-    if promise is not None:
-        clearances = check_clearance(forecast.mission, forecast.world, promise)
+    if guarantee is not None:
+        clearances = check_clearance(forecast.mission, forecast.world, guarantee)
         findings += [finding for finding in clearances if finding.seq not in judged]
     findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
     findings += check_wind(forecast) if is_flown else ()
-    findings += () if promise is None else check_energy(forecast)
-    if promise is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
+    findings += () if guarantee is None else check_energy(forecast)
+    if guarantee is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
         findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
     return findings
 
@@ -136,7 +136,7 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
     return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))
 
 
-def promise_if_flown(forecast: Forecast) -> "Promise | None":
-    """Return the promise; None where it cannot be flown or is unknown."""
+def guarantee_if_flown(forecast: Forecast) -> "ClearanceGuarantee | None":
+    """Return the guarantee; None where it cannot be flown or is unknown."""
     mission = forecast.given
-    return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known
+    return None if refusals(mission) or is_too_long(mission) else forecast.guarantee_if_known

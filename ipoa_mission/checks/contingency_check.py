@@ -71,7 +71,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
         return
     samples = paths.samples(Contingency.RTL)
-    begin, end = forecast.promise.flight.cruise_span
+    begin, end = forecast.guarantee.flight.cruise_span
     checked = ~samples.clear & (samples.times >= begin) & (samples.times <= end)
     near = np.where(samples.possible[..., None] & checked[:, None, None], samples.near - paths.required, 0.0)
     braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)

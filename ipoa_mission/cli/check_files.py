@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.checks.check import check as check_forecast
-from ipoa_mission.checks.check import promise_if_flown
+from ipoa_mission.checks.check import guarantee_if_flown
 from ipoa_mission.checks.unsafe import strictly
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission
@@ -22,7 +22,7 @@ from ipoa_mission.rules import RULES
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.deviation.promise import Promise
+    from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
 
@@ -57,7 +57,7 @@ class CheckedFile:
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...] = ()
     forecast: Forecast | None = None
-    promise: "Promise | None" = None
+    guarantee: "ClearanceGuarantee | None" = None
     contingencies: tuple[Any, Any] | None = None
 
     @property
@@ -78,7 +78,7 @@ class CheckedFile:
         if (world := self.forecast.scenario) is not None:
             from ipoa_mission.flight.flight_summary import clearance_as_json, passed_over_as_json
 
-            about |= {"clearance": clearance_as_json(self.promise) or None, "passed_over": passed_over_as_json(world)}
+            about |= {"clearance": clearance_as_json(self.guarantee) or None, "passed_over": passed_over_as_json(world)}
             about["unread"] = unread_as_json(world.unread)
         if self.contingencies is not None:
             from ipoa_mission.cli.contingency_output import contingencies_as_json
@@ -97,8 +97,8 @@ class CheckedFile:
             yield f"{finding} [{finding.code}]"
             if finding.hint:
                 yield f"hint: {finding.hint}"
-        if self.promise is not None:
-            yield from promised(self.promise)
+        if self.guarantee is not None:
+            yield from promised(self.guarantee)
 
     def counts(self) -> str:
         if self.forecast is None:
@@ -114,16 +114,16 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
     forecast = Forecast(given.mission, how.world)
     world = forecast.scenario
     findings = strictly(check_forecast(forecast, how.ignore, given.findings), how.anyway)
-    promise = None if world is None else promise_if_flown(forecast)
+    guarantee = None if world is None else guarantee_if_flown(forecast)
     contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
-    if how.contingencies and promise is not None:
+    if how.contingencies and guarantee is not None:
         from ipoa_mission.forecast.contingency.contingencies import Contingencies, failsafes_of
 
         contingencies = forecast.cached(Contingencies).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
-    return CheckedFile(file, findings, remarks, forecast, promise, contingencies)
+    return CheckedFile(file, findings, remarks, forecast, guarantee, contingencies)
 
 
 def counted(number: int, what: str) -> str:
@@ -134,11 +134,11 @@ def wind_words(wind: "Wind") -> list[str]:
     return [f"wind {wind}"] if wind.strongest > 0 else []
 
 
-def promised(promise: "Promise | None") -> list[str]:
-    kept = None if promise is None else promise.clearance
-    if promise is None or kept is None:
+def promised(guarantee: "ClearanceGuarantee | None") -> list[str]:
+    kept = None if guarantee is None else guarantee.clearance
+    if guarantee is None or kept is None:
         return []
-    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
+    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(guarantee.confidence)}"]
 
 
 def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:

@@ -85,10 +85,10 @@ def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
 def _of_plan(job: Job) -> str:
     if job.flight is None:
         return ""
-    promise, kept = job.flight.promise, job.flight.promise.clearance
+    guarantee, kept = job.flight.guarantee, job.flight.guarantee.clearance
     keep = (
-        f"; {100 * promise.confidence:g} % of flights keep {down(kept.guaranteed):.2f} m"
-        if promise.confidence and kept
+        f"; {100 * guarantee.confidence:g} % of flights keep {down(kept.guaranteed):.2f} m"
+        if guarantee.confidence and kept
         else ""
     )
     return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
@@ -113,7 +113,7 @@ def describe(flight: Flight) -> list[str]:
     firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
-        *promised(flight.promise),
+        *promised(flight.guarantee),
         f"estimated {estimate.total_s:.1f} s",
         *wind_words(flight.forecast.wind),
     ]

@@ -109,11 +109,11 @@ def show(
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
     print_lines(f"{once}; {total}", *energy, *notes(remarks))
     if contingencies:
-        from ipoa_mission.checks.check import promise_if_flown
+        from ipoa_mission.checks.check import guarantee_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
         from ipoa_mission.forecast.contingency.contingencies import Contingencies
 
-        is_flown = promise_if_flown(forecast) is not None
+        is_flown = guarantee_if_flown(forecast) is not None
         print_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
 
 

@@ -1,6 +1,7 @@
 """Plan a flight in one call."""
 
 import logging
+import warnings
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -28,7 +29,7 @@ from ipoa_mission.flight.flight_summary import (
     route_summary,
 )
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
-from ipoa_mission.forecast.deviation.promise import Promise
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
 from ipoa_mission.mission.items import Mission
@@ -91,8 +92,14 @@ class Flight:
         return self.forecast.proof
 
     @property
-    def promise(self) -> Promise:
-        return self.forecast.promise
+    def guarantee(self) -> ClearanceGuarantee:
+        return self.forecast.guarantee
+
+    @property
+    def promise(self) -> ClearanceGuarantee:
+        """Return `guarantee`; the old name is removed with 0.6."""
+        warnings.warn("promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
+        return self.guarantee
 
     @property
     def estimate(self) -> Estimate:
@@ -139,7 +146,7 @@ class Flight:
             "optimizer": plan.optimizer,
             "evaluations": int(plan.evaluations[-1]),
             "cost": {name: rounded(value) for name, value in asdict(plan.cost).items()},
-            "clearance": clearance_as_json(self.promise)
+            "clearance": clearance_as_json(self.guarantee)
             | {"curve": proof_as_json(plan.proof), "legs": proof_as_json(self.proof)},
             "limits": limits_as_json(self.proof),
             "control_points": [[rounded(value) for value in point] for point in plan.curve.control],

@@ -14,19 +14,22 @@ if TYPE_CHECKING:  # not for `check` and `estimate`
     from ipoa_mission.autopilot.energy import Interval
     from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.contingency.energy_budget import Budget
-    from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
+    from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
 
 
-def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
+def clearance_as_json(guarantee: "ClearanceGuarantee | None") -> dict[str, Any]:
     """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
-    if promise is None:
+    if guarantee is None:
         return {}
-    clearance, confidence = promise.clearance, "nominal" if promise.confidence is None else round(promise.confidence, 4)
-    others = [{"part": other.part, "limit": other.limit} | _limit_as_json(other) for other in promise.elsewhere]
+    clearance, confidence = (
+        guarantee.clearance,
+        "nominal" if guarantee.confidence is None else round(guarantee.confidence, 4),
+    )
+    others = [{"part": other.part, "limit": other.limit} | _limit_as_json(other) for other in guarantee.elsewhere]
     elsewhere = {"elsewhere": others} if others else {}
     return elsewhere if clearance is None else _limit_as_json(clearance) | {"confidence": confidence} | elsewhere
 

@@ -108,8 +108,8 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         checks = forecast.proof.checks
         planned = min(check.nearest.distance for check in checks if check.limit in ("obstacles", "ground"))
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
-        promise = forecast.promise_if_known
-        clearance = None if promise is None else promise.clearance
+        guarantee = forecast.guarantee_if_known
+        clearance = None if guarantee is None else guarantee.clearance
         promised = None if clearance is None else clearance.guaranteed
     return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)
 

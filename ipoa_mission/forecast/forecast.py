@@ -1,5 +1,6 @@
 """Forecast the flight of a mission, each part computed once."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -24,7 +25,7 @@ from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.energy import Consumption
-    from ipoa_mission.forecast.deviation.promise import Promise
+    from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.flight_model import Prediction
     from ipoa_mission.forecast.timing.track import Track
@@ -103,10 +104,10 @@ class Forecast:
         return made
 
     def drop(self, make: "Callable[[Forecast], Any]") -> None:
-        """Drop the cached result of `make`, and large parts of the promise."""
+        """Drop the cached result of `make`, and large parts of the guarantee."""
         self._made.pop(make, None)
-        if "promise" in self.__dict__:
-            self.promise.flight.__dict__.pop("pieces", None)
+        if "guarantee" in self.__dict__:
+            self.guarantee.flight.__dict__.pop("pieces", None)
 
     @property
     def world(self) -> "Scenario":
@@ -203,20 +204,26 @@ class Forecast:
         return flight_energy(self.scenario, path, self.mission.vehicle, self.wind)
 
     @cached_property
-    def promise(self) -> "Promise":
+    def guarantee(self) -> "ClearanceGuarantee":
         """Return the kept limits; raises as `predicted`, and if the path is unknown."""
+        from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight, clearance_guarantee_of
         from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-        from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
         task = clearance_task(self.world, self.mission.autopilot)
-        return promise_of(PredictedFlight(self.itinerary, self.predicted(sure=True), task))
+        return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(sure=True), task))
 
     @property
-    def promise_if_known(self) -> "Promise | None":
+    def promise(self) -> "ClearanceGuarantee":
+        """Return `guarantee`; the old name is removed with 0.6."""
+        warnings.warn("promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
+        return self.guarantee
+
+    @property
+    def guarantee_if_known(self) -> "ClearanceGuarantee | None":
         try:
-            return self.promise if self.itinerary.visits else None
+            return self.guarantee if self.itinerary.visits else None
         except MissionError:
             return None
 

@@ -98,7 +98,7 @@ def report_html(
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(f"{vehicle}, cruise {scenario.vehicle.cruise_speed:g} m/s"),
-        "verdict": verdict(proof, forecast.promise_if_known, dangers, findings),
+        "verdict": verdict(proof, forecast.guarantee_if_known, dangers, findings),
         "figures": figures(forecast, float(predicted.along[-1]), waypoints, comparison),
         "warnings": warnings(dangers, findings, [*notes.remarks, *forecast.estimate.remarks], scenario.remarks),
         "survey": notes.panel,

@@ -88,18 +88,18 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     """Return the best quick route, or the best of all if it lacks less than `promising` [m]."""
-    quick = _first_promised(_near_routes(plan, scenario))
-    if not quick.is_promised and quick.slack < promising:
+    quick = _first_guaranteed(_near_routes(plan, scenario))
+    if not quick.is_guaranteed and quick.slack < promising:
         return quick
-    whole = _first_promised(_routes(plan, scenario))
-    return whole if whole.is_promised else max(quick, whole, key=lambda attempt: attempt.merit)
+    whole = _first_guaranteed(_routes(plan, scenario))
+    return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
 
 
-def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
+def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
     seen = list[Attempt]()
     for attempt in attempts:
         seen.append(attempt)
-        if attempt.is_promised:
+        if attempt.is_guaranteed:
             return attempt
     return max(seen, key=lambda attempt: attempt.slack)
 
@@ -159,7 +159,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
             if mode == needed:
                 raise
             continue
-        attempts[mode] = attempt, attempt is chosen or not attempt.draft.promise.forbidding
+        attempts[mode] = attempt, attempt is chosen or not attempt.draft.guarantee.forbidding
     least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
     options, of_needed = [], attempts[needed][0].flown
     for mode, (attempt, is_clear) in attempts.items():

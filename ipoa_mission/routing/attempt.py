@@ -6,8 +6,8 @@ from functools import cached_property
 import numpy as np
 
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, deviation_bound_holds
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.promise import Promise, deviation_bound_holds
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.forecast.timing.estimate import kinematics
@@ -45,14 +45,14 @@ class Attempt:
         Raises:
             NoRoute, Unsafe, BadInput: as `build_mission`.
         """
-        if self.draft.promise.forbidding:
+        if self.draft.guarantee.forbidding:
             return self.draft
         built = build_mission(self.route, self.scenario)
         return self.draft if built == self.draft.mission else Forecast(built, self.scenario)
 
     @cached_property
     def _settled(self) -> tuple[Forecast, tuple[Shortfall, ...]]:
-        if self.scenario.safety.returns != "planned" or not self.is_promised:
+        if self.scenario.safety.returns != "planned" or not self.is_guaranteed:
             return self.whole, ()
         return settled(self.whole)
 
@@ -65,21 +65,21 @@ class Attempt:
         return self._settled[1]
 
     @property
-    def promise(self) -> Promise:
-        return self.forecast.promise
+    def guarantee(self) -> ClearanceGuarantee:
+        return self.forecast.guarantee
 
     @property
-    def is_promised(self) -> bool:
-        return not self.whole.promise.forbidding
+    def is_guaranteed(self) -> bool:
+        return not self.whole.guarantee.forbidding
 
     @property
     def holds(self) -> bool:
-        return self.is_promised and not self.short and not self.promise.forbidding
+        return self.is_guaranteed and not self.short and not self.guarantee.forbidding
 
     @property
     def slack(self) -> float:
         """Return the least margin over all limits and planned contingencies [m]."""
-        kept = min((kept.slack for kept in self.promise.limits if kept.in_cruise), default=0.0)
+        kept = min((kept.slack for kept in self.guarantee.limits if kept.in_cruise), default=0.0)
         return min([kept, *(-one.missing for one in self.short)])
 
     @property

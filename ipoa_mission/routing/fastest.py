@@ -221,7 +221,7 @@ def _repaired(too_near: list[Attempt]) -> list[Attempt]:
 
 def _at_kept_height(attempt: Attempt) -> Points:
     """Return the waypoints, the free ones higher or lower if a limit of height is broken."""
-    points, broken = attempt.route.points.copy(), attempt.promise.forbidding
+    points, broken = attempt.route.points.copy(), attempt.guarantee.forbidding
     up = max((-kept.slack for kept in broken if kept.limit == "ground"), default=0.0)
     down = max((-kept.slack for kept in broken if kept.limits_above), default=0.0)
     shift = up - down

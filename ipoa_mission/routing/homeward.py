@@ -22,9 +22,9 @@ def expect_way_home(attempt: "Attempt") -> None:
     scenario = attempt.scenario
     if scenario.safety.returns != "planned" or scenario.route.ending != "rtl" or leads_home(scenario):
         return
-    if not attempt.is_promised:
+    if not attempt.is_guaranteed:
         return
-    after = attempt.promise.flight.cruise_span[1]
+    after = attempt.guarantee.flight.cruise_span[1]
     lands = any(one.comes_down and one.time > after for one in attempt.short)
     returns = attempt.forecast.ways_home
     if lands or not clear_in(scenario)(returns) or any(broken_limits(leg, scenario) for leg in returns):

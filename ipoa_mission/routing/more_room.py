@@ -38,15 +38,17 @@ class Needs:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
-        promise, curve = attempt.promise, attempt.plan.curve
-        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.in_cruise}
+        guarantee, curve = attempt.guarantee, attempt.plan.curve
+        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in guarantee.broken if kept.in_cruise}
         low = [
             one.missing * GROWTH_FACTOR + GROWTH_MARGIN
             for one in attempt.short
             if not one.body and one.part < ReturnLeg.RETURNS
         ]
         short["ground"] = max([short.get("ground", 0.0), *low])
-        wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.in_cruise and one.limit == "obstacles"]
+        wanted = [
+            (one.to, short["obstacles"]) for one in guarantee.broken if one.in_cruise and one.limit == "obstacles"
+        ]
         aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
         wanted += [(one.body, one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
         growth = self.growth

@@ -167,7 +167,7 @@ def rally_sets(paths: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     goals = np.vstack([home, places])
     clear = _clear(paths, stopped, height, goals)
     if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
-        own = int(np.searchsorted(times, forecast.promise.flight.cruise_span[1]))
+        own = int(np.searchsorted(times, forecast.guarantee.flight.cruise_span[1]))
         keep = clear[min(own, len(times) - 1)]
         keep[0] = True
         goals, clear = goals[keep], clear[:, keep]
@@ -198,7 +198,7 @@ def _clear(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64]
 
 def _places(forecast: Forecast) -> Points:
     """Return ground places along the path (n, 3)."""
-    track = forecast.promise.flight.pieces.points
+    track = forecast.guarantee.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
     at = np.arange(0.0, traveled[-1] + SEARCH.place_step, SEARCH.place_step)

@@ -9,9 +9,9 @@ import numpy as np
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
+from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
-from ipoa_mission.forecast.deviation.promise import KeptLimit
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound
@@ -245,18 +245,18 @@ def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
 
 
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
-    promise = nearest.promise
+    guarantee = nearest.guarantee
     if nearest.short:
         helps, hint, remedies = _try_changes("", trials)
         words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
         return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
-    tightest = min(promise.forbidding, key=lambda limit: limit.slack)
+    tightest = min(guarantee.forbidding, key=lambda limit: limit.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
     if tightest.limit == "obstacles":
         words = _gap(tightest, nearest.scenario.airspace)
     else:
-        words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
+        words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
     return _with_help(f"{words}, {where}", ", or a via point that leads round", trials)
 
 
@@ -326,7 +326,7 @@ def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[R
         if (attempt := trials.at(change)) is None:
             tried.append(change)
             continue
-        clearance = attempt.promise.clearance
+        clearance = attempt.guarantee.clearance
         with_it = "" if clearance is None else f" with {down(clearance.guaranteed):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
     return (

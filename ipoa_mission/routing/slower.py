@@ -97,9 +97,9 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
 
 def _too_near(attempt: Attempt) -> Iterator[int]:
     ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
-    for limit in attempt.promise.forbidding:
+    for limit in attempt.guarantee.forbidding:
         yield min(int(np.searchsorted(ends, limit.item)), len(ends) - 1)
-    flight = attempt.promise.flight
+    flight = attempt.guarantee.flight
     for one in attempt.short:
         then = min(int(np.searchsorted(flight.prediction.done, one.time)), len(flight.route.visits) - 1)
         yield min(int(np.searchsorted(ends, flight.route.visits[then].seq)), len(ends) - 1)
@@ -118,9 +118,9 @@ def slowed_stretches(forecast: Forecast) -> Iterator[str]:
         return
     asked = [item.command != Command.DO_CHANGE_SPEED or item.params[1] == cruise for item in mission.items]
     fast = replace(mission, items=tuple(item for item, stays in zip(mission.items, asked, strict=True) if stays))
-    promise = Forecast(fast, forecast.world).promise
-    worst = min(promise.forbidding, key=lambda limit: limit.slack, default=None)
-    why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(promise.confidence)}"
+    guarantee = Forecast(fast, forecast.world).guarantee
+    worst = min(guarantee.forbidding, key=lambda limit: limit.slack, default=None)
+    why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(guarantee.confidence)}"
     which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last, _ in stretches)
     yield f"items {which} are flown at {stretches[0][-1]:g} m/s{why}"
 

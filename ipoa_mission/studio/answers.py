@@ -276,7 +276,7 @@ class Homeward(PageMessage):
 class Plan(PageMessage):
     """The proved plan; of a mission only `kept` is proved.
 
-    `warnings` matter before the flight. `proof`: digest of mission and promise, which a start must name.
+    `warnings` matter before the flight. `proof`: digest of mission and guarantee, which a start must name.
     """
 
     kind: Literal["plan"] = "plan"

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.contingency.contingencies import Contingencies, Conti
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS, TIMED
 from ipoa_mission.forecast.contingency.contingency_paths import PredictedContingency
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
-from ipoa_mission.forecast.deviation.promise import Promise
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate, kinematics
@@ -78,11 +78,11 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
 def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
     """Show a forecast; its clearance only with a scenario."""
     scenario, estimate, course = forecast.scenario, forecast.estimate, course_of(forecast)
-    promise = None if scenario is None else forecast.promise_if_known
-    kept = None if promise is None else promise.clearance
+    guarantee = None if scenario is None else forecast.guarantee_if_known
+    kept = None if guarantee is None else guarantee.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
-    ring = [] if promise is None else outline_around(course.points, shown_deviation_bound(forecast).level)
+    ring = [] if guarantee is None else outline_around(course.points, shown_deviation_bound(forecast).level)
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Plan(
         of="mission",
@@ -90,7 +90,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         name=name,
         proof="",
         verdict="" if scenario is None or not forecast.cruise else without_folders(forecast.proof.words(), scenario),
-        confidence=None if promise is None else promise.confidence,
+        confidence=None if guarantee is None else guarantee.confidence,
         kept=None if kept is None else down(kept.guaranteed),
         nominal=None if kept is None else down(kept.nominal),
         required=0.0 if scenario is None else up(scenario.limits.obstacle_distance if kept is None else kept.required),
@@ -113,8 +113,8 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         ),
         beside=() if scenario is None else tuple(_beside(course, scenario)),
         stops=tuple(_stops(forecast, course)),
-        bindings=(*_near_places(promise, course, scenario), *_slow_items(estimate, course)),
-        homeward=() if promise is None else tuple(_homeward(forecast)),
+        bindings=(*_near_places(guarantee, course, scenario), *_slow_items(estimate, course)),
+        homeward=() if guarantee is None else tuple(_homeward(forecast)),
         choices=(),
         limits=(),
         warnings=(),
@@ -173,18 +173,20 @@ def _beside(course: SampledTrack, scenario: Scenario) -> Iterator[answers.Beside
         yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
-def _near_places(promise: Promise | None, course: SampledTrack, scenario: Scenario | None) -> Iterator[answers.Binding]:
+def _near_places(
+    guarantee: ClearanceGuarantee | None, course: SampledTrack, scenario: Scenario | None
+) -> Iterator[answers.Binding]:
     """Yield places too near to the flight, and the five nearest, worst first."""
     if scenario is None:
         return
     for danger in find_dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
-    if promise is None:
+    if guarantee is None:
         return
-    for check in sorted(promise.limits, key=lambda kept: kept.slack)[:5]:
+    for check in sorted(guarantee.limits, key=lambda kept: kept.slack)[:5]:
         if math.isfinite(check.guaranteed) and check.slack < 1.5 * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
-            part, share = (f", in {check.part}", None) if check.part else ("", promise.confidence)
+            part, share = (f", in {check.part}", None) if check.part else ("", guarantee.confidence)
             words = f"{check.limit}, to {check.to}{part}: {check.words(share)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
 

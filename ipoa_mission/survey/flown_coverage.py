@@ -41,7 +41,7 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
     """Return the track, and when lines begin and end (n, 2) [s]."""
     tolerance = 0.05  # between an item and its line's end [m]
-    prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
+    prediction, move = forecast.guarantee.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]

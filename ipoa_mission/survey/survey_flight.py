@@ -180,7 +180,7 @@ def flight_table(survey: Survey) -> tuple[list[str], list[tuple[str, ...]]]:
     plan, rows = survey.plan, list[tuple[str, ...]]()
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     for name, flight in zip(survey.names, plan.flights, strict=True):
-        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         counts = len(flight.tour.swaths), plan.sight.photos_of(flight.tour), len(flight.forecast.mission.items)
         takes, wh = f"{flight.forecast.estimate.total_s:.1f}", "" if energy is None else f"{energy.energy_wh:.1f}"
         least = "" if kept is None else f"{down(kept.guaranteed):.2f} to {kept.to}"

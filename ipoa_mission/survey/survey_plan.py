@@ -12,7 +12,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
-from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points
@@ -82,9 +82,9 @@ class SurveyPlan(SurveyTask):
 
 
 class _TooNear(Exception):
-    def __init__(self, kept: KeptLimit, promise: Promise) -> None:
+    def __init__(self, kept: KeptLimit, guarantee: ClearanceGuarantee) -> None:
         super().__init__(kept.to)
-        self.kept, self.promise = kept, promise
+        self.kept, self.guarantee = kept, guarantee
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
@@ -113,11 +113,11 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
         near, wanted = _too_near(forecasts), dict[str, float]()
         if not near:
             break
-        for kept, promise in near:
+        for kept, guarantee in near:
             if kept.limit not in ("obstacles", "bounds"):
-                raise _TooNear(kept, promise)
+                raise _TooNear(kept, guarantee)
             bodies = flown_round(scenario, task.sight, growth)
-            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, bodies)
+            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, guarantee, bodies)
             for name, by in missing.items():  # [m]
                 wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * 1.15 + 0.05)
         growth |= wanted
@@ -128,18 +128,18 @@ def _with_room(scenario: Scenario, seed: int) -> SurveyPlan:
     return SurveyPlan(scenario, task.section, task.area, task.sight, task.keep_out, tour, seen, flights, growth)
 
 
-def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, Promise]]:
+def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[KeptLimit, ClearanceGuarantee]]:
     """Return the limits that flights do not keep; drops large data."""
-    near = list[tuple[KeptLimit, Promise]]()
+    near = list[tuple[KeptLimit, ClearanceGuarantee]]()
     for forecast in forecasts:
-        near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
+        near += [(kept, forecast.guarantee) for kept in forecast.guarantee.forbidding]
         forecast.drop(ContingencyPaths)
     return near
 
 
-def _missing(kept: KeptLimit, promise: Promise, bodies: Sequence[Obstacle]) -> dict[str, float]:
+def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Obstacle]) -> dict[str, float]:
     """Return the clearance [m] missing to the worst obstacle, and to others about as near, which have no bound."""
-    flight, lost, min_slack = promise.flight, kept.nominal - kept.guaranteed, 0.25  # [m]
+    flight, lost, min_slack = guarantee.flight, kept.nominal - kept.guaranteed, 0.25  # [m]
     points = flight.prediction.track.between(*flight.cruise_span).points[:, :2]
     path = shapely.LineString(points).simplify(THINNING_TOLERANCE)
     slack = shapely.distance(path, [body.plan for body in bodies]) - lost - kept.required
@@ -179,7 +179,7 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
     slowest = SPEEDS[-1] * scenario.vehicle.cruise_speed
     return NoPath(
         f"even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
-        f"up {up:.1f} m: {kept.words(nearest.promise.confidence)}",
+        f"up {up:.1f} m: {kept.words(nearest.guarantee.confidence)}",
         hint="fly higher (survey.height_above_ground), or leave that place out of the area",
         code="survey-too-near",
         place="survey",

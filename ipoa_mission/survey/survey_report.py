@@ -40,7 +40,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
                 "photos": sight.photos_of(flight.tour),
                 "time_s": rounded(flight.forecast.estimate.total_s),
                 "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
-                "clearance": clearance_as_json(flight.forecast.promise),
+                "clearance": clearance_as_json(flight.forecast.guarantee),
                 **({"findings": findings_as_json(flight.findings)} if flight.findings else {}),
             }
             for name, flight in zip(names, plan.flights, strict=True)
@@ -63,7 +63,7 @@ def forecast_as_json(forecast: Forecast) -> dict[str, Any]:
     mission, energy = forecast.mission, forecast.energy
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
-        "clearance": clearance_as_json(forecast.promise),
+        "clearance": clearance_as_json(forecast.guarantee),
         **items_as_json(forecast),
         "energy_wh": None if energy is None else rounded(energy.energy_wh),
         **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
@@ -131,7 +131,7 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
     head = "".join(f'<th scope="col">{name}</th>' for name in columns)
     rows = ""
     for n, (name, flight) in enumerate(zip(names, plan.flights, strict=True)):
-        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        energy, kept = flight.forecast.energy, flight.forecast.guarantee.clearance
         cells = (
             str(len(flight.tour.swaths)),
             str(plan.sight.photos_of(flight.tour)),
@@ -160,6 +160,6 @@ def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) 
 def _flight(flight: SurveyFlight, name: str) -> str:
     forecast = flight.forecast
     dangers = find_dangers(sample_track(forecast.estimate.track, forecast.world.airspace), forecast.world)
-    judged = verdict(forecast.proof_if_known, forecast.promise_if_known, dangers, flight.findings)
+    judged = verdict(forecast.proof_if_known, forecast.guarantee_if_known, dangers, flight.findings)
     link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
     return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

@@ -217,7 +217,7 @@ def test_what_is_too_long_for_its_autopilot_is_refused_before_its_flight_is_pred
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     asked: list[Mission] = []
-    monkeypatch.setattr(Forecast, "promise_if_known", property(lambda forecast: asked.append(forecast.mission)))
+    monkeypatch.setattr(Forecast, "guarantee_if_known", property(lambda forecast: asked.append(forecast.mission)))
     scenario = read_scenario(SHIPPED / "campus.toml")
     for items, predicted in ((647, 1), (648, 0)):
         mission = flight(UP, *[AWAY] * items, DOWN, autopilot=ARDUPILOT)

@@ -46,7 +46,7 @@ def clearance_is_known(mission: Mission) -> bool:
     errors = {one.code for one in check(forecast) if one.severity is Severity.ERROR}
     unknown = bool(errors & {"way-unknown", "never-reached", "command-never-flown"})
     if unknown:
-        assert forecast.promise_if_known is None
+        assert forecast.guarantee_if_known is None
         assert forecast.proof_if_known is None
     return not unknown
 

@@ -50,7 +50,7 @@ def test_a_flight_keeps_what_its_forecast_promises(folder: Path) -> None:
     way = track[(track[:, 0] >= times[0]) & (track[:, 0] <= times[-2]), 1:]
     airspace = forecast.world.airspace
     found = {"obstacles": airspace.obstacle_clearance(way), "ground": airspace.terrain_clearance(way)}
-    held = [kept for kept in forecast.promise.limits if kept.in_cruise and kept.limit in found]
+    held = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in found]
     assert held
     for kept in held:
         distance = found[kept.limit].distance

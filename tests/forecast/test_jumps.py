@@ -89,9 +89,9 @@ def test_arducopter_flies_on_past_a_jump_to_what_is_no_place() -> None:
     """ArduPilot #31021: 4.8.0-dev (531699d652) flew from C to D, called it A, and went on from there."""
     assert found(check_mission(mission(*LOOP))) == ["error jump-flown-elsewhere 5"]
     known = Forecast(mission(*LOOP), parse_scenario(TOWER, Path("tower.toml")))
-    assert known.promise_if_known is known.proof_if_known is None
+    assert known.guarantee_if_known is known.proof_if_known is None
     with refuses("jump-flown-elsewhere", "item 5"):
-        known.promise  # noqa: B018
+        known.guarantee  # noqa: B018
     with refuses("jump-flown-elsewhere", "item 5"):
         known.estimate  # noqa: B018
     to_an_action = mission(UP, change_speed(5.0), A, B, jump(2, 1), D, BACK)

@@ -161,7 +161,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, 
 
 def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("campus.toml")
-    kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).promise.clearance
+    kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).guarantee.clearance
     assert kept is not None
     page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 6500.0}), scenario))
     words = f"Clear of teaching block A: 99 % of flights keep {down(kept.guaranteed):.2f} m"

@@ -11,7 +11,7 @@ import pytest
 from ipoa_mission import plan_flight, read_scenario
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
-from ipoa_mission.forecast.deviation import promise
+from ipoa_mission.forecast.deviation import clearance_guarantee
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.planning import planner, polish
 
@@ -33,7 +33,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
     for autopilot in registered():
         count("forecasts", type(autopilot.part(FlightModel)), "predicted")
-    count("clearance_guarantees", promise, "promise_of")
+    count("clearance_guarantees", clearance_guarantee, "clearance_guarantee_of")
     count("contingency_batches", ContingencyPaths, "_at")
     count("searches", planner, "minimize")
     count("polishing_stages", polish, "_descend")

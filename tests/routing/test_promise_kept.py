@@ -70,7 +70,7 @@ def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
 
 def way(flight: Flight) -> np.ndarray:
     """Return places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
-    predicted = Forecast(flight.mission, flight.scenario).promise.flight
+    predicted = Forecast(flight.mission, flight.scenario).guarantee.flight
     points = predicted.pieces.part(*predicted.cruise_span).points
     legs = [np.linspace(a, b, max(2, int(np.linalg.norm(b - a) / STEP) + 1)) for a, b in pairwise(points)]
     return np.vstack(legs)
@@ -92,7 +92,7 @@ def test_what_is_written_passes_the_check_and_keeps_what_is_required(
     required = scenario.limits.obstacle_distance
     assert nearest(way(flight), scene["obstacles"]).min() >= required
     assert not any(f.severity is Severity.ERROR for f in check_mission(flight.mission, scenario))
-    kept = flight.promise.clearance
+    kept = flight.guarantee.clearance
     assert kept is None or f"{down(kept.guaranteed):.2f}" >= f"{up(required):.2f}"
     assert all(option.flies_clear for option in flight.options if option.mode == how[1])
 
@@ -144,10 +144,10 @@ def test_what_is_promised_at_a_given_place_is_its_own_line() -> None:
     scenario = beside(0.99, 2.6)
     moved = scenario.model_copy(update={"goal": scenario.start.model_copy(update={"east": 40.0})})
     flight = plan_flight(moved)
-    kept = flight.promise.clearance
+    kept = flight.guarantee.clearance
     assert kept is not None
     assert kept.guaranteed >= 2.5
-    told = clearance_as_json(flight.promise)
+    told = clearance_as_json(flight.guarantee)
     assert told["kept_m"] >= told["required_m"]
     assert {one["part"] for one in told["elsewhere"]} <= {"goal", "the ending"}
     assert all(one["kept_m"] < one["required_m"] for one in told["elsewhere"])

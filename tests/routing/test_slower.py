@@ -83,8 +83,8 @@ def test_what_is_too_near_at_the_cruise_speed_is_planned_with_a_slower_stretch(
     assert speeds[0] == speeds[-1] == CRUISE
     assert min(speeds) in (7.5, 3.8)
     assert nearest(way(flight), scene["obstacles"]).min() >= scenario.limits.obstacle_distance
-    assert flight.promise.clearance is not None
-    assert flight.promise.clearance.slack >= 0
+    assert flight.guarantee.clearance is not None
+    assert flight.guarantee.clearance.slack >= 0
     assert not any(found.severity is Severity.ERROR for found in check_mission(flight.mission, scenario))
     scene["vehicle"]["cruise_speed"] = min(speeds)
     assert flight.estimate.total_s < along(route, Scenario.model_validate(scene)).forecast.estimate.total_s

@@ -75,7 +75,7 @@ def test_every_place_of_a_field_is_seen_and_nothing_outside_is_flown_over(autopi
     lined = along(waypoints(flight)[:, :2])
     assert shapely.distance(shapely.points(lined), shapely.Polygon(FIELD)).max() < 0.05
     assert np.abs(waypoints(flight)[:, 2] - 40.0).max() < 0.05
-    assert not flight.promise.forbidding
+    assert not flight.guarantee.forbidding
     assert flight.estimate.total_s > 0
 
 
@@ -185,7 +185,7 @@ def test_what_is_low_is_flown_over_and_what_is_high_round() -> None:
     track = flight.forecast.estimate.track.points
     beside = np.hypot(track[:, 0] - 110.0, track[:, 1] - 80.0)
     assert beside.min() > 10.0 + 1.5
-    assert not flight.forecast.promise.forbidding
+    assert not flight.forecast.guarantee.forbidding
 
 
 def test_a_battery_too_small_for_all_makes_several_flights_that_come_home_with_their_reserve(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def test_a_flight_that_is_broken_off_is_gone_on_with(share: float) -> None:
     unbroken = area.intersection(seen([flown_of(plan, 0)[:, :2]], plan.sight.spacing)).area  # corners are cut
     assert area.intersection(seen(legs, plan.sight.spacing)).area > unbroken - 5e-4 * area.area > 0.99 * area.area
     (forecast,) = (flight.forecast for flight in rest.flights)
-    assert not forecast.promise.forbidding
+    assert not forecast.guarantee.forbidding
     assert rest.photos < plan.photos
 
 

@@ -190,7 +190,7 @@ def test_each_flight_begins_and_ends_at_its_own_place_and_comes_home(from_both_e
         assert np.linalg.norm(track[[0, -1], :2], axis=1).max() < 0.5
         assert flight.forecast.energy is not None
         assert flight.forecast.energy.energy_wh <= 0.8 * 20.0
-        assert not flight.forecast.promise.forbidding
+        assert not flight.forecast.guarantee.forbidding
         again = Forecast(mission, plan.scenario)  # in the scenario as it is in the file
         assert again.estimate.total_s == pytest.approx(flight.forecast.estimate.total_s, abs=0.05)
         seen += on_earth(mission, plan.scenario)

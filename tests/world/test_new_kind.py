@@ -97,10 +97,10 @@ def test_its_clearance_as_flown_is_not_that_of_its_box(strung: Scenario) -> None
 
 
 def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
-    promise = Forecast(plan_flight(strung, seed=1).mission, strung).promise
-    assert not promise.forbidding
-    kept = next(one for one in promise.limits if one.in_cruise and one.limit == "obstacles")
-    points = promise.flight.pieces.points
+    guarantee = Forecast(plan_flight(strung, seed=1).mission, strung).guarantee
+    assert not guarantee.forbidding
+    kept = next(one for one in guarantee.limits if one.in_cruise and one.limit == "obstacles")
+    points = guarantee.flight.pieces.points
     exact = strung.airspace.obstacle_clearance(points).distance
     assert strung.limits.obstacle_distance <= kept.guaranteed <= exact
 

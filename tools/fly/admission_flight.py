@@ -68,8 +68,8 @@ class Simulator:
 class Row:
     """Record a flight: times from arming [s], distances from take-off to the last waypoint [m].
 
-    `surplus`: clearance flown above the requirement; `over_promise`: above the clearance that 99 % of flights keep.
-    `required`, `kept_99`, `least` and `to` belong to the limit with the least `over_promise`.
+    `surplus`: clearance flown above the requirement; `over_guarantee`: above the clearance that 99 % of flights keep.
+    `required`, `kept_99`, `least` and `to` belong to the limit with the least `over_guarantee`.
     `astray`: greatest distance from the predicted path.
     `truth`: source of the track, the simulator's log or the vehicle's own position.
     """
@@ -86,7 +86,7 @@ class Row:
     least: float = math.nan
     to: str = ""
     surplus: float = math.nan
-    over_promise: float = math.nan
+    over_guarantee: float = math.nan
     estimated_route_s: float = math.nan
     flown_route_s: float = math.nan
     estimated_s: float = math.nan
@@ -257,7 +257,7 @@ def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed:
 def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     air = forecast.world.airspace
     found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
-    held = [kept for kept in forecast.promise.limits if kept.in_cruise and kept.limit in found]
+    held = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in found]
     if not held or len(way) < 2:
         return row
     surplus = min(found[kept.limit].distance - kept.required for kept in held)
@@ -266,5 +266,5 @@ def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     return replace(
         row, required=round(least.required, 3), kept_99=round(least.guaranteed, 3), to=nearest.what,
         least=round(float(nearest.distance), 3), surplus=round(float(surplus), 3),
-        over_promise=round(float(nearest.distance - least.guaranteed), 3),
+        over_guarantee=round(float(nearest.distance - least.guaranteed), 3),
     )  # fmt: skip

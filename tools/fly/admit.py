@@ -160,8 +160,8 @@ def words(row: Row) -> str:
         return f"{row.scene} {row.flight}: {row.outcome}: {row.why}{kept}"
     return (
         f"{row.scene} {row.flight}: {row.outcome}; to the last waypoint {100 * row.route_off:+.1f} % of "
-        f"{row.flown_route_s:.1f} s; {row.surplus:+.2f} m to what is required, {row.over_promise:+.2f} m to what 99 % "
-        f"keep of {row.to}; astray {row.astray:.1f} m; by {row.truth}"
+        f"{row.flown_route_s:.1f} s; {row.surplus:+.2f} m to what is required, {row.over_guarantee:+.2f} m to what "
+        f"99 % keep of {row.to}; astray {row.astray:.1f} m; by {row.truth}"
     )
 
 
@@ -169,7 +169,7 @@ def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
     flown = [row for row in rows if row.outcome in FLOWN]
     completed = [row for row in flown if row.outcome == COMPLETED]
     near = [row for row in flown if row.surplus < -ROUNDING]
-    short = [row for row in completed if row.over_promise < -ROUNDING]
+    short = [row for row in completed if row.over_guarantee < -ROUNDING]
     off = np.array([abs(row.route_off) for row in completed])
     median, worst = (float(np.median(off)), float(off.max())) if len(off) else (math.nan, math.nan)
     slow = [row for row in completed if abs(row.route_off) > ROUTE_WORST]

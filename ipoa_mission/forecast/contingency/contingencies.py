@@ -175,7 +175,7 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: of a flight with exact position, and in the mean of all."""
-        sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
+        sure, mean = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
         tail_s = 1e6  # both clocks run alike
         return np.concatenate([[0.0], sure, sure[-1:] + tail_s]), np.concatenate([[0.0], mean, mean[-1:] + tail_s])
 

@@ -74,7 +74,7 @@ class StoppingPoints:
 
 
 def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency: Contingency) -> StoppingPoints:
-    mission, flight, step_s = forecast.mission, forecast.promise.flight, 0.2
+    mission, flight, step_s = forecast.mission, forecast.guarantee.flight, 0.2
     autopilot = mission.autopilot
     times = np.append(np.arange(begin, end, step_s), end)
     then = np.minimum(times + autopilot.flies_on(contingency), end)
@@ -195,7 +195,7 @@ class ContingencyPaths:
 
     @cached_property
     def in_air(self) -> tuple[float, float]:
-        track = self.forecast.promise.flight.pieces
+        track = self.forecast.guarantee.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + 1.0]  # [m]; lower it can end in place
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
@@ -236,7 +236,7 @@ class ContingencyPaths:
         elif contingency is Contingency.RTL:
             paths, possible = self._returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
-            home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
+            home = np.broadcast_to(self.forecast.guarantee.flight.pieces.points[0], (len(times), 1, 1, 3))
             paths = np.concatenate([paths, home], axis=2)
         near, which = self._near(paths)
         if contingency is Contingency.SMART_RTL:
@@ -307,7 +307,7 @@ class ContingencyPaths:
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
-        begin, last = self.forecast.promise.flight.cruise_span
+        begin, last = self.forecast.guarantee.flight.cruise_span
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         in_cruise = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
         paths, terrain = samples.paths[in_cruise, :, :end], self.forecast.world.airspace.terrain

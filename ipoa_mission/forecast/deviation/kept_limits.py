@@ -23,7 +23,7 @@ from ipoa_mission.world.airspace import Clearance
 
 @dataclass(frozen=True, eq=False)
 class TightPlace:
-    """A given place, and the distance with a lower promise [m]."""
+    """A given place, and the distance with a lower guarantee [m]."""
 
     name: str
     place: Vector

@@ -42,7 +42,7 @@ class ContingencyStretch(NamedTuple):
 
 def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
     """Return `from` [s], `clear` and `points` (n, 3) [m] of RTL, in time order; the first of several returns."""
-    if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
+    if forecast.guarantee_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
     contingencies = forecast.cached(Contingencies)
     if contingencies.paths.why_unknown() is not None:
@@ -62,7 +62,7 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
 
 def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
     """Return no bars without a forecast."""
-    if forecast.promise_if_known is None:
+    if forecast.guarantee_if_known is None:
         return ()
     return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
 

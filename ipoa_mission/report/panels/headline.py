@@ -7,7 +7,7 @@ from html import escape
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
-from ipoa_mission.forecast.deviation.promise import KeptLimit, Promise
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
@@ -17,7 +17,10 @@ from ipoa_mission.report.number_format import meters, number, seconds, share
 
 
 def verdict(
-    proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger], findings: Sequence[Finding] = ()
+    proof: Proof | None,
+    guarantee: ClearanceGuarantee | None,
+    dangers: Sequence[Danger],
+    findings: Sequence[Finding] = (),
 ) -> str:
     errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     if proof is None:
@@ -25,14 +28,14 @@ def verdict(
             return _line("bad", "✕", f"Not to be flown: {errors[0]}.")
         return '<p class="verdict">No leg between waypoints to judge.</p>'
     against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
-    kept = None if promise is None else promise.clearance
-    if promise is not None and (broken := [kept for kept in promise.limits if kept.forbids]):
+    kept = None if guarantee is None else guarantee.clearance
+    if guarantee is not None and (broken := [kept for kept in guarantee.limits if kept.forbids]):
         worst = min(broken, key=lambda kept: kept.slack)
-        against.append(f"too near to {worst.to}: {worst.words(promise.confidence)}")
+        against.append(f"too near to {worst.to}: {worst.words(guarantee.confidence)}")
     if against or errors:
         return _line("bad", "✕", f"Not to be flown: {[*against, *errors][0]}.")
-    if promise is not None and kept is not None:
-        words = f"Clear of {kept.to}: {kept.words(promise.confidence)}"
+    if guarantee is not None and kept is not None:
+        words = f"Clear of {kept.to}: {kept.words(guarantee.confidence)}"
     else:
         least = proof.clearance
         required = next(check.required for check in proof.checks if check.nearest is least)
@@ -50,14 +53,14 @@ def _line(look: str, sign: str, words: str) -> str:
 
 def figures(forecast: Forecast, length: float, waypoints: int, comparison: Comparison | None) -> str:
     """`length`: of the predicted path over ground [m]."""
-    estimate, promise, budget = forecast.estimate, forecast.promise_if_known, budget_of(forecast)
+    estimate, guarantee, budget = forecast.estimate, forecast.guarantee_if_known, budget_of(forecast)
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
         cards.append(_flown(comparison))
     cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTED_TERMS))
-    if promise is not None and (kept := promise.clearance) is not None:
-        cards.append(_kept(kept, promise.confidence))
+    if guarantee is not None and (kept := guarantee.clearance) is not None:
+        cards.append(_kept(kept, guarantee.confidence))
     cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"

@@ -35,7 +35,7 @@ class KeptLimit:
     """One limit in one part of the flight: predicted (`nominal`) and `guaranteed` distances [m], of a ceiling heights.
 
     `to` is the nearest thing. `part` is empty on the way, else "the take-off", "the ending", or a tight place, as
-    "via[2]"; the promise of the flight excludes these.
+    "via[2]"; the guarantee of the flight excludes these.
     """
 
     limit: str
@@ -83,7 +83,7 @@ class KeptLimit:
 
 
 @dataclass(frozen=True)
-class Promise:
+class ClearanceGuarantee:
     confidence: float | None
     limits: tuple[KeptLimit, ...]
     flight: "PredictedFlight" = field(repr=False, compare=False)
@@ -145,9 +145,9 @@ def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
     return tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
 
 
-def promise_of(flight: "PredictedFlight") -> Promise:
+def clearance_guarantee_of(flight: "PredictedFlight") -> ClearanceGuarantee:
     chance = flight.task.chance
-    return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
+    return ClearanceGuarantee(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
 
 
 @dataclass(frozen=True, eq=False)
