@@ -8,10 +8,10 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError, Remedy
-from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
+from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound

@@ -12,8 +12,8 @@ import pytest
 import scipy
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.forecast.deviation.approach import Approaches
 from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.deviation.proximity import ProximityRisks
 
 LONG = 120.0  # [s]
 SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -30,12 +30,12 @@ def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
     return [(judged, np.array(rows)) for judged, rows in found.values()]
 
 
-def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray) -> Approaches:
+def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray) -> ProximityRisks:
     """A wall on one side, 10 m off, as long as the flight."""
     law, count = law_of(autopilot), len(seconds)
     number, far = np.zeros(count, dtype=np.intp), np.full(count, 10.0)
     low, over = np.full(count, -20.0), np.zeros(count, dtype=bool)
-    return Approaches(law, np.arange(count), number, seconds, far, low, over, law.stretch(across), np.ones(count))
+    return ProximityRisks(law, np.arange(count), number, seconds, far, low, over, law.stretch(across), np.ones(count))
 
 
 def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shortest: float = 0.0) -> np.ndarray:
@@ -108,11 +108,11 @@ def test_twice_as_long_a_survey_keeps_centimeters_less() -> None:
     assert long < 2.6
 
 
-def _some_pairs(autopilot: Autopilot, rng: np.random.Generator) -> Approaches:
+def _some_pairs(autopilot: Autopilot, rng: np.random.Generator) -> ProximityRisks:
     """Forty moments in two minutes at one of five obstacles, beside, over or under them."""
     law, count = law_of(autopilot), 40
     numbers, seconds = rng.integers(0, 5, count), rng.uniform(0.0, 120.0, count)
     aside, above = rng.uniform(-1.0, 6.0, count), rng.uniform(-1.0, 6.0, count)
     away = np.where((aside < 0) & (above < 0), 3.0, aside)
     over, stretch = rng.random(count) < 0.5, law.stretch(rng.uniform(0.0, 3.0, count))
-    return Approaches(law, np.arange(count), numbers, seconds, away, above, over, stretch, np.ones(count))
+    return ProximityRisks(law, np.arange(count), numbers, seconds, away, above, over, stretch, np.ones(count))

@@ -8,9 +8,9 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, clearance_task, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
+from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.planning.plan import Plan
@@ -72,7 +72,7 @@ def test_heights_of_whole_flights_keep_to_their_quantiles(side: str) -> None:
 
 def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
     course, world = straight(wall(5.0))
-    near = approaches(course, world, PX4, 4.0)
+    near = proximity_risks(course, world, PX4, 4.0)
     for kept in (3.5, 4.0, 4.5):
         assert near.chance(kept) == pytest.approx(float(PX4.level.chance(np.array([5.0 - kept]))[0]), rel=1e-6)
     assert near.clearance_at(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
@@ -80,27 +80,27 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
 
 def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
     one, world = straight(wall(5.0))
-    once = approaches(one, world, PX4, 4.0).chance(3.5)
+    once = proximity_risks(one, world, PX4, 4.0).chance(3.5)
     both = straight(wall(5.0), wall(-10.0))[1]
-    assert approaches(one, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
+    assert proximity_risks(one, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
     longer = straight(seconds=7.9)[0]
-    assert approaches(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(1 - (1 - once) ** 2, rel=1e-6)
+    assert proximity_risks(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(1 - (1 - once) ** 2, rel=1e-6)
 
 
 def test_over_a_roof_the_height_counts_and_it_stays_wrong_for_a_whole_flight() -> None:
     roof = box("hall", (-100.0, -50.0, 0.0), (5000.0, 50.0, 15.0))
     course, world = straight(roof)
     moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))
-    assert approaches(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(moment, abs=0.002)
+    assert proximity_risks(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(moment, abs=0.002)
     for seconds in (399.9, 799.9):
         course = straight(seconds=seconds)[0]
-        assert approaches(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(flight, abs=0.002)
+        assert proximity_risks(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(flight, abs=0.002)
 
 
 def test_a_bend_widens_the_tube() -> None:
     course, world = straight(wall(5.0))
     bent = replace(course, across=np.full(len(course.across), PX4.turn))
-    assert approaches(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
+    assert proximity_risks(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
         5.0 - 2 * PX4.level.distance(0.01), abs=0.002
     )
 
@@ -114,7 +114,7 @@ def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle)
     ends = course.points[[0, -1]]  # of a straight course
     flown = [world.obstacle_clearance(ends + np.array([0.0, moved, 0.0])).distance for moved in size]
     for chance in (0.05, 0.2):
-        kept = approaches(course, world, PX4, 3.0).clearance_at(chance)
+        kept = proximity_risks(course, world, PX4, 3.0).clearance_at(chance)
         assert np.mean(np.array(flown) < kept) <= chance + 2 * np.sqrt(chance / 400)
 
 

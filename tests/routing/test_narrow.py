@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.forecast.deviation.approach import Approaches
 from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.deviation.proximity import ProximityRisks
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.routing.seek import TooNarrow, expect_wide, least_reach, plan_with_room
 from ipoa_mission.scenario import Scenario
@@ -30,7 +30,7 @@ def test_one_passage_nearer_than_the_least_reach_breaks_the_promise(
     ):
         away = (required + least - 0.005) / float(np.hypot(max(aside, 0.0), max(above, 0.0)))
         one = np.ones(1)
-        passed = Approaches(
+        passed = ProximityRisks(
             law,
             np.zeros(1, np.intp),
             np.zeros(1, np.intp),

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, LANDINGS, TAKEOFFS, Command
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
-from ipoa_mission.forecast.deviation.approach import approaches
 from ipoa_mission.forecast.deviation.kept_limits import (
     NO_DEVIATION,
     ClearanceTask,
@@ -22,6 +21,7 @@ from ipoa_mission.forecast.deviation.kept_limits import (
     tight_places,
 )
 from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
@@ -123,7 +123,7 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
             if near.distance < required - THINNING_TOLERANCE:
                 return False
         if chance is not None:
-            pairs = approaches(flown, airspace, law, required)
+            pairs = proximity_risks(flown, airspace, law, required)
             if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
     path = thinned(flown.points)
@@ -213,7 +213,7 @@ class PredictedFlight:
         least, to, place = nominal.distance - THINNING_TOLERANCE, nominal.what, nominal.place
         guaranteed = least
         if chance is not None:
-            near = approaches(part, airspace, law, least)
+            near = proximity_risks(part, airspace, law, least)
             near = near.of(taken[near.piece])
             guaranteed = min(near.clearance_at(chance), least)
             if len(near.piece):

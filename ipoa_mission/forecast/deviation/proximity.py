@@ -41,7 +41,7 @@ class _Draws:
 
 
 @dataclass(frozen=True, eq=False)
-class Approaches:
+class ProximityRisks:
     """Pairs of a piece and an obstacle: indices, and lower bounds of their distance, (n,) each [m].
 
     `lateral`: to the outline. `above`: over the top or under the base. `stretch` widens the law. `sides` is 2 in a
@@ -73,7 +73,7 @@ class Approaches:
         wider = np.hypot(lateral, np.where(self.is_over, down, up) * above)
         return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
-    def of(self, taken: NDArray[np.bool_]) -> "Approaches":
+    def of(self, taken: NDArray[np.bool_]) -> "ProximityRisks":
         columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
@@ -150,7 +150,7 @@ class Approaches:
         return low
 
 
-def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> Approaches:
+def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> ProximityRisks:
     a, b = flown.points[:-1], flown.points[1:]
     stretch, rare = law.stretch(flown.across), 1e-5  # the chance of obstacles that are ignored
     reach = max(clearance, 0.0) + stretch * law.level.distance(rare)
@@ -168,4 +168,4 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: 
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
     nearer = np.maximum(above, below)
-    return Approaches(law, piece, obstacle, flown.times[piece], lateral, nearer, over, stretch[piece], sides)
+    return ProximityRisks(law, piece, obstacle, flown.times[piece], lateral, nearer, over, stretch[piece], sides)
