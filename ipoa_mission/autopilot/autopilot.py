@@ -200,7 +200,7 @@ class Autopilot(metaclass=_ByName):
         """Return how a return follows terrain; `return_height` then counts from the ground."""
         return None
 
-    def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
+    def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """Return a return's distance to fences that it flies around [m]; None: it ignores them."""
         return None
 

@@ -94,7 +94,7 @@ def _check(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: r
     if GROUND in samples.which[n, :, legs.start : legs.stop]:
         checks = (check for path in some for check in prove_ground(path[:2], paths.forecast.world))
         return min(checks, key=lambda check: check.slack)
-    clearances = (paths.roomy.airspace.obstacle_clearance(path) for path in some)
+    clearances = (paths.enlarged.airspace.obstacle_clearance(path) for path in some)
     return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)
 
 

@@ -42,7 +42,7 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
-from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.seek import plan_with_margins
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
@@ -216,7 +216,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
-    found = plan_with_room(scenario, seed, progress)
+    found = plan_with_margins(scenario, seed, progress)
     requested, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
     mission = forecast.mission

@@ -8,7 +8,7 @@ from heapq import heapify, heappop, heappush
 import numpy as np
 
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask
@@ -16,7 +16,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
-from ipoa_mission.routing.more_room import GROWTH_FACTOR, GROWTH_MARGIN, initial_needs
+from ipoa_mission.routing.obstacle_growth import GROWTH_FACTOR, GROWTH_MARGIN, initial_growth
 from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through
 from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.scenario import Scenario
@@ -157,7 +157,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     too_near = list[Attempt]()
     quickest = (
         _quickest(drawn, scenario, too_near)
-        or _quickest(drawn, with_room(clearance_task(scenario), TIGHT_PLACES), too_near)
+        or _quickest(drawn, with_margins(clearance_task(scenario), TIGHT_PLACES), too_near)
         or _repaired(too_near)
     )
     if not quickest:
@@ -169,7 +169,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     return improved[min(ranks)[-1]]
 
 
-def _quickest(drawn: list[Attempt], roomy: PathTask, too_near: list[Attempt]) -> list[Attempt]:
+def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
     """Return the quickest valid routes with different numbers of waypoints; clear as few as possible.
 
     Routes that only come too near are added to `too_near`.
@@ -194,7 +194,7 @@ def _quickest(drawn: list[Attempt], roomy: PathTask, too_near: list[Attempt]) ->
                 too_near.append(attempt)
             continue
         if place not in cleared:
-            cleared[place] = push_clear(points, roomy)
+            cleared[place] = push_clear(points, enlarged)
         if leg_lengths(cleared[place]).min() >= NEAREST:
             clear = attempt if (cleared[place] == points).all() else attempt.along(cleared[place])
             heappush(waiting, (clear.sketched.seconds, n, True, clear))
@@ -204,13 +204,13 @@ def _quickest(drawn: list[Attempt], roomy: PathTask, too_near: list[Attempt]) ->
 def _repaired(too_near: list[Attempt]) -> list[Attempt]:
     """Return a route whose waypoints were moved aside until its flights keep the limits, if one is almost clear."""
     for attempt in sorted(too_near, key=lambda attempt: attempt.sketched.seconds)[-SEARCH.repaired_routes :]:
-        needs = initial_needs(attempt.scenario)
+        growth = initial_growth(attempt.scenario)
         for _ in range(SEARCH.repairs):
             if attempt.slack < SEARCH.least_repairable:
                 break
-            needs = needs.more(attempt, attempt.scenario)
+            growth = growth.more(attempt, attempt.scenario)
             shifted = _at_kept_height(attempt)
-            points = push_clear(shifted, needs.room(attempt.scenario, attempt.scenario, gaps=True))
+            points = push_clear(shifted, growth.enlarge(attempt.scenario, attempt.scenario, gaps=True))
             if leg_lengths(points).min() < NEAREST or (points == attempt.route.points).all():
                 break
             attempt = attempt.along(points)

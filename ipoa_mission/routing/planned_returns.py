@@ -192,7 +192,7 @@ def _clear(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64]
     """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
-    near, _ = paths.roomy.airspace.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
+    near, _ = paths.enlarged.airspace.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
     return np.asarray(near >= paths.required).reshape(len(stopped), len(goals))
 
 
@@ -218,7 +218,7 @@ def _places(forecast: Forecast) -> Points:
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:
     if not len(places):
         return places
-    air = paths.roomy.airspace
+    air = paths.enlarged.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
     near, _ = air.legs_clearance(top, places, paths.required + SEARCH.landing_clearance)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2

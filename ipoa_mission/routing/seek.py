@@ -1,4 +1,4 @@
-"""Seek a path with room for the deviation bound: first around gaps, then through them."""
+"""Seek a path with margins for the deviation bound: first around gaps, then through them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -11,8 +11,8 @@ from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
-from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound
 from ipoa_mission.planning.path_problem import PathTask
@@ -24,7 +24,7 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
-from ipoa_mission.routing.more_room import Needs, approximation_needs, initial_needs
+from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.routing.slower import ChangeTrials, slowed_where_needed
 from ipoa_mission.scenario import Scenario
@@ -42,7 +42,7 @@ class NarrowGap:
         east, north = self.gap.place
         width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
         where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
-        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
+        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it growth {needed} at least, {where}"
 
 
 class TooNarrow(MissionError):
@@ -85,20 +85,20 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
     return max(min(reach), 0.0)
 
 
-# Tight places, whether gaps stay open, and share of the lowest spare height. Less room is quicker and mostly enough.
-ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
+# Tight places, whether gaps stay open, and share of the lowest spare height. Less margins is quicker and mostly enough.
+MARGINS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 
 
 @dataclass(frozen=True)
 class SeekEffort:
-    """Limits of the search for a path with room."""
+    """Limits of the search for a path with margins."""
 
     hopeless_slack: float = -0.15  # [m]
     max_moves: int = 4  # of a path
     max_vain_moves: int = 2  # in a row with little gain
     least_gain: float = 0.01  # of a move [m]
     max_searches: int = 6
-    repeated_searches: int = 1  # with more room
+    repeated_searches: int = 1  # with more margins
     seed_count: int = 2
 
 
@@ -113,7 +113,7 @@ class TooNear(NoPath):
         self.nearest = nearest
 
 
-def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
+def plan_with_margins(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     """Return a route along a plan whose flights keep what is required.
 
     Raises:
@@ -155,19 +155,19 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     Raises:
         TooNear: no attempt holds.
         TooNarrow: no attempt can hold.
-        NoPath, NoRoute, Unsafe, BadInput: as `plan_with_room`.
+        NoPath, NoRoute, Unsafe, BadInput: as `plan_with_margins`.
     """
     expect_wide(scenario)
     nearest: Attempt | None = None
-    tries = ((number, room) for number in range(seed, seed + EFFORT.seed_count) for room in _rooms(scenario))
-    for number, room in islice(tries, plans):
+    tries = ((number, margins) for number in range(seed, seed + EFFORT.seed_count) for margins in _margins(scenario))
+    for number, margins in islice(tries, plans):
         try:
-            plan = plan_path(room.world, seed=number, progress=progress)
+            plan = plan_path(margins.world, seed=number, progress=progress)
             progress(0.9, "choosing waypoints, proving returns")
-            attempt = _move_until_safe(plan, room, scenario)
+            attempt = _move_until_safe(plan, margins, scenario)
         except NoPath as error:
-            room.closed = True
-            if room.world is scenario and not isinstance(error, NotFound):
+            margins.closed = True
+            if margins.world is scenario and not isinstance(error, NotFound):
                 raise
             missing = error
             continue
@@ -181,59 +181,63 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
 
 
 @dataclass
-class _Room:
+class _Margins:
     """`closed` once it has no path."""
 
     world: PathTask
-    needs: Needs
+    growth: ObstacleGrowth
     closed: bool = False
 
 
-def _rooms(scenario: Scenario) -> Iterator[_Room]:
-    """Yield different room for the deviation bound, at last none."""
-    for room in _first_rooms(scenario):
-        yield room
-        latest, before = room, room.needs
+def _margins(scenario: Scenario) -> Iterator[_Margins]:
+    """Yield different margins for the deviation bound, at last none."""
+    for margins in _first_margins(scenario):
+        yield margins
+        latest, before = margins, margins.growth
         for _ in range(0 if _as_printed(scenario) else EFFORT.repeated_searches):
-            if latest.closed or latest.needs is before:
+            if latest.closed or latest.growth is before:
                 break
-            before = latest.needs
-            latest = _Room(before.room(room.world, scenario, gaps=False), before)
+            before = latest.growth
+            latest = _Margins(before.enlarge(margins.world, scenario, gaps=False), before)
             yield latest
 
 
-def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
-    none, sought, closed = initial_needs(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
+def _first_margins(scenario: Scenario) -> Iterator[_Margins]:
+    none, sought, closed = initial_growth(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
         if not _as_printed(scenario):
-            little = approximation_needs(scenario)
-            yield _Room(little.room(scenario, scenario, gaps=True), little)
+            little = approximation_growth(scenario)
+            yield _Margins(little.enlarge(scenario, scenario, gaps=True), little)
     else:
-        for tight, keep_gaps, share in ROOMS:
-            world = with_room(clearance_task(scenario), tight, keep_gaps, share)
-            room = world.airspace.obstacles, world.limits.height_above_ground
-            if (closed and not keep_gaps) or room in sought:
+        for tight, keep_gaps, share in MARGINS:
+            world = with_margins(clearance_task(scenario), tight, keep_gaps, share)
+            margins = world.airspace.obstacles, world.limits.height_above_ground
+            if (closed and not keep_gaps) or margins in sought:
                 continue
-            sought.append(room)
-            yield (one := _Room(none.room(world, scenario, keep_gaps) if (none.towers >= 0.0).any() else world, none))
+            sought.append(margins)
+            yield (
+                one := _Margins(
+                    none.enlarge(world, scenario, keep_gaps) if (none.above_landings >= 0.0).any() else world, none
+                )
+            )
             closed = closed or one.closed
-    yield _Room(scenario, none)
+    yield _Margins(scenario, none)
 
 
 def _as_printed(scenario: Scenario) -> bool:
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
-def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
-    """Return the best attempt after moving the plan aside; record the needs in `room`."""
+def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> Attempt:
+    """Return the best attempt after moving the plan aside; record the growth in `margins`."""
     latest = best = best_route(plan, scenario, EFFORT.hopeless_slack)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
         if best.holds or in_vain == EFFORT.max_vain_moves:
             break
-        room.needs = room.needs.more(latest, scenario)
-        wider = (room.needs.room(room.world, scenario, gaps) for gaps in (False, True))
+        margins.growth = margins.growth.more(latest, scenario)
+        wider = (margins.growth.enlarge(margins.world, scenario, gaps) for gaps in (False, True))
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
@@ -290,8 +294,8 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
-        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
-    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
+        return f"the gap between {names} is {down(apart):.2f} m wide, and it growth {up(2 * needed):.2f} m"
+    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it growth {up(needed):.2f} m"
 
 
 def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:

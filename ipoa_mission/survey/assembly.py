@@ -12,7 +12,7 @@ from ipoa_mission import Command, Frame
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
@@ -191,7 +191,7 @@ def _shortest(legs: Points) -> list[int] | None:
 
 
 def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:
-    task = problem_of(with_room(clearance_task(scenario), TIGHT_PLACES))
+    task = problem_of(with_margins(clearance_task(scenario), TIGHT_PLACES))
     bodies = tuple(
         body.grown(growth[body.name], growth[body.name], growth[body.name]) if body.name in growth else body
         for body in task.airspace.obstacles

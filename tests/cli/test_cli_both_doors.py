@@ -10,7 +10,7 @@ import pytest
 
 import ipoa_mission as api
 from ipoa_mission.checks.contingency_check import check_failsafe_return
-from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.seek import plan_with_margins
 from tests.cli.conftest import Run
 from tests.quick_search import once, search_quickly
 
@@ -64,10 +64,10 @@ def planned(slow: Path) -> api.Flight:
 @pytest.fixture(autouse=True, scope="module")
 def looked_for_once() -> Iterator[None]:
     """Answer equal searches once; other tests prove that they are equal."""
-    paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
+    paths = once(plan_with_margins, lambda scenario, seed, progress: (scenario, seed))
     ways_home = once(lambda one: tuple(check_failsafe_return(one)), lambda one: (one.mission, one.scenario))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("ipoa_mission.flight.flight.plan_with_room", paths)
+        patch.setattr("ipoa_mission.flight.flight.plan_with_margins", paths)
         patch.setattr("ipoa_mission.checks.contingency_check.check_failsafe_return", ways_home)
         search_quickly(patch.setattr)
         yield

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.mission.mission_io import read_mission
-from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.seek import plan_with_margins
 from tests.cli.conftest import Run
 from tests.quick_search import once, search_quickly
 
@@ -27,8 +27,8 @@ def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)
-    paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
-    monkeypatch.setattr("ipoa_mission.flight.flight.plan_with_room", paths)
+    paths = once(plan_with_margins, lambda scenario, seed, progress: (scenario, seed))
+    monkeypatch.setattr("ipoa_mission.flight.flight.plan_with_margins", paths)
     scenario = tmp_path / "rows.toml"
     scenario.write_text(SCENARIO, encoding="utf-8")
     refused = run(f"plan {scenario} --seed 7 --out out")

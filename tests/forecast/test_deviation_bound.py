@@ -10,13 +10,13 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, clearance_task, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.law import law_of, not_measured
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
-from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.timing.track import Pieces
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent
-from ipoa_mission.routing.seek import plan_with_room
+from ipoa_mission.routing.seek import plan_with_margins
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
 from ipoa_mission.wind import Wind
@@ -130,16 +130,16 @@ def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
 
 def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
-    roomy = with_room(clearance_task(scenario), 1.0)
+    enlarged = with_margins(clearance_task(scenario), 1.0)
     by = PX4.level.distance(0.01)
-    far, near = roomy.airspace.obstacles
+    far, near = enlarged.airspace.obstacles
     assert isinstance(far, Cylinder)
     assert isinstance(near, Cylinder)
     assert far.radius == pytest.approx(5.0 + by)
     assert near.radius < 5.0 + 1.0
     safety = scenario.safety.model_copy(update={"confidence": "nominal"})
     nominal = scenario.model_copy(update={"safety": safety})
-    assert with_room(clearance_task(nominal), 1.0) is nominal
+    assert with_margins(clearance_task(nominal), 1.0) is nominal
 
 
 def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_places_are() -> None:
@@ -154,11 +154,11 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
     scenario = Scenario.model_validate(table)
     least, deviation_bound = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
     wanted = least + deviation_bound.down + 4.0 * deviation_bound.level
-    assert with_room(clearance_task(scenario), 1.0).limits.height_above_ground == pytest.approx(wanted)
-    assert with_room(clearance_task(scenario), 1.0, height_factor=0.5).limits.height_above_ground == pytest.approx(
+    assert with_margins(clearance_task(scenario), 1.0).limits.height_above_ground == pytest.approx(wanted)
+    assert with_margins(clearance_task(scenario), 1.0, height_factor=0.5).limits.height_above_ground == pytest.approx(
         (least + 12.0) / 2
     )
-    assert with_room(clearance_task(scenario), 1.0, height_factor=0.1).limits.height_above_ground == pytest.approx(
+    assert with_margins(clearance_task(scenario), 1.0, height_factor=0.1).limits.height_above_ground == pytest.approx(
         least + deviation_bound.down
     )
 
@@ -175,7 +175,7 @@ def test_where_there_is_no_path_none_with_more_room_is_sought(
 
     monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", nowhere)
     with refuses("no-path", "", "closed"):
-        plan_with_room(scenario := scenario_of(), 0, silent)
+        plan_with_margins(scenario := scenario_of(), 0, silent)
     assert len(sought) == 2
     assert sought[-1] is scenario
 

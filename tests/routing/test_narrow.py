@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.deviation.proximity import ProximityRisks
 from ipoa_mission.planning.planner import NoPath
-from ipoa_mission.routing.seek import TooNarrow, expect_wide, least_reach, plan_with_room
+from ipoa_mission.routing.seek import TooNarrow, expect_wide, least_reach, plan_with_margins
 from ipoa_mission.scenario import Scenario
 from tests.refused import refuses
 
@@ -73,7 +73,7 @@ def test_a_gap_that_no_flight_fits_is_named_with_its_leg_before_anything_is_soug
     monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", sought)
     narrow = Scenario.model_validate(gate(5.6, "px4"))
     with pytest.raises(NoPath) as refused:
-        plan_with_room(narrow, 0, lambda *_: None)
+        plan_with_margins(narrow, 0, lambda *_: None)
     words = str(refused.value)
     assert "the gap between left and right is 5.60 m wide, and it needs 7.14 m at least" in words
     assert "on the leg from via[0] to goal" in words

@@ -1,4 +1,4 @@
-"""Needs Firefox and the built page, and Xvfb for the map; skipped without."""
+"""ObstacleGrowth Firefox and the built page, and Xvfb for the map; skipped without."""
 
 import re
 import shutil

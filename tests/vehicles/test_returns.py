@@ -162,7 +162,7 @@ def test_arducopter_may_keep_its_height_over_the_ground(parameters: Parameters, 
 
 
 def test_px4_flies_around_fences_since_1_19() -> None:
-    assert PX4.room_to_fences({}, OLD) is PX4.room_to_fences({}, NEW) is None
-    assert PX4.room_to_fences({}, MAIN) == 20.0
-    assert PX4.room_to_fences({"NAV_ACC_RAD": 2.0}, MAIN) == 4.0
-    assert AP.room_to_fences({}, Version(4, 7)) is None
+    assert PX4.fence_margin({}, OLD) is PX4.fence_margin({}, NEW) is None
+    assert PX4.fence_margin({}, MAIN) == 20.0
+    assert PX4.fence_margin({"NAV_ACC_RAD": 2.0}, MAIN) == 4.0
+    assert AP.fence_margin({}, Version(4, 7)) is None

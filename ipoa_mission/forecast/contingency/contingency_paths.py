@@ -20,7 +20,7 @@ from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
@@ -175,21 +175,21 @@ class ContingencyPaths:
 
     def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
         other = ContingencyPaths(forecast)
-        other.__dict__["roomy"] = self.roomy
+        other.__dict__["enlarged"] = self.enlarged
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
             other.__dict__["in_air"], other._stops = self.in_air, self._stops
             other._samples = {by: samples for by, samples in self._samples.items() if by is not Contingency.RTL}
         return other
 
     @cached_property
-    def roomy(self) -> PathTask:
-        return with_room(clearance_task(self.forecast.world), tight=4.0)
+    def enlarged(self) -> PathTask:
+        return with_margins(clearance_task(self.forecast.world), tight=4.0)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
         """Paths without room for the deviation bound."""
         other = ContingencyPaths(self.forecast)
-        other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
+        other.__dict__ |= {"enlarged": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
         other._stops = self._stops
         return other
 
@@ -208,7 +208,7 @@ class ContingencyPaths:
         if self.routes.why_unknown is not None:
             return self.routes.why_unknown
         vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
-        if self.mission.fence and vehicle.room_to_fences(parameters, version) is not None:
+        if self.mission.fence and vehicle.fence_margin(parameters, version) is not None:
             return "returns round fences are not modeled"
         return None
 
@@ -251,11 +251,11 @@ class ContingencyPaths:
         if contingency is Contingency.SMART_RTL:
             leg = int(np.argmin(samples.near[n, 0]))
             number, (x, y, z) = int(samples.which[n, 0, leg]), samples.paths[n, 0, leg].tolist()
-            name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
+            name = self.enlarged.airspace.obstacles[number].name if number >= 0 else "nothing"
             return Clearance(float(samples.near[n, 0, leg]), (x, y, z), name, leg)
         least = NOTHING_NEAR
         for path in samples.paths[n][samples.possible[n]]:
-            nearer = self.roomy.airspace.obstacle_clearance(path, within=least.distance)
+            nearer = self.enlarged.airspace.obstacle_clearance(path, within=least.distance)
             least = min(least, nearer, key=lambda clearance: clearance.distance)
         return least
 
@@ -273,7 +273,7 @@ class ContingencyPaths:
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, paths: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        air, shape = self.roomy.airspace, (*paths.shape[:2], paths.shape[2] - 1)
+        air, shape = self.enlarged.airspace, (*paths.shape[:2], paths.shape[2] - 1)
         starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
@@ -369,7 +369,7 @@ class ContingencyPaths:
         }
 
     def _ground_below(self, points: Points) -> Points:
-        ground = self.roomy.airspace.ground(points)
+        ground = self.enlarged.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 

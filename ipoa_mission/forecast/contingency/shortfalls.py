@@ -16,7 +16,7 @@ from ipoa_mission.forecast.contingency.contingency_paths import (
 )
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.law import law_of
-from ipoa_mission.forecast.deviation.room import with_room
+from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.planning.proof import prove_ground
@@ -81,13 +81,13 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    roomy, required = with_room(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
+    enlarged, required = with_margins(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 
     def is_clear(legs: Iterable[Leg]) -> bool:
         return all(
-            roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
-            and all(check.slack >= spare for check in prove_ground(leg.points, roomy))
+            enlarged.airspace.obstacle_clearance(leg.points).distance >= required + spare
+            and all(check.slack >= spare for check in prove_ground(leg.points, enlarged))
             for leg in legs
         )
 
@@ -126,7 +126,7 @@ def try_return_altitudes(
 
 def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
-    bodies = {body.name: body.bounds[:, 2] for body in paths.roomy.airspace.obstacles}
+    bodies = {body.name: body.bounds[:, 2] for body in paths.enlarged.airspace.obstacles}
     required = paths.required + SAG
     over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
     for each in short:
@@ -147,7 +147,7 @@ def find_shortfalls(
     short = np.where(samples.possible[..., None] & ~samples.clear[:, None, None], samples.near - paths.required, 0.0)
     where = np.argwhere(short < 0.0)
     seen = set[tuple[int, int]]()
-    bodies = paths.roomy.airspace.obstacles
+    bodies = paths.enlarged.airspace.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
         number = int(samples.which[n, k, leg])
         if (number, leg) not in seen:

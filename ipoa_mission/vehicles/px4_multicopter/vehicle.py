@@ -336,10 +336,10 @@ class Px4Multicopter(Autopilot):
 
         return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
-    def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
+    def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """Return the distance, from 1.19 on (40e61d2429), except on the smallest boards; not modeled.
 
-        >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
+        >>> Px4Multicopter().fence_margin({}), Px4Multicopter().fence_margin({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
         """
         if (version or self.newest).series < (1, 19):

@@ -14,7 +14,7 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 MIN_GROWTH = 0.01  # [m]
 
 
-def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
+def with_margins(task: ClearanceTask, tight: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
     """Return the path task with room for the deviation bound at `tight` tight places.
 
     Over steep ground the path is higher, by at most `height_factor` times the spare height of the lowest given place.
@@ -35,9 +35,9 @@ def with_room(task: ClearanceTask, tight: float, keep_gaps: bool = False, height
 
 
 def grown(
-    roomy: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
+    enlarged: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
 ) -> tuple[Obstacle, ...]:
-    """Return obstacles grown by `growth` (n,) [m], or as in `roomy`."""
+    """Return obstacles grown by `growth` (n,) [m], or as in `enlarged`."""
     bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
     growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
@@ -45,7 +45,7 @@ def grown(
         _keep_gaps_open(growth, bodies, distance)
     return tuple(
         body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= MIN_GROWTH else wide
-        for body, wide, by in zip(bodies, roomy.airspace.obstacles, growth.tolist(), strict=True)
+        for body, wide, by in zip(bodies, enlarged.airspace.obstacles, growth.tolist(), strict=True)
     )
 
 

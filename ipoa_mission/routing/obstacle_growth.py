@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.forecast.contingency.contingency_paths import ReturnLeg
 from ipoa_mission.forecast.contingency.shortfalls import Shortfall
 from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
-from ipoa_mission.forecast.deviation.room import grown, shrunk
+from ipoa_mission.forecast.deviation.margins import grown, shrunk
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.path_problem import PathProblem, PathTask, problem_of
 from ipoa_mission.routing.attempt import Attempt
@@ -24,20 +24,20 @@ EVEN_BOUND = DeviationBound(1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Needs:
+class ObstacleGrowth:
     """Growth of obstacles (n,), and tightening of height limits and bounds [m].
 
-    `columns`: growth of the free volume below (n,); negative: none. `towers`: above.
+    `below_overhangs`: growth of the free volume below (n,); negative: none. `above_landings`: above.
     """
 
     growth: Vector
-    columns: Vector
-    towers: Vector
+    below_overhangs: Vector
+    above_landings: Vector
     above: float = 0.0
     below: float = 0.0
     inside: float = 0.0
 
-    def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
+    def more(self, attempt: Attempt, scenario: Scenario) -> "ObstacleGrowth":
         guarantee, curve = attempt.guarantee, attempt.plan.curve
         short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in guarantee.broken if kept.in_cruise}
         low = [
@@ -55,31 +55,31 @@ class Needs:
         spots = curve.sample(max(2, int(curve.length / SAMPLE_STEP)))
         for name, missing in wanted:
             growth = np.maximum(growth, _growth(spots, name, missing, scenario))
-        return Needs(
+        return ObstacleGrowth(
             growth,
-            _wider(self.columns, (one for one in attempt.short if one.overhead), scenario),
-            _wider(self.towers, (one for one in attempt.short if one.comes_down), scenario),
+            _wider(self.below_overhangs, (one for one in attempt.short if one.overhead), scenario),
+            _wider(self.above_landings, (one for one in attempt.short if one.comes_down), scenario),
             self.above + short.get("ground", 0.0),
             self.below + short.get("ceiling", 0.0),
             self.inside + short.get("bounds", 0.0),
         )
 
-    def room(self, roomy: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
+    def enlarge(self, enlarged: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
         """Return the problem with these needs added; with `gaps`, no gap is closed."""
-        air = roomy.airspace
+        air = enlarged.airspace
         bodies = tuple(
             _upright(air, wide, column, tower) if max(column, tower) >= 0.0 else body
             for body, wide, column, tower in zip(
-                grown(roomy, scenario, self.growth, EVEN_BOUND, gaps),
+                grown(enlarged, scenario, self.growth, EVEN_BOUND, gaps),
                 air.obstacles,
-                self.columns.tolist(),
-                self.towers.tolist(),
+                self.below_overhangs.tolist(),
+                self.above_landings.tolist(),
                 strict=True,
             )
         )
         inside = DeviationBound(self.inside, self.inside, self.inside)
         bounds = shrunk(air.bounds, scenario.places, inside) if self.inside else air.bounds
-        return problem_of(roomy).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
+        return problem_of(enlarged).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 
 
 def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vector:
@@ -114,15 +114,15 @@ def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) ->
     return np.where(away <= nearest + missing + NEAREST_MARGIN, np.maximum(away + missing - required, 0.0), 0.0)
 
 
-def approximation_needs(scenario: Scenario) -> Needs:
+def approximation_growth(scenario: Scenario) -> ObstacleGrowth:
     """Return the needs of straight legs, which approximate the path."""
-    none = initial_needs(scenario)
+    none = initial_growth(scenario)
     return replace(none, growth=none.growth + 2 * GROWTH_MARGIN, above=2 * GROWTH_MARGIN)
 
 
-def initial_needs(scenario: Scenario) -> Needs:
-    """Return no needs, or towers if the vehicle may land by choice."""
+def initial_growth(scenario: Scenario) -> ObstacleGrowth:
+    """Return no needs, or above_landings if the vehicle may land by choice."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
     lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)
-    return Needs(np.zeros_like(none), none, np.zeros_like(none) if lands else none)
+    return ObstacleGrowth(np.zeros_like(none), none, np.zeros_like(none) if lands else none)
