@@ -55,7 +55,7 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
 
 def _why_not(forecast: Forecast, wind: Wind) -> str | None:
     try:
-        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(sure=True)
+        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(noise_free=True)
     except MissionError as error:
         return str(error)
     return None

@@ -58,7 +58,7 @@ class RealVehicle:
         except MissionError as error:
             error.known = {"completed": False, "armed": None, "in_air": None} | error.known
             raise
-        left = ("the vehicle is no longer watched", vehicle.absence.meanwhile)
+        left = ("the vehicle is no longer watched", vehicle.link_loss.meanwhile)
         unwatched = ["; ".join(filter(None, left))] if record.armed else []
         return FlownJob(job, (*remarks, *unwatched, *landing_remarks(job, record)), record)
 

@@ -188,7 +188,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
     others, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     with suppress(NoAnswer):
-        vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
+        vehicle.link_loss.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *notes):
         options.remark(words)
     if not others or mission.autopilot is not vehicle.autopilot:

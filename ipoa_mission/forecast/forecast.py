@@ -150,8 +150,8 @@ class Forecast:
     def unknown(self) -> tuple[Unknown, ...]:
         return tuple(find_unknown(self.given))
 
-    def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
-        """Predict times and places; not `sure` of its position, as PX4, in the mean of its flights.
+    def predicted(self, noise_free: bool, fast: bool | None = None) -> "Prediction":
+        """Predict times and places; not `noise_free` of its position, as PX4, in the mean of its flights.
 
         `fast`: as in `estimate`.
 
@@ -168,21 +168,21 @@ class Forecast:
             other = self.mission.other_vehicle
             raise NotModeled(f"the mission is for {other}, and only multicopters have a time model")
         model = self.mission.autopilot.part(FlightModel)
-        if sure and fast is None and model.is_always_sure:
+        if noise_free and fast is None and model.is_always_noise_free:
             return self.expected  # a long flight is large
-        return model.predicted(self.itinerary, self.mission, self.wind, fast, sure)
+        return model.predicted(self.itinerary, self.mission, self.wind, fast, noise_free)
 
     def timed(self, fast: bool | None = None) -> "Estimate":
         from ipoa_mission.forecast.timing.estimate import times_of
 
-        expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
+        expected = self.expected if fast is None else self.predicted(noise_free=False, fast=fast)
         times = times_of(self.mission, self.itinerary, expected)
         unknown = (f"item {item.seq}: {item.why}: the time after it is unknown" for item in self.unknown)
         return replace(times, remarks=(*times.remarks, *unknown))
 
     @cached_property
     def expected(self) -> "Prediction":
-        return self.predicted(sure=False)
+        return self.predicted(noise_free=False)
 
     @cached_property
     def estimate(self) -> "Estimate":
@@ -212,7 +212,7 @@ class Forecast:
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
         task = clearance_task(self.world, self.mission.autopilot)
-        return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(sure=True), task))
+        return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
 
     @property
     def promise(self) -> "ClearanceGuarantee":

@@ -80,7 +80,7 @@ class Vehicle(RemoteVehicle):
         """Orders a watched vehicle to hold, resume, or end its flight."""
         self.conformance = Conformance(self.state, self.order)
         """Compares a watched vehicle with its forecast, and orders the reaction to a deviation."""
-        self.absence = LinkLoss(line)
+        self.link_loss = LinkLoss(line)
         """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from the last session's
 
@@ -284,7 +284,7 @@ class Vehicle(RemoteVehicle):
         try:
             yield
         except TimeUp:
-            words = ("the time is up: the vehicle flies on, and is not watched any more", self.absence.meanwhile)
+            words = ("the time is up: the vehicle flies on, and is not watched any more", self.link_loss.meanwhile)
             raise TimeUp("; ".join(filter(None, words))) from None
 
     def _reconnect(self, lost: MissionError, progress: Progress) -> None:
@@ -293,7 +293,7 @@ class Vehicle(RemoteVehicle):
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
         report = partial(count, progress, logbook.done, logbook.total, "item ")
-        kept = self.absence.end(lost, known, self._patience, report, self._until)
+        kept = self.link_loss.end(lost, known, self._patience, report, self._until)
         self.order.cut(False)
         logbook.note_return()
         for message in sorted(kept, key=lambda message: isinstance(message, Heartbeat)):

@@ -96,13 +96,13 @@ class Attempt:
 
     @cached_property
     def flown(self) -> "Flown":
-        return _flown(self, self.draft, sure=False)
+        return _flown(self, self.draft, noise_free=False)
 
     @cached_property
     def sketched(self) -> "Flown":
         """Fly without sensor noise and only to the goal: much quicker to compute for PX4."""
         mission = self.draft.given
-        return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), sure=True)
+        return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +139,8 @@ class Flown:
         return deviation_bound_holds(pieces_of(self.track), clearance_task(self.attempt.scenario))
 
 
-def _flown(attempt: Attempt, forecast: Forecast, sure: bool) -> Flown:
-    prediction, mission = forecast.predicted(sure, fast=True), forecast.given
+def _flown(attempt: Attempt, forecast: Forecast, noise_free: bool) -> Flown:
+    prediction, mission = forecast.predicted(noise_free, fast=True), forecast.given
     first, *_, last = items_of_waypoints(attempt.route)
     begin, end = float(prediction.done[first]), float(prediction.done[last])
     track = prediction.track.local()

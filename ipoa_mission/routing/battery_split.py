@@ -16,7 +16,7 @@ from ipoa_mission.world.frame import Geodetic
 # A flight may turn home or resume there.
 TURNS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
 # These lead elsewhere than to the next item.
-JUMPS = frozenset({
+NOT_SPLITTABLE = frozenset({
     Command.DO_JUMP, Command.DO_JUMP_TAG, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
     Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
@@ -98,7 +98,7 @@ class _Parts:
         self.whole, self.mission = whole, whole.given
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
-        if len(begins) != 1 or any(item.command in JUMPS for item in items):
+        if len(begins) != 1 or any(item.command in NOT_SPLITTABLE for item in items):
             words = "expected one take-off and no jumps or arcs in a mission to split"
             raise MissionError(words, code="not-split")
         self.start = begins[0] + 1

@@ -226,10 +226,10 @@ class Watch:
     def look(self, *_: object) -> None:
         with suppress(queue.Empty):
             self._order(self._inbox.get_nowait()["what"])
-        vehicle, absence = self._vehicle, self._vehicle.absence
+        vehicle, link_loss = self._vehicle, self._vehicle.link_loss
         words, lost_s = vehicle.changed or vehicle.order.words, None
-        if absence.seconds is not None:
-            words, lost_s = "; ".join(filter(None, (absence.words, words))), round(absence.seconds)
+        if link_loss.seconds is not None:
+            words, lost_s = "; ".join(filter(None, (link_loss.words, words))), round(link_loss.seconds)
         self.obeyed = self._obeyed(vehicle.state.custom_mode)
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed

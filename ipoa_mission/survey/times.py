@@ -72,7 +72,7 @@ class _TrialFlight:
         items = (takeoff(places[0], self.height), change_speed(self.speed), *waypoints)
         flown = replace(self.mission, items=items, landing_ground=None, scanned=())
         try:
-            prediction = Forecast(flown, wind=self.wind).predicted(sure=True)
+            prediction = Forecast(flown, wind=self.wind).predicted(noise_free=True)
         except MissionError as error:
             words = f"no time is known of lines at {self.speed:g} m/s: {error}"
             raise MissionError(words, error.hint, code="unreachable", place="survey") from error

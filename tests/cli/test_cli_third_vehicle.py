@@ -79,7 +79,9 @@ class Model(FlightModel):
     scatter = (0.1, 0.01, 0.1)
     simulated: ClassVar[Mapping[str, float]] = {}
 
-    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
+    def predicted(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+    ) -> Prediction:
         here, clock, speed = (0.0, 0.0, 0.0), 0.0, SPEED
         times, points, done = [0.0], [here], []
         for n, visit in enumerate(route.visits):

@@ -56,8 +56,8 @@ def test_the_true_track_is_within_what_a_flight_in_a_hundred_exceeds(folder: Pat
 def test_without_a_hold_it_flies_away_and_the_model_says_so() -> None:
     away = read_mission(AWAY, Autopilot.PX4)
     with refuses("unreachable"):
-        Forecast(replace(away, firmware_version=VERSION), None).predicted(sure=True)
-    assert Forecast(replace(away, firmware_version=Version(1, 17)), None).predicted(sure=True).done[-1] > 100.0
+        Forecast(replace(away, firmware_version=VERSION), None).predicted(noise_free=True)
+    assert Forecast(replace(away, firmware_version=Version(1, 17)), None).predicted(noise_free=True).done[-1] > 100.0
 
 
 def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:

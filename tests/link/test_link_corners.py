@@ -55,11 +55,11 @@ def test_nothing_is_solid_in_a_zone() -> None:
 
 
 def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.MonkeyPatch) -> None:
-    absence: Any = LinkLoss(SimpleNamespace(now=lambda: 10.0, reopens=True))
+    link_loss: Any = LinkLoss(SimpleNamespace(now=lambda: 10.0, reopens=True))
     monkeypatch.setattr(LinkLoss, "_report_loss", lambda self, report: None)
     monkeypatch.setattr(LinkLoss, "_identified", lambda self, *known: None)
     with pytest.raises(TimeUp):
-        absence.end(NoAnswer("silence"), None, None, print, until_s=5.0)
+        link_loss.end(NoAnswer("silence"), None, None, print, until_s=5.0)
 
 
 def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:

@@ -18,7 +18,7 @@ def flown(path: Points, autopilot: Autopilot, speed: float, wind: Wind = CALM) -
     latitude, longitude, altitude = LocalFrame(HOME).to_geodetic(np.column_stack([path, np.full(len(path), 30.0)]))
     places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
     items = (takeoff(places[0], 30.0), change_speed(speed), *(waypoint(place, 30.0) for place in places))
-    done = Forecast(Mission(HOME, items, autopilot), wind=wind).predicted(sure=True).done
+    done = Forecast(Mission(HOME, items, autopilot), wind=wind).predicted(noise_free=True).done
     return float(done[-1] - done[2])
 
 

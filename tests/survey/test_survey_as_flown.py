@@ -49,7 +49,7 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
     plan = plan_survey(scenario=scenario(LINES | {"line_spacing": 5.0, "flights": 2}, autopilot)).plan
     assert plan.flown is not None
     whole = [  # the sensor on between lines
-        flight.forecast.predicted(sure=True).track.points[:, :2] for flight in plan.flights
+        flight.forecast.predicted(noise_free=True).track.points[:, :2] for flight in plan.flights
     ]
     assert 0.94 < plan.flown.share < plan.coverage.share
     assert plan.flown.share == pytest.approx(sampled_share(whole, plan.area.shape, 5.0), abs=6e-3)

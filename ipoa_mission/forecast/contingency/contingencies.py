@@ -175,16 +175,18 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: of a flight with exact position, and in the mean of all."""
-        sure, mean = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
+        noise_free, mean = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
         tail_s = 1e6  # both clocks run alike
-        return np.concatenate([[0.0], sure, sure[-1:] + tail_s]), np.concatenate([[0.0], mean, mean[-1:] + tail_s])
+        return np.concatenate([[0.0], noise_free, noise_free[-1:] + tail_s]), np.concatenate(
+            [[0.0], mean, mean[-1:] + tail_s]
+        )
 
     def _in_mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
 
     def _if_sure(self, times: Vector) -> Vector:
-        sure, mean = self._clocks
-        return np.asarray(np.interp(times, mean, sure))
+        noise_free, mean = self._clocks
+        return np.asarray(np.interp(times, mean, noise_free))
 
     @property
     def in_air(self) -> tuple[float, float]:
@@ -195,8 +197,8 @@ class Contingencies:
         return replace(stops := self.paths.stops(contingency), times=self._in_mean(stops.times))
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        sure = None if between is None else tuple(self._if_sure(np.array(between)).tolist())
-        return replace(samples := self.paths.samples(contingency, sure), times=self._in_mean(samples.times))
+        noise_free = None if between is None else tuple(self._if_sure(np.array(between)).tolist())
+        return replace(samples := self.paths.samples(contingency, noise_free), times=self._in_mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))

@@ -105,12 +105,14 @@ class FlightModel(ABC):
     simulated: ClassVar[Mapping[str, float]]
     """Values of the simulated vehicle that others may change: drag, lag [s], lift_delay, landing_delay [s]."""
 
-    is_always_sure: ClassVar[bool] = False
-    """True where `sure` has no effect."""
+    is_always_noise_free: ClassVar[bool] = False
+    """True where `noise_free` has no effect."""
 
     @abstractmethod
-    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        """Predict the flight; `fast` and `sure` as in `Forecast.predicted`.
+    def predicted(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+    ) -> Prediction:
+        """Predict the flight; `fast` and `noise_free` as in `Forecast.predicted`.
 
         Raises:
             BadInput: an item never ends, or a parameter is invalid.

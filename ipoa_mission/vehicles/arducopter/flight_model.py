@@ -63,7 +63,7 @@ class ArduCopterModel(FlightModel):
     """ArduCopter 4.x in SITL."""
 
     scatter = (0.15, 0.01, 0.6)
-    is_always_sure = True
+    is_always_noise_free = True
     simulated: ClassVar[Mapping[str, float]] = {
         "drag": 1.0,
         "lag": ARDUPILOT_SIMULATOR.lag,
@@ -71,7 +71,9 @@ class ArduCopterModel(FlightModel):
         "landing_delay": 0.0,
     }
 
-    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
+    def predicted(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+    ) -> Prediction:
         flight, times, reasons = _Flight(route, mission, wind, fast), list[float](), list[str]()
         for n, visit in enumerate(route.visits):
             try:
@@ -94,7 +96,7 @@ class ArduCopterModel(FlightModel):
         flight = _Flight(route, mission, wind, None)
         flight.until = order.time
         for n in range(len(route.visits)):
-            if flight.is_broken_off:
+            if flight.is_aborted:
                 break
             flight.visit(n)
         flight.until, copter = math.inf, flight.copter
@@ -131,7 +133,7 @@ class _Flight:
         self.note()
 
     @property
-    def is_broken_off(self) -> bool:
+    def is_aborted(self) -> bool:
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
@@ -179,7 +181,7 @@ class _Flight:
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
         this, following = copter.this, copter.following
         flown_speed = self.run()
-        if self.is_broken_off:
+        if self.is_aborted:
             return ""
         is_straight = this.kind == STRAIGHT
         why = LegSpeeds(
@@ -219,12 +221,12 @@ class _Flight:
     def go(self, legs: Iterator[None]) -> None:
         for _ in legs:
             self.run()
-            if self.is_broken_off:
+            if self.is_aborted:
                 return
 
     def come_down(self, legs: Iterator[None]) -> None:
         self.go(legs)
-        if self.copter.this.kind == DESCENT and not self.is_broken_off:
+        if self.copter.this.kind == DESCENT and not self.is_aborted:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
             self.stand(max(LANDED_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False

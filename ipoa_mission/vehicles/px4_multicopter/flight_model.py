@@ -59,13 +59,13 @@ class NoisyRuns:
     sample_steps: int = 3  # between samples
     batch: int = 6  # runs between checks
     known_share: float = 0.003  # relative standard error of the mean
-    broken_off_share: float = 0.008  # for a contingency
+    abort_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
     doubt_share: float = 0.0125  # and its part by time
     landing_s: float = 1.6  # more for landings, as recorded
     interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
-    broken_off_deviations: float = 2.3  # for contingencies, as flown
+    abort_deviations: float = 2.3  # for contingencies, as flown
     missed_s: float = 3.0  # later than the median: missed
 
 
@@ -73,19 +73,21 @@ RUNS = NoisyRuns()
 
 
 class Px4Model(FlightModel):
-    """PX4 in SIH; flown with noise unless `sure`."""
+    """PX4 in SIH; flown with noise unless `noise_free`."""
 
     scatter = (0.7, 0.02, 2.0)
     simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
 
-    def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        flights = Flights(route, mission, wind, KNOWS if sure else SIH_SENSES)
+    def predicted(
+        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+    ) -> Prediction:
+        flights = Flights(route, mission, wind, KNOWS if noise_free else SIH_SENSES)
         quiet, ends = flights.flown(False, fast)(0), list(flights.plan.done)
         smooth, samples = quiet.done[ends], quiet.samples
         once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.plan.remarks)
         times: list[Vector] = []
-        for seed in range(1, RUNS.most + 1 if route.visits and not sure else 1):
+        for seed in range(1, RUNS.most + 1 if route.visits and not noise_free else 1):
             if (seed - 1) % RUNS.batch == 0 and _known(times):
                 break
             try:
@@ -120,21 +122,21 @@ class Px4Model(FlightModel):
         steps = np.diff(quiet)
         lasted, stood, when = list[float](), list[float](), list[float]()
         for seed in range(1, RUNS.most + 1):
-            if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
+            if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.abort_share):
                 break
             with suppress(MissionError):
-                run, begun = flights.broken_off(order.contingency, order.time, seed, None)
+                run, begun = flights.aborted(order.contingency, order.time, seed, None)
                 lasted.append(float(run.done[-1]) - order.time)
                 stood.append(float(run.done[-1]) - run.touched)
                 when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
         then = float(np.mean(when)) if when else order.time
-        last, _ = flights.broken_off(order.contingency, then, None, None)
+        last, _ = flights.aborted(order.contingency, then, None, None)
         lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
         mean = float(np.mean(lasted))
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
-        half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
+        half = RUNS.abort_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
         touched = order.time + mean - float(np.mean(stood))
-        off = RUNS.broken_off_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
+        off = RUNS.abort_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
         samples = last.samples
         track = Track.of(samples, samples[:, 0] + order.time - then)
         end = np.array([order.time + mean])
@@ -193,7 +195,7 @@ class Flights:
         with_noise = build_law(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
-    def broken_off(
+    def aborted(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
         """Fly up to a time [s], with a seed's noise or none, then the contingency.
