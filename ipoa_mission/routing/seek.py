@@ -42,7 +42,7 @@ class NarrowGap:
         east, north = self.gap.place
         width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
         where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
-        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it growth {needed} at least, {where}"
+        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
 
 
 class TooNarrow(MissionError):
@@ -85,7 +85,7 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
     return max(min(reach), 0.0)
 
 
-# Tight places, whether gaps stay open, and share of the lowest spare height. Less margins is quicker and mostly enough.
+# Tight places, whether gaps stay open, and share of the lowest spare height. Smaller margins plan quicker and mostly suffice.
 MARGINS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 
 
@@ -98,7 +98,7 @@ class SeekEffort:
     max_vain_moves: int = 2  # in a row with little gain
     least_gain: float = 0.01  # of a move [m]
     max_searches: int = 6
-    repeated_searches: int = 1  # with more margins
+    repeated_searches: int = 1  # with larger margins
     seed_count: int = 2
 
 
@@ -190,7 +190,7 @@ class _Margins:
 
 
 def _margins(scenario: Scenario) -> Iterator[_Margins]:
-    """Yield different margins for the deviation bound, at last none."""
+    """Yield different margins for the deviation bound; the last are none."""
     for margins in _first_margins(scenario):
         yield margins
         latest, before = margins, margins.growth
@@ -294,8 +294,8 @@ def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
         names = f"{tightest.to} and {other}"
-        return f"the gap between {names} is {down(apart):.2f} m wide, and it growth {up(2 * needed):.2f} m"
-    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it growth {up(needed):.2f} m"
+        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
+    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
 
 
 def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:

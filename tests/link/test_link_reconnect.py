@@ -94,7 +94,7 @@ class Flight:
         monkeypatch.setattr(reconnect, "time", SimpleNamespace(sleep=self.air.rest))
         self.vehicle = meet(self.line)
         self.vehicle.upload(suited(self.vehicle, MISSION))
-        self.vehicle.absence.meanwhile = without_station(self.vehicle)
+        self.vehicle.link_loss.meanwhile = without_station(self.vehicle)
         self.vehicle.prepare()
         self.vehicle.start()
         self.words: list[str] = []
@@ -117,7 +117,7 @@ class Flight:
         def progress(share: float, words: str) -> None:
             self.words.append(words)
             if "link lost" in words:
-                assert vehicle.absence.seconds is not None
+                assert vehicle.link_loss.seconds is not None
                 self.in_loss()
 
         vehicle.overhearing = overhear
@@ -162,7 +162,7 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     assert "it is the same vehicle, with the mission that was uploaded" in told[1]
     assert len(told) == 2
     assert sum("link lost for" in words for words in flight.words) >= seconds - SILENT_S
-    assert flight.vehicle.absence.seconds is None
+    assert flight.vehicle.link_loss.seconds is None
     lost = [b.time_s - a.time_s for a, b in zip(record.path, record.path[1:], strict=False)]
     assert seconds - 0.5 < max(lost) < seconds + 4.0
     assert len(record.item_reached_s) == len(MISSION.items)
@@ -324,6 +324,6 @@ def test_a_link_that_was_lent_is_not_opened_anew(monkeypatch: pytest.MonkeyPatch
 
 def test_ctrl_c_ends_the_watch_while_the_link_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch)
-    monkeypatch.setattr(Interrupt, "take", lambda self: flight.vehicle.absence.seconds is not None)
+    monkeypatch.setattr(Interrupt, "take", lambda self: flight.vehicle.link_loss.seconds is not None)
     with pytest.raises(Cancelled):
         flight.lose(10.0)

@@ -36,7 +36,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told
         autopilot=forecast.mission.autopilot,
         order=SimpleNamespace(words="", is_paused=False),
         changed="",
-        absence=SimpleNamespace(seconds=None, words=""),
+        link_loss=SimpleNamespace(seconds=None, words=""),
         interrupted="",
         conformance=SimpleNamespace(why_not="", deviations=()),
         record=lambda: record,

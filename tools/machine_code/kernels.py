@@ -15,7 +15,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, 
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Law, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, SimulationConstants
 from ipoa_mission.wind import CALM
 
 MODULES = {
@@ -89,7 +89,7 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
-        fly: (records([], Order), records([], Law), 0.0, (1.0, 1.0), 0),
+        fly: (records([], Order), records([], SimulationConstants), 0.0, (1.0, 1.0), 0),
     }
     for function, given in flown.items():
         yield Kernel(f"{function.__module__}.{function.__name__}", compiled(function), given)

@@ -36,14 +36,14 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
-    build_law,
     landing_orders,
     orders_of_itinerary,
     return_orders,
+    simulation_constants,
     stopping_place,
     with_patience,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order, SimulationConstants
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
 from ipoa_mission.wind import CALM, Wind
@@ -192,7 +192,7 @@ class Flights:
         self.plan = orders_of_itinerary(route, self.limits, self.airframe.landing_delay)
         self.orders = self.plan.orders
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
-        with_noise = build_law(self.limits, self.airframe, senses, wind, RUNS.step_s)
+        with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
     def aborted(
@@ -230,7 +230,7 @@ class Flights:
         machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         inputs: Any = orders
         if machine is not fly:
-            inputs, laws = records(orders, Order), records(laws, Law)
+            inputs, laws = records(orders, Order), records(laws, SimulationConstants)
 
         def once(seed: int) -> FlownOnce:
             first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))

@@ -12,10 +12,10 @@ from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, S
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
-    build_law,
     landing_orders,
     leg,
     return_orders,
+    simulation_constants,
     stay,
     take_off,
     waypoint,
@@ -37,7 +37,7 @@ class PX4Pilot:
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, conditions.ground
         self._parameters = parameters
-        self._law = build_law(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
+        self._law = simulation_constants(self._limits, airframe, SIH_SENSES, conditions.wind, STEP_S)
         seeds = (float(chance.randrange(1, 2_000_000_000)), float(chance.randrange(1, 2_000_000_000)))
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []

@@ -7,7 +7,16 @@ differs by 1 m. The navigator knows at once, the guidance later.
 import math
 
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_YET, ZERO, Body, Enu, Errors, Law, Level, State
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    NOT_YET,
+    ZERO,
+    Body,
+    Enu,
+    Errors,
+    Level,
+    SimulationConstants,
+    State,
+)
 
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
 NOTICED_S = 0.075  # half the navigator's cycle, and the setpoint's latency [s]
@@ -32,16 +41,16 @@ def no_errors(seed_1: float, seed_2: float) -> Errors:
     return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
 
 
-def add_sensor_errors(state: State, law: Law) -> Errors:
-    was, time = state.errors, state.time + law.dt
-    if not law.noisy:
+def add_sensor_errors(state: State, constants: SimulationConstants) -> Errors:
+    was, time = state.errors, state.time + constants.dt
+    if not constants.noisy:
         return was
     told, told_at = was.told, was.told_at
     if told_at >= 0.0 and time >= told_at:
         told, told_at = was.home, NOT_YET
-    if was.next_in > law.dt:
-        return Errors(was.seed_1, was.seed_2, was.next_in - law.dt, was.home, told, told_at, was.drift)
-    senses = law.senses
+    if was.next_in > constants.dt:
+        return Errors(was.seed_1, was.seed_2, was.next_in - constants.dt, was.home, told, told_at, was.drift)
+    senses = constants.senses
     seed_1, seed_2, n_east, n_north = normal(was.seed_1, was.seed_2)
     seed_1, seed_2, n_up, n_height = normal(seed_1, seed_2)
     kept = math.exp(-senses.every / senses.drift_lasts)
@@ -55,16 +64,16 @@ def add_sensor_errors(state: State, law: Law) -> Errors:
     if flown < CORRECTED_FOR and abs(measured - home) > CORRECTED_BEYOND:
         home = measured
         told_at = time + NOTICED_S if told_at < 0.0 else told_at
-    return Errors(seed_1, seed_2, was.next_in - law.dt + senses.every, home, told, told_at, drift)
+    return Errors(seed_1, seed_2, was.next_in - constants.dt + senses.every, home, told, told_at, drift)
 
 
-def wind_at(height: float, law: Law) -> tuple[float, float]:
-    levels = law.wind_levels
+def wind_at(height: float, constants: SimulationConstants) -> tuple[float, float]:
+    levels = constants.wind_levels
     if levels[0].height == levels[7].height:
         blows = 1.0
-        if height < law.gradient_height and law.gradient_height > 0.0:
-            blows = (max(height, 0.0) / law.gradient_height) ** law.wind_exponent
-        return blows * law.wind_east, blows * law.wind_north
+        if height < constants.gradient_height and constants.gradient_height > 0.0:
+            blows = (max(height, 0.0) / constants.gradient_height) ** constants.wind_exponent
+        return blows * constants.wind_east, blows * constants.wind_north
     above = 0
     while above < 7 and levels[above].height < height:
         above += 1
@@ -75,17 +84,17 @@ def wind_at(height: float, law: Law) -> tuple[float, float]:
     return low.east + share * (high.east - low.east), low.north + share * (high.north - low.north)
 
 
-def integrate(state: State, asked: Enu, law: Law, stands: bool) -> Body:
-    body, drift, dt, drag = state.body, state.errors.drift, law.dt, law.airframe.drag
-    asked_east = body.asked.east + (asked.east - body.asked.east) * law.leaning
-    asked_north = body.asked.north + (asked.north - body.asked.north) * law.leaning
+def integrate(state: State, asked: Enu, constants: SimulationConstants, stands: bool) -> Body:
+    body, drift, dt, drag = state.body, state.errors.drift, constants.dt, constants.airframe.drag
+    asked_east = body.asked.east + (asked.east - body.asked.east) * constants.leaning
+    asked_north = body.asked.north + (asked.north - body.asked.north) * constants.leaning
     thrust = Enu(
-        body.thrust.east + (asked_east - body.thrust.east) * law.turning,
-        body.thrust.north + (asked_north - body.thrust.north) * law.turning,
-        body.thrust.up + (asked.up - body.thrust.up) * law.turning,
+        body.thrust.east + (asked_east - body.thrust.east) * constants.turning,
+        body.thrust.north + (asked_north - body.thrust.north) * constants.turning,
+        body.thrust.up + (asked.up - body.thrust.up) * constants.turning,
     )
     lift, place, speed, since = 1.0 + thrust.up / GRAVITY, body.place, body.speed, body.airborne_since
-    blows_east, blows_north = wind_at(place.up, law)
+    blows_east, blows_north = wind_at(place.up, constants)
     felt_east = thrust.east * lift - drag * (speed.east - blows_east)
     felt_north = thrust.north * lift - drag * (speed.north - blows_north)
     on_ground = stands or (body.on_ground and thrust.up <= 0.0)

@@ -16,8 +16,8 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Axis,
     Body,
     Enu,
-    Law,
     Order,
+    SimulationConstants,
     State,
     Trajectory,
 )
@@ -28,7 +28,7 @@ ROOM = 64  # for samples
 SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
 
 
-def past_cruise(state: State, order: Order, law: Law) -> State:
+def past_cruise(state: State, order: Order, constants: SimulationConstants) -> State:
     """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
@@ -38,7 +38,7 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
         return state
     east, north = order.goal.east - x.place, order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
-    coast = far - speed * SETTLED_S - speed * speed / law.limits.accel
+    coast = far - speed * SETTLED_S - speed * speed / constants.limits.accel
     if coast < speed * SETTLED_S or order.goal.up != order.start.up or state.time - since < CORRECTED_FOR + SETTLED_S:
         return state
     if x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
@@ -58,26 +58,32 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
 
 
 def fly(
-    orders: Sequence[Order], laws: Sequence[Law], height: float, seeds: tuple[float, float], every: int
+    orders: Sequence[Order],
+    each_constants: Sequence[SimulationConstants],
+    height: float,
+    seeds: tuple[float, float],
+    every: int,
 ) -> tuple[Vector, Points, float]:
     """Return times [s] at the start and after each order (n + 1,), samples, and the touchdown [s] or NOT_YET.
 
     Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home at
     `height` [m], or takes off. It ends at an abort, or early if an order's patience ends.
     """
-    law = laws[0]
+    constants = each_constants[0]
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)
     done, samples, taken = np.zeros(len(orders) + 1), np.zeros((ROOM, 7)), 1
     samples[0, 3], touched = height, NOT_YET
     for n in range(len(orders)):
         order = orders[n]
         if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.stands):
-            state = at_rest(state.body.place, state.time + law.limits.spool_up, state.nose.yaw, state.errors, True)
+            state = at_rest(
+                state.body.place, state.time + constants.limits.spool_up, state.nose.yaw, state.errors, True
+            )
         state, steps = begun(state, order), 0
         while not is_over(state, order):
             if state.reached < 0.0 and state.time - state.begun > order.patience:
                 return done[: n + 1].copy(), samples[:taken].copy(), touched
-            state, steps = past_cruise(step(state, order, law), order, law), steps + 1
+            state, steps = past_cruise(step(state, order, constants), order, constants), steps + 1
             if order.kind == LAND and not state.contact.stands:
                 touched = state.time
             if every > 0 and steps % every == 0:

@@ -16,8 +16,8 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Contact,
     Enu,
     Guidance,
-    Law,
     Order,
+    SimulationConstants,
     State,
     Trajectory,
     Yaw,
@@ -91,13 +91,13 @@ def level(place: Enu) -> float:
     return math.sqrt(place.east * place.east + place.north * place.north)
 
 
-def sink_rate(state: State, order: Order, law: Law) -> float:
+def sink_rate(state: State, order: Order, constants: SimulationConstants) -> float:
     """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
     Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
     allows the crawl.
     """
-    limits, sees = law.limits, law.senses.sees_ground
+    limits, sees = constants.limits, constants.senses.sees_ground
     height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
     if sees and height <= limits.crawl_below and not state.contact.lost:
         return limits.crawl_speed
@@ -109,20 +109,20 @@ def stands(state: State, order: Order) -> bool:
     return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 
-def detect_contact(state: State, body: Body, thrust: float, law: Law) -> Contact:
+def detect_contact(state: State, body: Body, thrust: float, constants: SimulationConstants) -> Contact:
     """Return the land detector's state: low thrust and speed for long enough.
 
     The range finder loses the ground below an estimated height of 0.
     """
-    was, touchdown = state.contact, law.limits.touchdown
-    sees, stands = law.senses.sees_ground, body.on_ground
+    was, touchdown = state.contact, constants.limits.touchdown
+    sees, stands = constants.senses.sees_ground, body.on_ground
     lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
     low = was.stages > 0 or thrust <= GRAVITY * (touchdown.low_thrust - 1.0)
     if not stands or abs(body.speed.up) >= touchdown.most_speed or not low:
-        return Contact(stands, lost, 0, state.time + law.dt)
+        return Contact(stands, lost, 0, state.time + constants.dt)
     stage = touchdown.trigger_s * (STAGES if lost and sees else 1) / STAGES
-    if state.time + law.dt - was.since >= stage:
-        return Contact(stands, lost, was.stages + 1, state.time + law.dt)
+    if state.time + constants.dt - was.since >= stage:
+        return Contact(stands, lost, was.stages + 1, state.time + constants.dt)
     return Contact(stands, lost, was.stages, was.since)
 
 
@@ -222,12 +222,14 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
     return Climb(limits.climb, limits.accel_up)
 
 
-def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) -> tuple[Enu, Guidance]:
+def velocity_setpoint(
+    state: State, order: Order, constants: SimulationConstants, guidance: Guidance
+) -> tuple[Enu, Guidance]:
     """Return the velocity setpoint before jerk limits, and the guidance.
 
     In a turn it aims ahead on the leg and does not accelerate.
     """
-    limits, x, y, z = law.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
+    limits, x, y, z = constants.limits, state.trajectory.east, state.trajectory.north, state.trajectory.up
     to = triplet(guidance, order)
     at = Enu(x.place, y.place, z.place - home_told(state, order))
     aim = Enu(to.goal.east - at.east, to.goal.north - at.north, to.goal.up - at.up)
@@ -240,7 +242,7 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
         held = fast
     if order.kind == LAND:
         share = fast / far if far > AT_GOAL else 0.0
-        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, law))
+        velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
         rise = vertical_speed(at, to, climb, limits)

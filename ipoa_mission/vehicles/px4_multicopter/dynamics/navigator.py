@@ -10,7 +10,15 @@ from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
+    GO,
+    LAND,
+    TAKE_OFF,
+    Enu,
+    Level,
+    Order,
+    SimulationConstants,
+)
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
@@ -18,14 +26,18 @@ FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANY_RADIUS = 1e9  # without effect [m]
 
 
-def build_law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
+def simulation_constants(
+    limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float
+) -> SimulationConstants:
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
     east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
     given = [*wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
     levels = given + given[-1:] * (MAX_LEVELS - len(given))
-    return Law(limits, airframe, senses, east, north, exponent, height, levels, *steps, turns=True, noisy=True)
+    return SimulationConstants(
+        limits, airframe, senses, east, north, exponent, height, levels, *steps, turns=True, noisy=True
+    )
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:

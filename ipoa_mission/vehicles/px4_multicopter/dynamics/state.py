@@ -1,6 +1,6 @@
 """PX4's flight state and orders; SI units, east, north, up.
 
-Numba gets `Order` and `Law` as records of the same names.
+Numba gets `Order` and `SimulationConstants` as records of the same names.
 """
 
 import math
@@ -43,7 +43,7 @@ class Order(NamedTuple):
     until: float = math.inf
 
 
-class Law(NamedTuple):
+class SimulationConstants(NamedTuple):
     """Constants of a flight: limits, vehicle, sensors, wind (towards), step.
 
     Below `gradient_height` wind is a power law with `wind_exponent`, or `wind_levels` if the first level is below the

@@ -34,9 +34,9 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Enu,
     Errors,
     Guidance,
-    Law,
     Level,
     Order,
+    SimulationConstants,
     State,
     Trajectory,
     Yaw,
@@ -47,12 +47,14 @@ from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
 HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
 
 
-def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> tuple[Enu, Control]:
+def controlled(
+    state: State, trajectory: Trajectory, order: Order, constants: SimulationConstants
+) -> tuple[Enu, Control]:
     """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
 
     A take-off ramps up the climb limit, without acceleration feed-forward.
     """
-    limits, body, was, dt = law.limits, state.body, state.control, law.dt
+    limits, body, was, dt = constants.limits, state.body, state.control, constants.dt
     east, north = level_velocity(trajectory, body, limits, dt)
     east, north = (
         east - body.speed.east - body.acceleration.east * dt,
@@ -72,7 +74,7 @@ def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> 
     up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
     thrust = max(foreseen + limits.p_vz * up + was.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
-    share = 1.0 if size <= law.most_lean else law.most_lean / size
+    share = 1.0 if size <= constants.most_lean else constants.most_lean / size
     # anti-windup: with too little lean or thrust
     back = 2.0 / limits.p_v * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
     integral = Enu(
@@ -93,12 +95,12 @@ def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: fl
     return east * share, north * share
 
 
-def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
+def hover_learned(control: Control, body: Body, constants: SimulationConstants, time: float) -> Control:
     """Update the learned hover thrust, which counts drag in a climb as weight."""
     fast = level(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
-    share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt
-    takes = 1.0 + law.airframe.drag * body.speed.up / GRAVITY
+    share = (1.0 / constants.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * constants.dt / doubt
+    takes = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
     return Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
 
 
@@ -187,30 +189,30 @@ SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
 GROUND_SINK = 0.7  # [m/s]
 
 
-def step(state: State, order: Order, law: Law) -> State:
-    limits, standing = law.limits, stands(state, order)
-    velocity, guidance = velocity_setpoint(state, order, law, guided(state, order, limits))
-    trajectory = track_setpoint(state, order, law, velocity)
-    asked, control = controlled(state, trajectory, order, law)
+def step(state: State, order: Order, constants: SimulationConstants) -> State:
+    limits, standing = constants.limits, stands(state, order)
+    velocity, guidance = velocity_setpoint(state, order, constants, guided(state, order, limits))
+    trajectory = track_setpoint(state, order, constants, velocity)
+    asked, control = controlled(state, trajectory, order, constants)
     if not (standing or state.body.on_ground):
-        control = hover_learned(control, state.body, law, state.time)
-    body = integrate(state, asked, law, standing)
-    errors = add_sensor_errors(state, law)
+        control = hover_learned(control, state.body, constants, state.time)
+    body = integrate(state, asked, constants, standing)
+    errors = add_sensor_errors(state, constants)
     if errors.told != state.errors.told:
         guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
-    contact = detect_contact(state, body, asked.up, law) if order.kind == LAND else state.contact
-    time = state.time + law.dt
+    contact = detect_contact(state, body, asked.up, constants) if order.kind == LAND else state.contact
+    time = state.time + constants.dt
     there = state.been_there or is_there(body, errors, contact, order)
     reached = state.reached
     if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
         reached = time
-    nose = turned(state, order, limits, law.dt) if law.turns else state.nose
+    nose = turned(state, order, limits, constants.dt) if constants.turns else state.nose
     return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
 
 
-def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
+def track_setpoint(state: State, order: Order, constants: SimulationConstants, velocity: Enu) -> Trajectory:
     """Return the trajectory a step later, stretched while the vehicle lags."""
-    limits, at, was = law.limits, state.body.place, state.trajectory
+    limits, at, was = constants.limits, state.body.place, state.trajectory
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
     if low:
@@ -230,7 +232,7 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
         pace_up, lead = 1.0, was.up.place - at.up
         if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
             pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
-    now = smoothed(was, within, limits, climb.accel, (law.dt * pace, law.dt * pace_up))
+    now = smoothed(was, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
     if order.kind != LAND:
         return now
     return Trajectory(in_single(now.east), in_single(now.north), now.up)
