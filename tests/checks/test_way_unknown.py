@@ -52,9 +52,7 @@ def clearance_is_known(mission: Mission) -> bool:
 
 
 @pytest.mark.parametrize(("autopilot", "firmware"), TABLES)
-def test_a_command_is_flown_by_the_model_or_moves_nothing_or_leaves_the_clearance_unknown(
-    autopilot: Autopilot, firmware: Firmware
-) -> None:
+def test_command_is_modeled_or_harmless_or_clearance_is_unknown(autopilot: Autopilot, firmware: Firmware) -> None:
     known, plain = autopilot.command_effects, Mission(HOME, (takeoff(HOME, 20.0), FIRST, LAST), autopilot)
     newest = autopilot.firmware().version
     straight = Forecast(plain).predicted(noise_free=True, fast=False).track.points

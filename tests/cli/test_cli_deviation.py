@@ -25,9 +25,7 @@ def lower(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("lower")
-def test_a_deviation_is_a_line_of_json_the_vehicle_holds_and_the_next_steps_are_named(
-    run: Run, autopilot: Serve
-) -> None:
+def test_cli_deviation_is_a_json_line_with_next_steps(run: Run, autopilot: Serve) -> None:
     with autopilot(MISSION.home, speedup=8.0) as link:
         ended = run(f"fly {SITL} --link {link} --json")
     assert ended.code == 1

@@ -59,13 +59,13 @@ def link() -> Iterator[str]:
     channel.close()
 
 
-def test_help_needs_none_of_them_and_a_mission_file_is_looked_at_without_what_only_scenarios_need() -> None:
+def test_cli_help_and_mission_files_import_no_large_libraries() -> None:
     helped, *looked = imported("--help", *(f"{verb} {FOR_ARDUPILOT}" for verb in ("show", "check", "estimate")))
     assert helped == set()
     assert looked == [{"numpy", "pyproj"}] * 3
 
 
-def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None:
+def test_cli_upload_imports_only_the_messages_besides(link: str, tmp_path: Path) -> None:
     log = str(tmp_path / "upload.tlog")
     hurried = "from tests.quick_link import hurry; hurry()"
     (needed,) = imported(f"upload {FOR_PX4} --link {link} --log {log}", before=hurried)

@@ -91,7 +91,7 @@ def test_an_object_is_linked_to_a_library_that_loads(
         link([missing], tmp_path / "wrong.bin")
 
 
-def test_where_no_machine_code_can_be_made_the_wheel_is_any_system_s_and_asks_for_numba(clone: Path) -> None:
+def test_wheel_without_machine_code_is_pure_and_requires_numba(clone: Path) -> None:
     (clone / "tools" / "machine_code" / "__main__.py").write_text("raise SystemExit('no such linker')\n")
     name = built(clone, "build_wheel('.')")
     assert name.endswith("py3-none-any.whl")

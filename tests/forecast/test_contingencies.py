@@ -152,7 +152,7 @@ def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
 
 
 @pytest.mark.parametrize("kind", [1.0, 3.0])
-def test_without_a_landing_of_the_mission_a_return_takes_as_long_as_one_straight_home(kind: float) -> None:
+def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: float) -> None:
     landed = forecast_of("sitl", RTL_TYPE=kind)
     away = replace(landed.given, items=landed.given.items[:-1])
     typed, home = (Forecast(away.with_parameters({"RTL_TYPE": one}), landed.scenario) for one in (kind, 0.0))

@@ -142,7 +142,7 @@ def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Calla
     assert with_margins(clearance_task(nominal), 1.0) is nominal
 
 
-def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_places_are() -> None:
+def test_height_over_steep_ground_is_limited_by_the_given_places() -> None:
     slope = {"kind": "grid", "east": -50.0, "north": -50.0, "spacing": 200.0, "heights": [[0.0, 800.0], [0.0, 800.0]]}
     table = {
         "home": {"latitude_deg": 47.0, "longitude_deg": 8.0},
@@ -221,7 +221,7 @@ def test_wind_widens_the_tube_and_chooses_the_route(
     assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
 
 
-def test_waypoints_that_an_autopilot_does_not_fly_are_refused_before_the_tube_is_looked_at(
+def test_unsupported_waypoints_are_refused_before_the_deviation_bound(
     scenario_of: Callable[[], Scenario],
 ) -> None:
     scenario = scenario_of()

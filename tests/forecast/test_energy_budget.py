@@ -123,7 +123,7 @@ def test_where_returns_are_planned_one_that_the_battery_is_not_enough_for_is_ref
     assert enough.refusal is None
 
 
-def test_the_check_tells_of_a_shortage_of_what_is_unsure_and_of_a_return_that_is_too_late() -> None:
+def test_check_reports_energy_shortage_uncertainty_and_late_return() -> None:
     assert not [code for code in codes(60.0) if code.startswith("battery")]
     assert codes(14.2)["battery-no-return"] is Severity.WARNING
     assert codes(14.2, planned=True)["battery-no-return"] is Severity.ERROR

@@ -53,7 +53,7 @@ def test_each_leg_of_arducopter_within_three_tenths_of_a_second_or_three_per_cen
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_arducopters_take_off_and_what_follows_the_last_waypoint_within_three_per_cent(flight: Recorded) -> None:
+def test_arducopter_takeoff_and_landing_times_within_three_per_cent(flight: Recorded) -> None:
     when, (run,) = done(flight), flight.runs
     assert when[flight.first] == pytest.approx(run[flight.first], rel=0.02)
     contingency = len(flight.mission.items)

@@ -231,7 +231,7 @@ def test_the_tag_of_a_jump_is_not_taken_out() -> None:
     assert len(without_item(mission(UP, tag(2), *LOOP[1:]), 2).items) == len(LOOP)
 
 
-def test_a_waypoint_that_may_be_passed_is_named_by_its_item_whatever_jumps_lead_there() -> None:
+def test_waypoint_that_may_be_passed_is_named_by_item_after_jumps() -> None:
     higher = replace(B, altitude=30.0)
     flown = replace(mission(UP, A, higher, C, jump(2, 2), D, BACK, autopilot=PX4), firmware_version=Version(1, 18))
     errors = [finding for finding in check_mission(flown) if finding.code == "waypoint-passed"]

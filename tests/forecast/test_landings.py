@@ -34,7 +34,7 @@ def flown(flight: Recorded) -> np.ndarray:
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_arducopter_takes_off_as_estimated_and_lands_within_two_per_cent_or_what_a_centimeter_takes(
+def test_arducopter_landing_time_within_two_per_cent(
     flight: Recorded,
 ) -> None:
     """LAND may begin with a leg of one centimeter, which takes 1.1 s."""

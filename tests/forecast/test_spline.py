@@ -59,7 +59,7 @@ def test_arducopter_flew_along_the_curve_and_not_along_its_chords(name: str) -> 
     assert near < 0.6 * far
 
 
-def test_a_mast_beside_the_chord_and_on_the_curve_is_told_and_beside_the_curve_is_not() -> None:
+def test_mast_on_a_spline_is_found_but_not_one_on_its_chord() -> None:
     mission, scenario = zigzag((-40.0, -80.0), is_spline=True)
     legs = [leg for leg in flown_legs(mission, scenario.frame) if leg.phase is Phase.CRUISE]
     curve, _ = join(legs)

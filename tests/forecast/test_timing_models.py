@@ -82,7 +82,7 @@ def test_reasons_name_the_hold_the_stop_and_the_short_leg(autopilot: Autopilot) 
 
 
 @BOTH
-def test_wind_ahead_costs_more_than_wind_behind_saves_and_comes_from_where_it_is_said_to(autopilot: Autopilot) -> None:
+def test_headwind_costs_more_than_tailwind_saves(autopilot: Autopilot) -> None:
     legs = (change_speed(9.0), waypoint(place(0, 300), 30.0))
     calm, ahead, behind = (
         lasted(fly(autopilot, *legs, wind=wind), 3) for wind in (Wind(), Wind(5.0, 0.0), Wind(5.0, 180.0))

@@ -32,7 +32,7 @@ def test_a_flight_in_wind_takes_as_long_as_estimated_within_two_per_cent(flight:
     assert abs(error(flight, flight.wind)) < 0.02
 
 
-def test_half_of_the_flights_in_wind_are_right_within_one_per_cent_and_not_without_it() -> None:
+def test_median_flight_time_in_wind_within_one_per_cent() -> None:
     assert np.median([abs(error(flight, flight.wind)) for flight in FLOWN]) < 0.01
     assert np.median([abs(error(flight, CALM)) for flight in FLOWN]) > 0.05
 
@@ -125,7 +125,7 @@ def test_a_profile_of_one_wind_is_that_wind_and_one_of_a_power_law_nearly_that(a
     assert by_levels == pytest.approx(by_law, rel=0.003)
 
 
-def test_a_wind_turns_with_height_between_the_levels_of_its_profile_and_stays_beyond_them() -> None:
+def test_wind_profile_is_interpolated_between_levels_and_constant_beyond() -> None:
     wind = Wind.of_profile([20.0, 40.0, 100.0], [4.0, 4.0, 8.0], [270.0, 180.0, 180.0])
     assert wind.towards(5.0) == pytest.approx((4.0, 0.0), abs=1e-9)
     assert wind.towards(30.0) == pytest.approx((2.0, 2.0), abs=1e-9)

@@ -83,7 +83,7 @@ def _is_readable(file: int) -> bool:
     return bool(select.select([file], [], [], 0.05)[0])
 
 
-def test_a_verb_on_a_serial_line_that_does_not_drain_ends_when_the_user_s_patience_does(
+def test_verb_on_a_blocked_serial_line_ends_at_its_timeout(
     cable: Cable, serial: SerialChannel, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hurry(monkeypatch.setattr)

@@ -366,9 +366,7 @@ def test_a_whole_datagram_is_heard_at_once_behind_half_a_frame() -> None:
 
 
 @pytest.mark.parametrize(("frame", "unit"), [(3, 1e-7), (2, 1.0)])
-def test_the_largest_and_the_smallest_coordinate_that_fit_are_sent_and_the_next_ones_are_errors(
-    frame: int, unit: float
-) -> None:
+def test_coordinates_beyond_the_largest_and_smallest_are_errors(frame: int, unit: float) -> None:
     for value in (2**31 - 2, 1 - 2**31):
         item = dataclasses.replace(FINE, frame=frame, latitude_deg=0.0, longitude_deg=value * unit)
         (packed,) = pack_items([item], 0)

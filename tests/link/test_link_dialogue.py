@@ -170,7 +170,7 @@ def test_the_echo_of_a_question_is_not_answered_again() -> None:
     assert exchange.outgoing() == [Ack(0)]
 
 
-def test_a_question_asked_again_before_its_answer_can_have_arrived_is_not_answered_again() -> None:
+def test_request_repeated_before_its_answer_is_answered_once() -> None:
     exchange = Exchange(answering(), 0.0, SPECIFIED)
     exchange.receive(Request(0), 0.4)  # so long is the round trip
     exchange.outgoing()

@@ -121,7 +121,7 @@ def test_ctrl_c_between_arming_and_start_disarms() -> None:
     assert cancelled.value.hint == "the vehicle is disarmed, in GUIDED"
 
 
-def test_a_vehicle_that_answers_nothing_after_the_arming_is_told_to_disarm_all_the_same() -> None:
+def test_silent_vehicle_after_arming_is_ordered_to_disarm() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     answer, lost = vehicle.answer, list[Message]()

@@ -79,9 +79,7 @@ def each_instruction(act: Callable[[int], None]) -> Iterator[None]:
 
 
 @pytest.mark.parametrize(("family", "fast"), some(2, [(PX4, False), (ARDUPILOT, True), (ARDUPILOT, False)]))
-def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_is_told_which(
-    family: Autopilot, fast: bool
-) -> None:
+def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, fast: bool) -> None:
     old, new = items_of(family, 4, shift=0.01), items_of(family, 6)
     counted = [0]
     upload = aboard(family, fast)[2]

@@ -111,7 +111,7 @@ class Counting(Loopback):
 
 @pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("key", [None, KEY])
-def test_a_whole_list_takes_one_frame_each_way_an_item_and_few_of_them_reach_the_dialogue(
+def test_item_run_takes_one_frame_each_way_an_item(
     autopilot: Autopilot, key: bytes | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     reached: list[Message] = []

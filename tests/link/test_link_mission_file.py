@@ -265,7 +265,7 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
     assert len(set(numbers)) == 4
 
 
-def test_who_makes_no_checksums_is_read_all_the_same_and_who_falls_silent_is_an_error() -> None:
+def test_mission_file_without_checksums_is_read_and_silence_is_an_error() -> None:
     vehicle, mock = aboard(Faults(), fast=False)
     mock._files = FileService(False, 650, mock.transfers.listed, mock.transfers.replace)
     vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)

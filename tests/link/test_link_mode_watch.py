@@ -45,9 +45,7 @@ def ordered_into(vehicle: Vehicle, mode: int) -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_a_vehicle_that_is_held_in_the_air_is_told_of_within_seconds_and_so_is_its_going_on(
-    family: Autopilot, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, caplog: pytest.LogCaptureFixture) -> None:
     vehicle = flying(family)
     held_s: list[float] = []
     told_s: list[float] = []
@@ -206,7 +204,7 @@ def test_an_order_to_go_on_that_is_refused_is_told(family: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_it_is_told_with_what_the_vehicle_says_of_it_and_not_with_what_it_said_before(family: Autopilot) -> None:
+def test_mode_watch_reports_only_current_status_texts(family: Autopilot) -> None:
     hold = beat(family, family.modes.hold)
     old, why, chat = Text(2, "Old trouble"), Text(4, "Fence breached\t"), Text(6, "Reached command #2")
     words = heard(*leaving(family), (1.0, old), (9.0, chat), (9.5, why), (10.0, hold), (11.1, hold))
@@ -223,7 +221,7 @@ def test_each_mode_that_it_leaves_for_is_told_with_its_own_reason(family: Autopi
 
 
 @pytest.mark.parametrize("family", registered())
-def test_nothing_is_told_of_a_moment_in_another_mode_on_the_ground_or_while_nobody_watches(family: Autopilot) -> None:
+def test_mode_watch_ignores_short_modes_ground_and_unwatched_time(family: Autopilot) -> None:
     hold, mission = beat(family, family.modes.hold), beat(family, family.modes.mission)
     assert heard(*leaving(family), (10.0, hold), (10.5, mission), (12.0, mission)) == ""
     assert heard(*leaving(family), (10.0, hold), (10.5, mission), (11.2, hold)) == ""

@@ -162,7 +162,7 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
 
 @pytest.mark.parametrize("other", OTHERS)
 @pytest.mark.parametrize("family", registered())
-def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_complete(
+def test_mission_replaced_in_flight_makes_the_flight_incomplete(
     family: Autopilot, other: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle = vehicle_of(family)
@@ -241,7 +241,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_its_word(family: Autopilot) -> None:
+def test_onboard_list_unreadable_after_a_flight_is_accepted(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()

@@ -168,7 +168,7 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     assert len(record.item_reached_s) == len(MISSION.items)
 
 
-def test_what_is_read_after_our_own_process_stood_still_counts_once_the_vehicle_is_known_again(
+def test_reconnect_reads_after_a_suspended_process_count_later(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     flight = Flight(PX4, monkeypatch)

@@ -104,7 +104,7 @@ def ticks(unix_s: float) -> int:
     return round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
 
 
-def test_timestamps_are_those_of_the_clock_and_only_grow_however_often_one_begins_anew(tmp_path: Path) -> None:
+def test_signing_timestamps_follow_the_clock_and_only_grow(tmp_path: Path) -> None:
     last = 0
     for run in range(50):
         signer = persistent_signer(KEY, tmp_path / "timestamp")
@@ -168,7 +168,7 @@ def test_a_full_disk_does_not_end_what_is_signed(caplog: pytest.LogCaptureFixtur
     signer.close()
 
 
-def test_timestamps_that_nobody_closed_are_the_next_ones_when_their_owner_is_collected(tmp_path: Path) -> None:
+def test_signing_timestamps_continue_after_an_unclosed_owner(tmp_path: Path) -> None:
     forgotten = persistent_signer(KEY, tmp_path / "timestamp")
     forgotten.itself = forgotten  # type: ignore[attr-defined]
     assert persistent_signer(KEY, tmp_path / "timestamp").link_id == 1

@@ -34,7 +34,7 @@ def joined(channel: TcpChannel) -> socket.socket:
     return client
 
 
-def test_a_datagram_socket_that_breaks_is_a_link_that_is_down_but_a_peer_nobody_can_reach_is_not() -> None:
+def test_link_is_down_if_its_udp_socket_breaks_not_for_a_lost_peer() -> None:
     with closing(UdpChannel(parse_address("udpout:127.0.0.1:9"))) as channel:
         channel._sender.close()
         channel._socket.close()
@@ -48,7 +48,7 @@ def test_a_datagram_socket_that_breaks_is_a_link_that_is_down_but_a_peer_nobody_
         channel.send(b"x", None)
 
 
-def test_a_connection_that_was_closed_stays_closed_and_one_that_takes_nothing_is_not_waited_for() -> None:
+def test_tcp_connection_stays_closed_and_a_full_one_is_not_waited_for() -> None:
     with closing(TcpChannel(parse_address("tcpin:127.0.0.1:0"))) as far:
         channel = TcpChannel(parse_address(f"tcp:127.0.0.1:{far.port}"))
         (connection,) = channel._connections

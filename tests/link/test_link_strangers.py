@@ -361,7 +361,7 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
 # --- the other side goes away ---------------------------------------------------------------------------------------
 
 
-def test_a_connection_that_is_closed_in_flight_for_good_tells_when_the_vehicle_was_heard_last(
+def test_connection_closed_in_flight_reports_when_last_heard(
     run_mock: Callable[..., object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(reconnect, "GIVE_UP_S", 1.5)

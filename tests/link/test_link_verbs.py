@@ -45,7 +45,7 @@ def met(autopilot: Autopilot, **habits: Any) -> Vehicle:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_counts_them(autopilot: Autopilot) -> None:
+def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
     vehicle.expect_on_ground()
     vehicle.upload(suited(vehicle, MISSION))
@@ -102,7 +102,7 @@ def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
     assert line.now() < 3.0
 
 
-def test_a_mission_that_is_found_unflyable_is_not_blamed_where_the_vehicle_has_no_place(
+def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     vehicle = met(Autopilot.PX4)
@@ -261,7 +261,7 @@ def test_an_arducopter_is_asked_once_whether_it_takes_a_file() -> None:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_a_vehicle_with_the_mission_of_another_session_is_prepared_where_it_may_begin(autopilot: Autopilot) -> None:
+def test_vehicle_with_another_sessions_mission_is_prepared(autopilot: Autopilot) -> None:
     before = met(autopilot)
     before.upload(suited(before, MISSION))
     vehicle = meet(line_of(before))

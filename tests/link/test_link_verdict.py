@@ -132,7 +132,7 @@ def test_a_vehicle_that_speaks_of_another_mission_at_every_reading_is_no_success
         lead(upload(Upload(ONE, PX4)), script)
 
 
-def test_a_vehicle_that_spoke_of_another_mission_and_fell_silent_is_not_taken_for_verified() -> None:
+def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
     with refuses("no-answer"):
         lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2), readings=1))
 

@@ -140,7 +140,7 @@ def states(path: Path) -> list[bool]:
     return [event.armed for _, event in read_telemetry_log(path).events if isinstance(event, Heartbeat)]
 
 
-def test_what_is_heard_before_the_first_heartbeat_and_what_is_no_frame_is_passed_over(tmp_path: Path) -> None:
+def test_log_messages_before_the_first_heartbeat_are_ignored(tmp_path: Path) -> None:
     path = written(
         tmp_path, (0.0, Text(6, "early")), (1.0, heartbeat(False)), (2.0, ParamValue("MC_ROLL_P", 6.5, 9, 1, 0))
     )
@@ -194,7 +194,7 @@ def test_a_log_that_began_anew_twice_at_once_goes_on_over_both() -> None:
     assert unwrapped(stamps, np.array([100.0, 60.0, 20.0, 21.0])) == pytest.approx([100.0, 101.0, 102.0, 103.0])
 
 
-def test_arming_is_dated_back_to_the_agreement_and_an_order_to_another_vehicle_is_none(tmp_path: Path) -> None:
+def test_arming_is_dated_by_its_acknowledgement(tmp_path: Path) -> None:
     order, agreed = CommandLong(400, (1.0, *(0.0,) * 6)), CommandAck(400, CommandResult.ACCEPTED)
     place = Position(5.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
     path = written(tmp_path, (0.0, heartbeat(False)), (0.5, order), (0.6, agreed), (0.7, place), (1.0, heartbeat(True)))
@@ -226,9 +226,7 @@ def opened_by_arming(folder: Path) -> Path:
     return path
 
 
-def test_a_px4_log_that_begins_armed_has_its_arming_from_px4_or_from_its_own_beginning(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_px4_log_that_begins_armed_has_an_arming_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     armed_s = read_flights(LOG).flights[0].armed_s
     with monkeypatch.context() as patch:
         spoiled(patch, begun_armed(told=True))

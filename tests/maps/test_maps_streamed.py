@@ -68,7 +68,7 @@ def test_a_file_that_ends_early_is_told_as_json_itself_does(
     assert str(told.value) == f"{path}: line {expected.value.lineno}: {message}"
 
 
-def test_mistakes_name_the_number_of_the_feature_beyond_the_first_of_those_made_together(tmp_path: Path) -> None:
+def test_streamed_feature_errors_name_their_number(tmp_path: Path) -> None:
     path = tmp_path / "map.geojson"
     flat = feature("Polygon", [[SQUARE[0], SQUARE[1], SQUARE[0]]])
     path.write_text(json.dumps({"type": "FeatureCollection", "features": [*[FEATURES[0]] * 1500, flat]}))

@@ -55,9 +55,7 @@ def test_a_jump_counts_as_the_autopilot_counts() -> None:
 
 @pytest.mark.parametrize("command", [Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED, Command.NAV_DELAY])
 @BOTH
-def test_commands_without_a_position_go_in_frame_2_because_px4_refuses_them_elsewhere(
-    command: Command, autopilot: Autopilot
-) -> None:
+def test_commands_without_position_are_in_frame_2(command: Command, autopilot: Autopilot) -> None:
     sent = to_wire(Mission(HOME, (Item(command, 3),), autopilot))
     assert sent[-1].frame == 2
 

@@ -59,7 +59,7 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
     assert door[1] == pytest.approx(aside, abs=0.075)
 
 
-def test_beside_a_way_through_a_gap_that_is_too_narrow_there_are_ways_that_do_without_it(scenario: Make) -> None:
+def test_lattice_finds_paths_around_a_too_narrow_gap(scenario: Make) -> None:
     pillars = [PILLAR | {"name": f"{side}", "radius": 12, "north": 12.95 * side} for side in (-1, 1)]  # 0.1 m short
     problem = prepare(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
     lattice, (start, goal) = lay(problem), problem.task.places

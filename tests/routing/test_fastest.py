@@ -70,7 +70,7 @@ def as_plan(curve: Spline, scenario: Scenario) -> Plan:
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
-def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was_flown(autopilot: Autopilot) -> None:
+def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopilot) -> None:
     curve, scenario = curve_of_the_ways(autopilot)
     options = weigh_routes(as_plan(curve, scenario), scenario)
     assert [option.seconds for option in options] == sorted(option.seconds for option in options)
@@ -114,7 +114,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_and_to_its_goal(
+def test_fastest_route_is_flown_clear_to_its_goal(
     autopilot: Autopilot,
 ) -> None:
     """It has another model of the vehicle."""

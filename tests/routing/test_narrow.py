@@ -96,7 +96,7 @@ def test_only_what_is_certain_is_refused_without_a_search(scene: dict[str, Any])
     expect_wide(Scenario.model_validate(scene))
 
 
-def test_the_legs_of_a_gap_are_counted_without_a_via_point_at_which_the_way_is_already() -> None:
+def test_legs_of_a_narrow_gap_are_counted_without_a_repeated_via_point() -> None:
     scene = gate(5.6, "px4") | {"via": [{"east": 0.0, "north": 0.0, "up": 10.0}]}
     with pytest.raises(TooNarrow) as refused:
         expect_wide(Scenario.model_validate(scene))

@@ -129,9 +129,7 @@ def straight(scenario: Scenario) -> Mission:
 
 
 @pytest.mark.parametrize(("aside", "errors"), [(2.55, 0), (2.51, 1)])
-def test_too_near_by_a_centimeter_is_an_error_also_where_only_the_predicted_path_counts(
-    aside: float, errors: int
-) -> None:
+def test_nominal_clearance_short_by_a_centimeter_is_an_error(aside: float, errors: int) -> None:
     """The leg itself keeps 2.51 m; the predicted path may be 2 cm from it."""
     scenario = beside("nominal", aside)
     found = [str(f) for f in check_mission(straight(scenario), scenario) if f.severity is Severity.ERROR]

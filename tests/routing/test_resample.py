@@ -101,7 +101,7 @@ def test_the_deviation_of_a_leg_is_found_in_its_middle() -> None:
     assert lateral_deviation(bow.sample(2000), bow) == pytest.approx(0, abs=0.02)
 
 
-def test_the_gentlest_line_beside_a_weak_weave_is_straight_and_round_a_corner_it_takes_all_the_room() -> None:
+def test_relaxed_line_is_straight_at_a_weave_and_wide_round_a_corner() -> None:
     along = np.linspace(0.0, 300.0, 30)
     aside = 1.5 * np.sin(along / 24)
     aside[[0, -1]] = 0.0

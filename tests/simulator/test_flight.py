@@ -83,7 +83,7 @@ def test_a_jump_repeats_its_legs_as_often_as_it_says(autopilot: Autopilot) -> No
 
 
 @both
-def test_told_to_begin_at_a_waypoint_arducopter_stays_on_the_ground_and_px4_takes_off(autopilot: Autopilot) -> None:
+def test_start_at_a_waypoint_takes_off_on_px4_only(autopilot: Autopilot) -> None:
     flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)
     flight.set_current(2)

@@ -97,7 +97,7 @@ def test_px4_flown_again_begins_where_it_was_broken_off() -> None:
     assert next(one for one in session.wait(1.5) if isinstance(one, Current)).seq == 0
 
 
-def test_a_successful_flight_on_ardupilot_tells_nothing_unasked_of_its_items_but_waypoints() -> None:
+def test_ardupilot_reports_only_waypoints_unasked() -> None:
     session = Session(ARDUPILOT)
     session.upload(LEGS)
     session.order(400, 1.0)

@@ -203,7 +203,7 @@ def reached(flown: Flown) -> list[int]:
     return told
 
 
-def test_px4_hides_what_a_do_item_a_jump_or_a_return_follows_and_repeats_what_it_tells() -> None:
+def test_px4_omits_reached_before_do_jump_and_rtl_and_repeats_the_rest() -> None:
     jump = Item(177, 2, (1.0, 1.0, 0.0, 0.0))
     items = [takeoff(HOME, 10.0), north(20.0), change_speed(4.0), north(40.0), jump, north(60.0), return_to_launch()]
     told = reached(arm_and_start(Flown(PX4, items)))
@@ -211,7 +211,7 @@ def test_px4_hides_what_a_do_item_a_jump_or_a_return_follows_and_repeats_what_it
     assert told.count(7) == 11
 
 
-def test_ardupilot_has_one_slot_for_what_is_reached_and_never_tells_of_a_final_landing() -> None:
+def test_ardupilot_reports_reached_items_once_but_no_final_landing() -> None:
     flown = arm_and_start(
         Flown(ARDUPILOT, [takeoff(HOME, 10.0), north(20.0), change_speed(4.0), north(40.0), land(HOME)])
     )

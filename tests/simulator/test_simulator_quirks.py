@@ -244,7 +244,7 @@ def test_ardupilot_asks_again_every_second_and_gives_up_after_eight() -> None:
     assert said[-1][0] == 8.0
 
 
-def test_px4_asks_again_every_quarter_second_and_gives_up_after_five_with_words_alone() -> None:
+def test_px4_repeats_item_requests_and_gives_up_after_five() -> None:
     one = begun(PX4, old=4)
     said = one.wait(60.0)
     assert [when for when, _ in said[:4]] == [0.25, 0.5, 0.75, 1.0]

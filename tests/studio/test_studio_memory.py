@@ -38,7 +38,7 @@ def test_what_makes_no_sense_is_forgotten(text: str) -> None:
     assert len(memory.address_of(Path("/a.toml")).token) > 20
 
 
-def test_a_port_of_before_that_is_taken_is_another_and_one_that_is_asked_for_is_refused() -> None:
+def test_studio_port_in_use_is_replaced_unless_it_was_requested() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with _listen(0, port) as found:

@@ -188,7 +188,7 @@ def test_what_is_low_is_flown_over_and_what_is_high_round() -> None:
     assert not flight.forecast.guarantee.forbidding
 
 
-def test_a_battery_too_small_for_all_makes_several_flights_that_come_home_with_their_reserve(tmp_path: Path) -> None:
+def test_survey_is_split_into_flights_that_return_with_their_reserve(tmp_path: Path) -> None:
     vehicle = {"airframe": AIRFRAME, "battery": {"capacity_wh": 16.0, "reserve": 0.2}}
     survey = plan_survey(scenario=scenario(LINES, vehicle=vehicle))
     assert len(survey.flights) > 1
@@ -224,7 +224,7 @@ def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
     assert "what is seen, north up" in text
 
 
-def test_the_page_of_all_flights_links_to_files_of_any_name_and_shows_names_of_any_sort(tmp_path: Path) -> None:
+def test_survey_page_escapes_names_and_links_of_flights(tmp_path: Path) -> None:
     odd = scenario(LINES | {"flights": 2}, obstacles=[TOWER | {"name": "<b>t\x07"}])
     survey = plan_survey(scenario=odd.model_copy(update={"name": "a #1"}))
     first, *others = survey.report(tmp_path)
@@ -405,7 +405,7 @@ def test_a_remark_says_of_which_flights_it_is() -> None:
     assert survey.notes == ()
 
 
-def test_a_survey_that_may_land_on_its_reserve_is_warned_of_and_offered_another_flight() -> None:
+def test_survey_that_may_use_its_reserve_gets_a_warning() -> None:
     def planned(battery: dict[str, Any], **asked: Any) -> Survey:
         vehicle = {"airframe": AIRFRAME, **battery}
         return plan_survey(scenario=scenario(LINES | {"line_spacing": 40.0} | asked, vehicle=vehicle))

@@ -91,7 +91,7 @@ def test_a_height_that_is_enough_is_not_found_more_exactly_than_that(kind: str) 
         assert least - 1.0 <= ground.least_height(points, enough=least - 1.0)[0] <= least + 2e-4
 
 
-def test_a_leg_is_as_high_above_the_papers_surface_by_machine_code_as_by_plain_python() -> None:
+def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
     plain, rng = as_plain_python("ipoa_mission.world._analytic"), np.random.default_rng(16)
     for greatest in (False, True):
         for case in range(20):
