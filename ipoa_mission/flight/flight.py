@@ -39,11 +39,11 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.homeward import planned_way_home
-from ipoa_mission.routing.planned_returns import planned_returns
-from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
+from ipoa_mission.routing.homeward import by_way_of_the_goal_remarks
+from ipoa_mission.routing.planned_returns import settled_remarks
+from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.routing.seek import plan_with_margins
-from ipoa_mission.routing.slower import slowed_stretches
+from ipoa_mission.routing.slower import slowed_where_needed_remarks
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
@@ -228,11 +228,11 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     findings = tuple(finding for finding in found_by_check if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
-        *slowed_stretches(forecast),
-        *planned_way_home(scenario, requested),
-        *climb_for_way_home(mission),
-        *slowed_for_ground(forecast),
-        *planned_returns(forecast),
+        *slowed_where_needed_remarks(forecast),
+        *by_way_of_the_goal_remarks(scenario, requested),
+        *raise_way_home_remarks(mission),
+        *slow_landings_remarks(forecast),
+        *settled_remarks(forecast),
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, forecast, findings, remarks, found)

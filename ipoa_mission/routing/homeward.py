@@ -41,6 +41,6 @@ def leads_home(scenario: Scenario) -> bool:
     return bool((scenario.goal_point[:2] == 0.0).all())
 
 
-def planned_way_home(scenario: Scenario, asked: Scenario) -> Iterator[str]:
+def by_way_of_the_goal_remarks(scenario: Scenario, asked: Scenario) -> Iterator[str]:
     if leads_home(scenario) and not leads_home(asked):
         yield "the way home is planned by way of the goal, because the straight one is not clear"

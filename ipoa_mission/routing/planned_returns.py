@@ -106,7 +106,7 @@ def or_else(forecast: Forecast) -> str:
     return f'{returns}or [safety] returns = "warn", to be warned only'
 
 
-def planned_returns(forecast: Forecast) -> Iterator[str]:
+def settled_remarks(forecast: Forecast) -> Iterator[str]:
     scenario, mission = forecast.world, forecast.mission
     name = mission.autopilot.parameter_table.return_height.name
     if name in forecast.given.parameters and not names_return_altitude(scenario):

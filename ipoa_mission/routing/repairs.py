@@ -45,7 +45,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     return replace(mission, parameters={**mission.parameters, **wanted})
 
 
-def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
+def slow_landings_remarks(forecast: Forecast) -> Iterator[str]:
     mission, scenario = forecast.mission, forecast.world
     named, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
     wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in named}
@@ -82,7 +82,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     return mission
 
 
-def climb_for_way_home(mission: Mission) -> Iterator[str]:
+def raise_way_home_remarks(mission: Mission) -> Iterator[str]:
     match mission.items:
         case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:
             there = (last.latitude_deg, last.longitude_deg) == (before.latitude_deg, before.longitude_deg)

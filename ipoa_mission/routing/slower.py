@@ -110,7 +110,7 @@ def _more(slow: frozenset[int], leg: int) -> int:
     return before if before >= 0 else next(n for n in count(leg) if n not in slow)
 
 
-def slowed_stretches(forecast: Forecast) -> Iterator[str]:
+def slowed_where_needed_remarks(forecast: Forecast) -> Iterator[str]:
     """Yield which items are flown slower, and the limit that needs it."""
     mission, cruise = forecast.mission, forecast.world.vehicle.cruise_speed
     stretches = list(_stretches(mission, cruise))

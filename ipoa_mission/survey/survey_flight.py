@@ -23,8 +23,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.planned_returns import planned_returns
-from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
+from ipoa_mission.routing.planned_returns import settled_remarks
+from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.scenario_file import read_table, scenario_of
@@ -348,9 +348,9 @@ def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
 
 def _repairs(flight: SurveyFlight) -> Iterator[str]:
     forecast = flight.forecast
-    yield from climb_for_way_home(forecast.mission)
-    yield from slowed_for_ground(forecast)
-    yield from planned_returns(forecast)
+    yield from raise_way_home_remarks(forecast.mission)
+    yield from slow_landings_remarks(forecast)
+    yield from settled_remarks(forecast)
     yield from left_out(forecast.mission)
 
 

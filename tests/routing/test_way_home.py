@@ -10,7 +10,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission
-from ipoa_mission.routing.repairs import climb_for_way_home
+from ipoa_mission.routing.repairs import raise_way_home_remarks
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
@@ -92,7 +92,7 @@ def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
     assert height_over_the_hall(flown, scenario) >= height + 2.5
     findings = check_mission(flown, scenario)  # RTL before the climb may differ
     assert [finding.code for finding in findings] == ["return-too-near"] * (climbs_to is not None)
-    assert len(list(climb_for_way_home(flown))) == (climbs_to is not None)
+    assert len(list(raise_way_home_remarks(flown))) == (climbs_to is not None)
 
 
 def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> None:
