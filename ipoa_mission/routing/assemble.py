@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.routing.attempt import Attempt, Flown
+from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
-from ipoa_mission.routing.fastest import SEARCH, fastest_route
+from ipoa_mission.routing.fastest import fastest_route
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
@@ -35,8 +35,6 @@ class Option:
     ratio: float
     """Ratio to the least time of the planned curve under the same limits, or to the quickest route if that is quicker.
     """
-    passed_over: str = ""
-    """Reason why `fastest` does not select it although it is quicker; empty otherwise."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -161,29 +159,11 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
             continue
         attempts[mode] = attempt, attempt is chosen or not attempt.draft.guarantee.forbidding
     least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
-    options, of_needed = [], attempts[needed][0].flown
+    options = list[Option]()
     for mode, (attempt, is_clear) in attempts.items():
         seconds, away = round(attempt.flown.seconds, 3), round(attempt.flown.deviation, 3)
-        is_quicker = needed == "fastest" and attempt.flown.seconds < of_needed.seconds
-        why = _passed_over(attempt, of_needed, is_clear) if is_quicker else ""
-        options.append(Option(mode, attempt.route, seconds, away, is_clear, round(seconds / least, 4), why))
+        options.append(Option(mode, attempt.route, seconds, away, is_clear, round(seconds / least, 4)))
     return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
-
-
-def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
-    flown, tolerance = attempt.flown, attempt.scenario.route.tolerance
-    if not is_clear:
-        return "not clear"
-    if flown.deviation > tolerance:
-        return f"more than {tolerance:g} m off the curve"
-    if flown.overrun > SEARCH.most_overrun:
-        return "would brake beyond the goal"
-    if flown.seconds + flown.late > (1 - SEARCH.equal_share) * (chosen.seconds + chosen.late):
-        return "not noticeably quicker"
-    try:
-        return "not found by the search" if attempt.holds else "its ending is not clear"
-    except MissionError as error:
-        return str(error)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:

@@ -139,13 +139,13 @@ class RouteSearch:
     least_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
     most_overrun: float = 0.5  # [m]
+    tight_places: float = 0.5  # if no route fits without margins
     repaired_routes: int = 6
     repairs: int = 3
     least_repairable: float = -0.6  # slack [m]
 
 
 SEARCH = RouteSearch()
-TIGHT_PLACES = 0.5  # if no route fits without extra room
 
 
 def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
@@ -157,7 +157,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     too_near = list[Attempt]()
     quickest = (
         _quickest(drawn, scenario, too_near)
-        or _quickest(drawn, with_margins(clearance_task(scenario), TIGHT_PLACES), too_near)
+        or _quickest(drawn, with_margins(clearance_task(scenario), SEARCH.tight_places), too_near)
         or _repaired(too_near)
     )
     if not quickest:

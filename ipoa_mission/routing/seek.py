@@ -85,7 +85,7 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
     return max(min(reach), 0.0)
 
 
-# Tight places, whether gaps stay open, and share of the lowest spare height. Smaller margins plan quicker and mostly suffice.
+# Tight places, whether gaps stay open, share of the lowest spare height. Small margins plan quicker and mostly suffice.
 MARGINS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 
 
