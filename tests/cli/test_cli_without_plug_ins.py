@@ -1,5 +1,7 @@
 """The command line works without the rooms that entry points name."""
 
+import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -7,10 +9,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import Outcome
 from tests.cli.test_cli_surveying import SCENARIO
 
+REPOSITORY = Path(__file__).parents[2]
+#: Runs the command of each line of its input.
 GONE = """
-import importlib.metadata, sys
+import contextlib, importlib.metadata, io, json, sys
 ROOM = sys.argv.pop(1)
 
 class Gone:
@@ -24,20 +29,30 @@ importlib.metadata.entry_points = lambda **asked: every() if not asked else [  #
     entry for entry in every(**asked) if not entry.value.startswith(f"ipoa_mission.{ROOM}")
 ]
 from ipoa_mission.cli.app import main
-main()
+from tests.quick_search import search_quickly
+search_quickly()
+for words in sys.stdin:
+    sys.argv[1:], said = words.split(), (io.StringIO(), io.StringIO())
+    with contextlib.redirect_stdout(said[0]), contextlib.redirect_stderr(said[1]):
+        try:
+            main()
+        except SystemExit as ended:
+            code = ended.code or 0
+    print(json.dumps([code, *(stream.getvalue() for stream in said)]))
 """
 
-
-Run = Callable[..., subprocess.CompletedProcess[str]]
+Run = Callable[..., list[Outcome]]
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
-    """Run the command line without a room."""
+    """Run commands without a room, in one process."""
 
-    def without(room: str, *words: str) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-c", GONE, room, *words]
-        return subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    def without(room: str, *commands: str) -> list[Outcome]:
+        lines, seen = "".join(f"{words}\n" for words in commands), os.environ | {"PYTHONPATH": str(REPOSITORY)}
+        command = [sys.executable, "-c", GONE, room]
+        said = subprocess.check_output(command, input=lines, env=seen, cwd=tmp_path, text=True)
+        return [Outcome(*json.loads(line)) for line in said.splitlines()]
 
     return without
 
@@ -45,21 +60,20 @@ def run(tmp_path: Path) -> Run:
 @pytest.mark.parametrize("room", ["learn", "paper", "studio", "survey"])
 def test_a_room_can_be_taken_out(room: str, missions: Path, run: Run) -> None:
     verb = "reproduce" if room == "paper" else room
-    assert f"│ {verb} " not in run(room, "--help").stdout
-    assert run(room, verb).returncode == 2
-    planned = run(room, "plan", str(missions / "sitl.toml"))
-    assert planned.returncode == 0, planned.stderr
-    assert run(room, "check", "sitl.plan", "--scenario", str(missions / "sitl.toml")).returncode == 0
-    assert run(room, "show", "sitl.plan").returncode == 0
+    plan, check = (f"{verb} {missions / 'sitl.toml'}" for verb in ("plan", "check sitl.plan --scenario"))
+    usage, unknown, *others = run(room, "--help", verb, plan, check, "show sitl.plan")
+    assert f"│ {verb} " not in usage.out
+    assert unknown.code == 2
+    assert [(one.code, one.err) for one in others] == [(0, "")] * 3
 
 
 def test_a_survey_is_refused_without_its_room(run: Run, tmp_path: Path) -> None:
     (tmp_path / "field.toml").write_text(SCENARIO)
-    assert "--survey" not in run("survey", "plan", "--help").stdout
-    assert "--survey" in run("learn", "plan", "--help").stdout
-    for verb in ("plan", "fly"):
-        refused = run("survey", verb, "field.toml")
-        assert (refused.returncode, refused.stdout) == (2, "")
-        assert "field.toml: survey: unknown key" in refused.stderr
-        assert "Traceback" not in refused.stderr
+    usage, *refused = run("survey", "plan --help", "plan field.toml", "fly field.toml")
+    assert "--survey" not in usage.out
+    assert "--survey" in run("learn", "plan --help")[0].out
+    for ended in refused:
+        assert (ended.code, ended.out) == (2, "")
+        assert "field.toml: survey: unknown key" in ended.err
+        assert "Traceback" not in ended.err
     assert [path.name for path in tmp_path.iterdir()] == ["field.toml"]
