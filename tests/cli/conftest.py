@@ -44,11 +44,18 @@ def verbs() -> list[str]:
 
 
 @pytest.fixture
-def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Run `ipoa-mission WORDS` in a folder of its own."""
+def run(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    request: pytest.FixtureRequest,
+) -> Run:
+    """Run `ipoa-mission WORDS` in a folder of its own; plan with a quick search except in long tests."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "160")
     hurry(monkeypatch.setattr)
+    if request.node.get_closest_marker("long") is None:
+        search_quickly(monkeypatch.setattr)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     for name in ("IPOA_MISSION_KEY", "IPOA_MISSION_PASSPHRASE"):
         monkeypatch.delenv(name, raising=False)

@@ -5,14 +5,12 @@ import pytest
 from ipoa_mission.link.vehicle import Vehicle
 from tests.checks.test_check_ground import PX4
 from tests.cli.conftest import Run, Serve
-from tests.quick_search import search_quickly
 from tests.routing.test_high_landing import HOME, flight_to_high_ground
 
 
 def test_fly_refuses_a_vehicle_that_would_touch_down_fast(
     run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    search_quickly(monkeypatch.setattr)
     flight = flight_to_high_ground(PX4)
     flight.write(tmp_path)
     with autopilot(HOME) as link:

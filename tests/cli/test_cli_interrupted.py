@@ -21,7 +21,6 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from tests.cli.conftest import Run, Serve
-from tests.quick_search import search_quickly
 
 WRITTEN = "stopped: parameters were written: MPC_XY_CRUISE, RTL_RETURN_ALT"
 STORED = f"{WRITTEN}; the new mission is on the vehicle"
@@ -151,7 +150,6 @@ def test_ctrl_c_says_what_a_verb_has_done(
     told: str,
     written: int,
 ) -> None:
-    search_quickly(monkeypatch.setattr)
     press(monkeypatch, owner, at)
     with autopilot() as link:
         ended = run(words.format(mission=hop, link=link))

@@ -11,15 +11,13 @@ from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import fly
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
-from tests.quick_search import search_quickly
 from tests.refused import refuses
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
 
 
-def test_fly_plans_writes_uploads_flies_and_compares(run: Run, missions: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    search_quickly(monkeypatch.setattr)
+def test_fly_plans_writes_uploads_flies_and_compares(run: Run, missions: Path) -> None:
     ended = run(f"fly {missions / 'sitl.toml'} --out out --seed 3 --report")
     assert ended.code == 0, ended.err
     assert "least clearance" in ended.out

@@ -6,7 +6,6 @@ import pytest
 import shapely
 
 from tests.cli.conftest import Run
-from tests.quick_search import search_quickly
 
 SCENARIO = """
 home = { latitude_deg = 47.0, longitude_deg = 8.0 }
@@ -38,8 +37,7 @@ FILES = ["town.parquet", pytest.param("town.osm.pbf", marks=pytest.mark.alone)]
 
 
 @pytest.mark.parametrize("file", FILES)
-def test_a_building_of_it_is_flown_round(run: Run, monkeypatch: pytest.MonkeyPatch, file: str) -> None:
-    search_quickly(monkeypatch.setattr)
+def test_a_building_of_it_is_flown_round(run: Run, file: str) -> None:
     MAKERS[file](Path(file))
     Path("town.toml").write_text(SCENARIO.replace("KIND", "buildings").replace("FILE", file))
     ended = run("plan town.toml --json")

@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.seek import plan_with_margins
 from tests.cli.conftest import Run
-from tests.quick_search import once, search_quickly
+from tests.quick_search import once
 
 ROWS = [(300, 30), (300, 90), (0, 90), (0, 150), (300, 150), (300, 210)]
 SCENARIO = """
@@ -26,7 +26,6 @@ battery = { capacity_mah = 2000.0, voltage = 14.8 }
 def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    search_quickly(monkeypatch.setattr)
     paths = once(plan_with_margins, lambda scenario, seed, progress: (scenario, seed))
     monkeypatch.setattr("ipoa_mission.flight.flight.plan_with_margins", paths)
     scenario = tmp_path / "rows.toml"
