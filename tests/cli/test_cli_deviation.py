@@ -64,8 +64,8 @@ def test_a_deviation_that_is_only_reported_still_ends_with_1(run: Run, autopilot
 
 
 def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, autopilot: Serve) -> None:
-    with autopilot(MISSION.home, speedup=4.0) as link:
-        ended = run(f"fly {SITL} --link {link} --timeout 12 --json")
+    with autopilot(MISSION.home, speedup=8.0) as link:
+        ended = run(f"fly {SITL} --link {link} --timeout 6 --json")
     assert ended.code == 1
     told = json.loads(ended.out)
     assert told["error"].startswith("the time is up: the vehicle flies on, and is not watched any more")

@@ -28,7 +28,10 @@ def test_the_sender_and_number_of_a_frame_are_read_in_both_versions() -> None:
     assert numbered(bytes((0xFD, 0, 0, 0, 3, 9, 1, 0, 0, 0))) == ((9, 1), 3)
 
 
-def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(tmp_path: Path) -> None:
+def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ipoa_mission.link.connect.PRESENCE_S", 1.2)
     for log in (tmp_path / "silent.tlog", None):
         with pytest.raises(NoAnswer):
             connect("udpout:127.0.0.1:9", log=log, patience=asks_every(0.1, 0.3))
