@@ -229,9 +229,7 @@ LAYOUTS = {
                 lambda raw: tuple(axis / 100 for axis in raw),
             ),
             yaw=Value(
-                ("hdg",),
-                lambda yaw: saturated(math.degrees(yaw) * 100) % 36000,
-                lambda raw: math.radians(raw / 100),
+                ("hdg",), lambda yaw: saturated(math.degrees(yaw) * 100) % 36000, lambda raw: math.radians(raw / 100)
             ),
         ),
         _plain(

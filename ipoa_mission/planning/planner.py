@@ -40,13 +40,7 @@ class Searcher:
     spent: list[int] = field(default_factory=list)
     best: list[float] = field(default_factory=list)
 
-    def search(
-        self,
-        around: Candidate,
-        width: float,
-        part: slice = ALL,
-        progress: Progress = silent,
-    ) -> Candidate:
+    def search(self, around: Candidate, width: float, part: slice = ALL, progress: Progress = silent) -> Candidate:
         """Return the best curve found around one, or around a `part` of it.
 
         `width` is a share of the varied length.

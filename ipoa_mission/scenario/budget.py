@@ -9,10 +9,7 @@ from ipoa_mission.wind import CALM, Wind
 
 
 def flight_energy(
-    scenario: Scenario | None,
-    path: TimedPath,
-    learned: LearnedVehicle | None = None,
-    wind: Wind = CALM,
+    scenario: Scenario | None, path: TimedPath, learned: LearnedVehicle | None = None, wind: Wind = CALM
 ) -> Consumption | None:
     """Return a flight's energy; None without airframe and hover power."""
     vehicle = None if scenario is None else scenario.vehicle

@@ -59,10 +59,7 @@ def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -
 def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, bound: DeviationBound) -> bool:
     (west, south, base), (east, north, top) = body.bounds.tolist()
     reach = max(sight.across, sight.along) / 2 + distance + bound.level
-    grid = np.meshgrid(
-        np.linspace(west - reach, east + reach, num=7),
-        np.linspace(south - reach, north + reach, num=7),
-    )
+    grid = np.meshgrid(np.linspace(west - reach, east + reach, num=7), np.linspace(south - reach, north + reach, num=7))
     heights = ground(np.stack(grid, axis=-1).reshape(-1, 2))
     lowest, highest = float(heights.min()) + sight.least, float(heights.max()) + sight.least + sight.band
     return bool(top + distance + bound.down <= lowest or highest + distance + bound.up <= base)

@@ -15,11 +15,7 @@ MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 
 
 def left_to_fly(
-    tour: Tour,
-    flown: Sequence[Points],
-    sight: Sight,
-    ground: Ground,
-    transit: Callable[[Points, Points], Points],
+    tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, transit: Callable[[Points, Points], Points]
 ) -> Tour | None:
     """Return the lines of a tour that paths (n, 3), east, north, up [m], left, with overlap, or None.
 

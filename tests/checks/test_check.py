@@ -213,9 +213,7 @@ def test_what_is_over_the_limit_is_an_error_and_what_is_at_it_is_not(
     assert re.search(rf"at most {most} {what}.* not {most + 1}$", finding.message)
 
 
-def test_too_long_mission_is_refused_before_its_forecast(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_too_long_mission_is_refused_before_its_forecast(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Mission] = []
     monkeypatch.setattr(Forecast, "guarantee_if_known", property(lambda forecast: asked.append(forecast.mission)))
     scenario = read_scenario(SHIPPED / "campus.toml")

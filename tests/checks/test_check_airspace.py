@@ -214,12 +214,7 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
 
 
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
-    scenario = world(
-        **{
-            "RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5",
-            "up = [-5.0, 70.0]": "up = [-5.0, 31.0]",
-        }
-    )
+    scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
     findings = check_mission(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
     assert found(findings) == ["warning return-too-near 3", *["warning leg-too-near 4"] * 2]
     assert re.search(r"1.50 m from hall at .* at least 2.50 m required", findings[1].message)

@@ -45,10 +45,7 @@ def verbs() -> list[str]:
 
 @pytest.fixture
 def run(
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-    request: pytest.FixtureRequest,
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path, request: pytest.FixtureRequest
 ) -> Run:
     """Run `ipoa-mission WORDS` in a folder of its own; plan with a quick search except in long tests."""
     monkeypatch.chdir(tmp_path)
@@ -104,10 +101,7 @@ def autopilot() -> Serve:
 
     @contextmanager
     def serve(
-        home: Geodetic = ZURICH,
-        family: Autopilot = Autopilot.PX4,
-        passphrase: str | None = None,
-        speedup: float = 60.0,
+        home: Geodetic = ZURICH, family: Autopilot = Autopilot.PX4, passphrase: str | None = None, speedup: float = 60.0
     ) -> Iterator[str]:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)

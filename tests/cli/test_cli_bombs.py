@@ -60,10 +60,7 @@ BOMBS: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a billion laughs": (".kml", lambda: f'<!DOCTYPE kml [<!ENTITY a0 "ha">{ENTITIES}]><kml>&a9;</kml>'.encode()),
     "deep folders": (".kml", lambda: b"<kml>" + nested("<Folder>", 60_000, "</Folder>") + b"</kml>"),
     "deep brackets": (".geojson", lambda: nested("[", 1_000_000)),
-    "a deep collection": (
-        ".geojson",
-        lambda: nested('{"type":"GeometryCollection","geometries":[', 400, "]}"),
-    ),
+    "a deep collection": (".geojson", lambda: nested('{"type":"GeometryCollection","geometries":[', 400, "]}")),
     "6,000 digits in a map": (".geojson", lambda: b'{"type": "Point", "coordinates": [' + b"9" * 6000 + b", 1]}"),
     "6,000 digits in a KML": (".kml", lambda: KML % (b"<coordinates>" + b"9" * 6000 + b",1</coordinates>")),
     "6,000 digits in a plan": (".plan", lambda: b'{"fileType": "Plan", "version": ' + b"9" * 6000 + b"}"),

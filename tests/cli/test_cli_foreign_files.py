@@ -111,11 +111,7 @@ TAKEN = [
     (f"{MAVSDK}_with_digicam_control.plan", None, "home-unknown"),
     (f"{MAVSDK}_with_survey_wrong_version.plan", None, "takeoff-missing"),
     (f"{QGC}/MissionManager/SectionTest.plan", None, "ends-in-the-air"),
-    (
-        "uci-uav-forge+uavf/tools/offlineMissions/TestArcMission.waypoints",
-        Autopilot.ARDUPILOT,
-        "file-home",
-    ),
+    ("uci-uav-forge+uavf/tools/offlineMissions/TestArcMission.waypoints", Autopilot.ARDUPILOT, "file-home"),
     (f"{PX4_TESTS}/vtol_mission_with_land_start.plan", None, "QGroundControl flies 15 m, other software params[6]"),
 ]
 

@@ -74,8 +74,7 @@ def completing(words: str) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("words", "completed"),
-    [("ipoa-mission pl", "plan"), ("ipoa-mission plan a.plan --se", "--seed")],
+    ("words", "completed"), [("ipoa-mission pl", "plan"), ("ipoa-mission plan a.plan --se", "--seed")]
 )
 def test_a_shell_completes_verbs_and_options(
     run: Run, monkeypatch: pytest.MonkeyPatch, words: str, completed: str
@@ -162,11 +161,7 @@ def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyP
 def test_a_full_disk_is_told_in_words(verb: str) -> None:
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run(
-            [sys.executable, "-m", "ipoa_mission", verb],
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-            check=False,
+            [sys.executable, "-m", "ipoa_mission", verb], stdout=full, stderr=subprocess.PIPE, text=True, check=False
         )
     assert (ended.returncode, ended.stderr) == (1, "error: the output is incomplete: No space left on device\n")
 

@@ -221,9 +221,7 @@ def test_wind_widens_the_tube_and_chooses_the_route(
     assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
 
 
-def test_unsupported_waypoints_are_refused_before_the_deviation_bound(
-    scenario_of: Callable[[], Scenario],
-) -> None:
+def test_unsupported_waypoints_are_refused_before_the_deviation_bound(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
     route = scenario.route.model_copy(update={"mode": "spline"})
     with refuses("bad-input", "route.mode"):

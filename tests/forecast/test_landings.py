@@ -34,9 +34,7 @@ def flown(flight: Recorded) -> np.ndarray:
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_arducopter_landing_time_within_two_per_cent(
-    flight: Recorded,
-) -> None:
+def test_arducopter_landing_time_within_two_per_cent(flight: Recorded) -> None:
     """LAND may begin with a leg of one centimeter, which takes 1.1 s."""
     (take_off, landing), ((flown_off, flown_land),) = parts(flight), flown(flight)
     assert take_off == pytest.approx(flown_off, abs=0.1)

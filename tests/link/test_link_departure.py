@@ -6,12 +6,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.vehicle_kind import VehicleKind
 from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
-from ipoa_mission.link.messages import (
-    CommandAck,
-    CommandLong,
-    Heartbeat,
-    Message,
-)
+from ipoa_mission.link.messages import CommandAck, CommandLong, Heartbeat, Message
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady
 from tests.link.scripted import (
     ARDUPILOT,

@@ -8,10 +8,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.departure import depart, prepare
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.messages import (
-    CommandLong,
-    Message,
-)
+from ipoa_mission.link.messages import CommandLong, Message
 from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted

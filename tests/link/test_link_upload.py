@@ -4,16 +4,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
-from ipoa_mission.link.messages import (
-    Ack,
-    Count,
-    ItemAt,
-    Message,
-    MissionType,
-    Request,
-    RequestList,
-    Result,
-)
+from ipoa_mission.link.messages import Ack, Count, ItemAt, Message, MissionType, Request, RequestList, Result
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import compare
@@ -51,11 +42,7 @@ def test_an_empty_mission_clears_the_vehicle(autopilot: Autopilot) -> None:
 
 def test_home_alone_is_an_empty_mission_of_ardupilots() -> None:
     home = items_of(ARDUPILOT, 1)[0]
-    script = {
-        Count: [[Ack(0)]],
-        RequestList: [[Count(1)]],
-        Request: [[ItemAt(0, home)]],
-    }
+    script = {Count: [[Ack(0)]], RequestList: [[Count(1)]], Request: [[ItemAt(0, home)]]}
     assert lead(upload(Upload((), ARDUPILOT)), script).finished  # type: ignore[arg-type]
 
 

@@ -102,9 +102,7 @@ def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
     assert line.now() < 3.0
 
 
-def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_unflyable_verdict_without_a_position_does_not_fail_the_upload(monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.PX4)
 
     def upload(why: str, home: Geodetic | None) -> None:

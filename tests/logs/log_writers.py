@@ -97,12 +97,7 @@ FORMATS = {
     "MODE": (13, "QBBB", "QMBB", "TimeUS,Mode,ModeNum,Rsn"),
     "ARM": (14, "QBIBB", "QBIBB", "TimeUS,ArmState,ArmChecks,Forced,Method"),
     "MSG": (15, "Q64s", "QZ", "TimeUS,Message"),
-    "MISE": (
-        16,
-        "QHHHffffiifB",
-        "QHHHffffLLfB",
-        "TimeUS,CTot,CNum,CId,Prm1,Prm2,Prm3,Prm4,Lat,Lng,Alt,Frame",
-    ),
+    "MISE": (16, "QHHHffffiifB", "QHHHffffLLfB", "TimeUS,CTot,CNum,CId,Prm1,Prm2,Prm3,Prm4,Lat,Lng,Alt,Frame"),
 }
 
 

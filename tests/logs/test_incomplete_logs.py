@@ -104,9 +104,7 @@ def test_without_home_velocity_and_results_there_are_still_places(monkeypatch: p
     assert bare.fixes.latitude_deg[-1] == pytest.approx(whole[-1].latitude_deg, abs=1e-4)
 
 
-def test_a_log_that_its_reader_stumbles_over_and_no_reader_are_errors(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_log_that_its_reader_stumbles_over_and_no_reader_are_errors(monkeypatch: pytest.MonkeyPatch) -> None:
     pyulog = pytest.importorskip("pyulog")
 
     def stumble(*_: object) -> None:

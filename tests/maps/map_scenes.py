@@ -45,10 +45,7 @@ def scene(chance: random.Random) -> list[Row]:
             (area, {"building:part": "yes", "height": f"{height}", "min_height": "6"}),
             (area, {"building": "yes"}),
             (point, {"power": "generator", "generator:source": "wind", "height:hub": "80"}),
-            (
-                point,
-                {"power": "generator", "generator:source": "wind", "height": "99", "rotor:diameter": "90"},
-            ),
+            (point, {"power": "generator", "generator:source": "wind", "height": "99", "rotor:diameter": "90"}),
             (point, {"man_made": "mast", "height": f"{height}"}),
             (point, {"natural": "tree", "height": "22", "diameter_crown": "9"}),
             (line, {"power": "line", "voltage": "110000"}),

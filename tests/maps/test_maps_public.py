@@ -88,8 +88,7 @@ def test_a_zone_with_a_label_in_one_collection_is_a_zone(tmp_path: Path, frame: 
 
 
 @pytest.mark.parametrize(
-    ("field", "height"),
-    [("Startheight", 45.0), ("buildingHeight", 45.0), ("HEIGHT_ROOF", 45.0), ("est_heig", 45.0)],
+    ("field", "height"), [("Startheight", 45.0), ("buildingHeight", 45.0), ("HEIGHT_ROOF", 45.0), ("est_heig", 45.0)]
 )
 def test_a_name_of_a_report_that_was_cut_is_a_height(
     tmp_path: Path, frame: LocalFrame, field: str, height: float

@@ -35,20 +35,12 @@ def test_settings_reach_the_optimizer() -> None:
     ("name", "settings", "message"),
     [
         ("ipao", {}, ("unknown-name", "optimizer.name", "'ipao'", "'ipoa'")),
-        (
-            "ipoa",
-            {"populaton": 3},
-            ("unknown-name", "optimizer.populaton", "'population'"),
-        ),
+        ("ipoa", {"populaton": 3}, ("unknown-name", "optimizer.populaton", "'population'")),
         ("ipoa", {"population": 3}, ("bad-input", "optimizer.population")),
         ("poa", {"iterations": 2.5}, ("bad-input", "optimizer.iterations", "2.5")),
         ("poa", {"iterations": True}, ("bad-input", "optimizer.iterations")),
         ("ipoa", {"radius": float("nan")}, ("bad-input", "optimizer.radius")),
-        (
-            "ipoa",
-            {"population": float("inf")},
-            ("bad-input", "optimizer.population"),
-        ),
+        ("ipoa", {"population": float("inf")}, ("bad-input", "optimizer.population")),
         ("ipoa", {"share": 2}, ("bad-input", "optimizer.share")),
         ("ipoa", {"levy": "no"}, ("bad-input", "optimizer.levy")),
         (

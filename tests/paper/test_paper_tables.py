@@ -164,10 +164,7 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
 
 @pytest.mark.parametrize(
     ("what", "runs", "message"),
-    [
-        ("table3", None, ("unknown-name", "what", "'table3'")),
-        ("table-3", 0, ("bad-input", "runs")),
-    ],
+    [("table3", None, ("unknown-name", "what", "'table3'")), ("table-3", 0, ("bad-input", "runs"))],
 )
 def test_what_cannot_be_reproduced_is_bad_input(
     tmp_path: Path, what: str, runs: int | None, message: tuple[str, ...]

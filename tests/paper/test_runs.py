@@ -99,10 +99,7 @@ def test_a_line_that_was_cut_off_is_no_row_and_does_not_spoil_the_next(tmp_path:
 
 def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
     path = tmp_path / "rows.csv"
-    with (
-        open_to_append(path),
-        refuses("in-use", "rows.csv"),
-    ):
+    with open_to_append(path), refuses("in-use", "rows.csv"):
         measure(TRIALS, path, Here())
     measure(TRIALS, path, Here())
     with open_to_append(path):
@@ -150,11 +147,7 @@ def test_a_rival_is_counted_and_held_to_its_budget(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("a,b\n", ("wrong-format",)),
-        ("problem,case\n1,2\n", ("wrong-format",)),
-    ],
+    ("text", "message"), [("a,b\n", ("wrong-format",)), ("problem,case\n1,2\n", ("wrong-format",))]
 )
 def test_a_file_that_is_none_of_ours_is_refused(tmp_path: Path, text: str, message: tuple[str, ...]) -> None:
     (tmp_path / "rows.csv").write_text(text)

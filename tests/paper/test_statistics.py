@@ -3,15 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.paper.statistics import (
-    Friedman,
-    compare_pairs,
-    friedman,
-    holm,
-    places,
-    post_hoc,
-    rank_sum,
-)
+from ipoa_mission.paper.statistics import Friedman, compare_pairs, friedman, holm, places, post_hoc, rank_sum
 
 
 def test_thirty_against_thirty_without_overlap_is_the_number_of_table_4() -> None:

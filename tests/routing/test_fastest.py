@@ -88,8 +88,7 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "seed"),
-    some(1, [(Autopilot.PX4, 3), (Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2)]),
+    ("autopilot", "seed"), some(1, [(Autopilot.PX4, 3), (Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2)])
 )
 def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
     """Measured here, from every place of the predicted path."""
@@ -114,9 +113,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_fastest_route_is_flown_clear_to_its_goal(
-    autopilot: Autopilot,
-) -> None:
+def test_fastest_route_is_flown_clear_to_its_goal(autopilot: Autopilot) -> None:
     """It has another model of the vehicle."""
     curve, free = curve_of_the_ways(autopilot)
     inside = curve.points(np.array([0.5, 0.75]), order=2)[:, :2]

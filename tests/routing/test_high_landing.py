@@ -128,8 +128,7 @@ def test_rally_points_count_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("parameters", "altitude", "flown_s"),
-    [({}, 0.0, 26.25), ({"LAND_ALT_LOW": 2200.0}, 0.0, 40.6), ({}, 12.0, 40.6)],
+    ("parameters", "altitude", "flown_s"), [({}, 0.0, 26.25), ({"LAND_ALT_LOW": 2200.0}, 0.0, 40.6), ({}, 12.0, 40.6)]
 )
 def test_arducopters_land_counts_from_its_own_altitude(
     parameters: dict[str, float], altitude: float, flown_s: float

@@ -217,10 +217,7 @@ def test_flat_ground_over_kilometers_follows_the_earth() -> None:
     assert scenario.goal_point[2] == pytest.approx(10 - 3000**2 / 2 / 6.37e6, abs=0.01)
 
 
-@pytest.mark.parametrize(
-    ("east", "side"),
-    [(-200, None), (-140, "130.0 east"), (0, "50.0 west")],
-)
+@pytest.mark.parametrize(("east", "side"), [(-200, None), (-140, "130.0 east"), (0, "50.0 west")])
 def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) -> None:
     """Bounds from 50 m west to 150 m east; a grid counts to half its spacing beyond its edge."""
     text = SMALLEST + f"terrain = {{ kind = 'grid', east = {east}, north = -200, spacing = 80, heights = {{}} }}"

@@ -93,10 +93,7 @@ PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
 @pytest.mark.parametrize(
     ("survey", "words"),
     [
-        (
-            LINES | {"polygon": BOW},
-            ("invalid-ring", "survey.polygon", "50", "40"),
-        ),
+        (LINES | {"polygon": BOW}, ("invalid-ring", "survey.polygon", "50", "40")),
         (LINES | {"polygon": [SQUARE, BOW]}, ("invalid-ring", "survey.polygon[1]")),
         (LINES | {"polygon": SQUARE[:2]}, ("invalid-ring", "survey.polygon")),
         (LINES | {"polygon": [[0, 0], [50, 0], [100, 0]]}, ("invalid-ring", "survey.polygon")),

@@ -10,17 +10,7 @@ import shapely
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.studio import chromium as own
-from tests.studio.chromium import (
-    address,
-    browser,
-    own_page,
-    page,
-    proved,
-    pytestmark,
-    scenario_of,
-    until,
-    window,
-)
+from tests.studio.chromium import address, browser, own_page, page, proved, pytestmark, scenario_of, until, window
 from tests.studio.pointing import Hand, feature
 
 __all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]

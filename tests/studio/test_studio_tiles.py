@@ -78,8 +78,7 @@ def test_a_file_is_read_from_the_north_and_says_whose_it_is(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("kind", "count", "why"),
-    [("svg", 1, ("wrong-format", "a.mbtiles")), ("png", 0, ("nothing-there", "a.mbtiles"))],
+    ("kind", "count", "why"), [("svg", 1, ("wrong-format", "a.mbtiles")), ("png", 0, ("nothing-there", "a.mbtiles"))]
 )
 def test_a_file_without_pictures_is_refused(tmp_path: Path, kind: str, count: int, why: tuple[str, ...]) -> None:
     with refuses(*why):

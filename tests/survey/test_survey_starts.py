@@ -246,12 +246,7 @@ def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_t
         ({"starts": [[0, 2e5]]}, {}, BadInput, ("bad-input", "survey", "100")),
         ({"starts": ENDS, "flights": 2}, {}, BadInput, ("bad-input", "survey")),
         ({"starts": ENDS, "entry": [0, 0]}, {}, BadInput, ("bad-input", "survey")),
-        (
-            {"starts": ENDS},
-            {"start": {"east": 0, "north": 0, "up": 40}},
-            BadInput,
-            ("bad-input",),
-        ),
+        ({"starts": ENDS}, {"start": {"east": 0, "north": 0, "up": 40}}, BadInput, ("bad-input",)),
         (
             {"starts": [[400, 60]]},
             {"obstacles": [TOWER | {"east": 400, "north": 60}]},

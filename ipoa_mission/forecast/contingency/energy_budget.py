@@ -7,14 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.autopilot.energy import (
-    LIFTED_DISTANCE,
-    Battery,
-    Consumption,
-    Interval,
-    NotEnoughBattery,
-    shortage,
-)
+from ipoa_mission.autopilot.energy import LIFTED_DISTANCE, Battery, Consumption, Interval, NotEnoughBattery, shortage
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import predict_contingency

@@ -2,15 +2,7 @@
 
 from collections.abc import Mapping
 
-from ipoa_mission.autopilot.parameters import (
-    INT32,
-    REAL32,
-    Declared,
-    Parameters,
-    ParameterTable,
-    Quantity,
-    declared,
-)
+from ipoa_mission.autopilot.parameters import INT32, REAL32, Declared, Parameters, ParameterTable, Quantity, declared
 from ipoa_mission.autopilot.version import Version
 
 #: Since then the vertical setpoint has its own speed (1ae8f2383f), and a passed waypoint is not flown back to
@@ -114,7 +106,7 @@ STATION_PARAMETERS = {
 TYPES = declared(
     {
         INT32: "MPC_YAW_MODE MPC_USE_HTE RTL_CONE_ANG MAV_SYS_ID SYS_AUTOSTART GF_ACTION MIS_TKO_LAND_REQ "
-        "COM_RC_IN_MODE NAV_DLL_ACT",
+        "COM_RC_IN_MODE NAV_DLL_ACT"
     }
 )
 

@@ -22,14 +22,7 @@ from ipoa_mission.autopilot.guidance_profile import (
     mode_number,
 )
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import (
-    HOME,
-    Contingency,
-    MissionLanding,
-    ReturnBy,
-    ReturnRoute,
-    level_distance,
-)
+from ipoa_mission.autopilot.returning import HOME, Contingency, MissionLanding, ReturnBy, ReturnRoute, level_distance
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
@@ -187,7 +180,7 @@ class Px4Multicopter(Autopilot):
             Command.COMPONENT_ARM_DISARM: "it may stop the motors",
             Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
             Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
-        },
+        }
     )
     protocol_profile = ProtocolProfile(
         judges_later=True,
