@@ -1,7 +1,6 @@
 """Plan a flight in one call."""
 
 import logging
-import warnings
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from importlib.metadata import version
@@ -63,7 +62,7 @@ class Flight:
         forecast: of the flight.
         findings: warnings of the check.
         remarks: notes, the warnings first.
-        options: ways to choose the waypoints, with their results; computed at first use.
+        options: ways to choose the waypoints, computed at first use.
     """
 
     plan: Plan
@@ -94,12 +93,6 @@ class Flight:
     @property
     def guarantee(self) -> ClearanceGuarantee:
         return self.forecast.guarantee
-
-    @property
-    def promise(self) -> ClearanceGuarantee:
-        """Return `guarantee`; the old name is removed with 0.6."""
-        warnings.warn("promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
-        return self.guarantee
 
     @property
     def estimate(self) -> Estimate:

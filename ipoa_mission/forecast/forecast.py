@@ -1,6 +1,5 @@
 """Forecast the flight of a mission, each part computed once."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -151,7 +150,7 @@ class Forecast:
         return tuple(find_unknown(self.given))
 
     def predicted(self, noise_free: bool, fast: bool | None = None) -> "Prediction":
-        """Predict times and places; not `noise_free` of its position, as PX4, in the mean of its flights.
+        """Predict times and places, `noise_free` or in the mean of flights with sensor noise.
 
         `fast`: as in `estimate`.
 
@@ -213,12 +212,6 @@ class Forecast:
             raise _refusal(self.unknown[0], "clearance")
         task = clearance_task(self.world, self.mission.autopilot)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
-
-    @property
-    def promise(self) -> "ClearanceGuarantee":
-        """Return `guarantee`; the old name is removed with 0.6."""
-        warnings.warn("promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
-        return self.guarantee
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

@@ -31,10 +31,9 @@ class Option:
     deviation: float
     """Greatest lateral deviation of the predicted path from the planned curve [m]."""
     flies_clear: bool
-    """True if the predicted path, with its cut corners and overshoots, keeps every limit."""
+    """True if the predicted path keeps every limit."""
     ratio: float
-    """Ratio to the least time of the planned curve under the same limits, or to the quickest route if that is quicker.
-    """
+    """Ratio to the least time of the curve, or to the quickest route if that is quicker."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -134,14 +133,13 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
     Args:
         plan: the path.
         scenario: the scenario of the plan.
-        chosen: the attempt of the scenario's own mode, if known and within its limits.
+        chosen: the known attempt of the scenario's own mode.
 
     Returns:
         The options, quickest first.
 
     Raises:
-        BadInput, NoRoute: as `assemble`, if `chosen` is None and the scenario's own mode fails. Other modes that
-            fail are left out.
+        BadInput, NoRoute: as `assemble`, if the scenario's own mode fails. Other modes that fail are left out.
 
     Example:
         >>> from ipoa_mission import plan_path, read_scenario, weigh_routes

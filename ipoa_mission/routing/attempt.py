@@ -100,7 +100,7 @@ class Attempt:
 
     @cached_property
     def sketched(self) -> "Flown":
-        """Fly without sensor noise and only to the goal: much quicker to compute for PX4."""
+        """Fly without sensor noise, only to the goal: quicker for PX4."""
         mission = self.draft.given
         return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
 
@@ -125,7 +125,7 @@ class Flown:
 
     @cached_property
     def deviation(self) -> float:
-        """Return the lateral deviation from the curve [m]; clearances limit the vertical one."""
+        """Return the lateral deviation from the curve [m]."""
         return lateral_deviation(self.path, self.attempt.plan.curve)
 
     @property

@@ -170,9 +170,9 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
 
 
 def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
-    """Return the quickest valid routes with different numbers of waypoints; clear as few as possible.
+    """Return the quickest valid routes with different numbers of waypoints, few of them moved.
 
-    Routes that only come too near are added to `too_near`.
+    Adds routes that only come too near to `too_near`.
     """
     waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
@@ -202,7 +202,7 @@ def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt])
 
 
 def _repaired(too_near: list[Attempt]) -> list[Attempt]:
-    """Return a route whose waypoints were moved aside until its flights keep the limits, if one is almost clear."""
+    """Return an almost clear route, moved until its flights keep the limits."""
     for attempt in sorted(too_near, key=lambda attempt: attempt.sketched.seconds)[-SEARCH.repaired_routes :]:
         growth = initial_growth(attempt.scenario)
         for _ in range(SEARCH.repairs):
@@ -220,7 +220,7 @@ def _repaired(too_near: list[Attempt]) -> list[Attempt]:
 
 
 def _at_kept_height(attempt: Attempt) -> Points:
-    """Return the waypoints, the free ones higher or lower if a limit of height is broken."""
+    """Return the waypoints, moved vertically if a limit of height is broken."""
     points, broken = attempt.route.points.copy(), attempt.guarantee.forbidding
     up = max((-kept.slack for kept in broken if kept.limit == "ground"), default=0.0)
     down = max((-kept.slack for kept in broken if kept.limits_above), default=0.0)

@@ -121,7 +121,7 @@ def approximation_growth(scenario: Scenario) -> ObstacleGrowth:
 
 
 def initial_growth(scenario: Scenario) -> ObstacleGrowth:
-    """Return no needs, or above_landings if the vehicle may land by choice."""
+    """Return no growth, but above landings if the vehicle may land by choice."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
     lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)

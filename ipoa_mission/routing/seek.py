@@ -91,8 +91,6 @@ MARGINS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 
 
 @dataclass(frozen=True)
 class SeekEffort:
-    """Limits of the search for a path with margins."""
-
     hopeless_slack: float = -0.15  # [m]
     max_moves: int = 4  # of a path
     max_vain_moves: int = 2  # in a row with little gain
@@ -229,7 +227,7 @@ def _as_printed(scenario: Scenario) -> bool:
 
 
 def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> Attempt:
-    """Return the best attempt after moving the plan aside; record the growth in `margins`."""
+    """Return the best attempt after moving the plan aside; record in `margins`."""
     latest = best = best_route(plan, scenario, EFFORT.hopeless_slack)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):

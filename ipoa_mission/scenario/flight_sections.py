@@ -126,8 +126,8 @@ class RouteSection(Section):
 
     mode: Literal["even", "corridor", "spline", "fastest"] = "fastest"
     """`even`: a waypoint every `spacing` meters. `corridor`: fewest waypoints with legs within `tolerance`. `spline`:
-    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time, with a lateral deviation of the
-    predicted path within `tolerance`; of routes within half a per cent, the one with the greatest clearance."""
+    spline waypoints every `spacing` meters (ArduPilot). `fastest`: least flight time with a lateral deviation within
+    `tolerance`. Of routes within half a per cent it takes the greatest clearance."""
     spacing: Positive = 10.0
     """Greatest distance between waypoints of `even` and `spline` [m]."""
     tolerance: Positive = 4.0
