@@ -271,18 +271,17 @@ def _at_place(variable: Any, winds: ForecastWinds) -> tuple[Any, float | None]:
     """Return the value at the nearest point, and the direction of the y axis for a component along the axes."""
     place, path = winds.place, winds.path
     latitude, longitude = (_degrees(variable, kind, path) for kind in ("latitude", "longitude"))
-    is_along = (
-        _component(variable) in (Component.EAST, Component.NORTH)
-        and variable.attrs.get("standard_name") not in GEOGRAPHIC
-    )
-    is_along = is_along and latitude.ndim == 2 and variable.attrs.get("GRIB_uvRelativeToGrid") != 0
+    relative, is_named = variable.attrs.get("GRIB_uvRelativeToGrid"), variable.attrs.get("standard_name") in GEOGRAPHIC
+    # cfgrib calls winds along the axes eastward, too
+    is_along = relative == 1 and variable.attrs.get("GRIB_gridType") != "mercator" if is_named else relative != 0
+    is_along = is_along and latitude.ndim == 2 and _component(variable) in (Component.EAST, Component.NORTH)
     grid = variable.attrs.get(AXES_GRID)
     if is_along and grid is None:
         raise BadInput(
             "expected a wind towards the east or the north, not along the axes "
             f"{', '.join(map(str, latitude.dims))} of a turned grid",
-            hint=f"set standard_name to {' or '.join(GEOGRAPHIC)}; or to {' or '.join(ALONG_AXES)}, "
-            "with a grid_mapping",
+            hint=f"set standard_name to {' or '.join(GEOGRAPHIC)}, and any GRIB_uvRelativeToGrid to 0; or to "
+            f"{' or '.join(ALONG_AXES)}, with a grid_mapping; or take the GRIB file",
             place=f"{path}: {variable.name}",
         )
     north = np.asarray(latitude, float) - place.latitude_deg

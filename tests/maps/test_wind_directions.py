@@ -114,9 +114,12 @@ def test_winds_along_the_axes_of_a_known_grid_are_turned(xarray: Any, tmp_path: 
 
 
 @pytest.mark.parametrize("relative", [0, 1])
-def test_cfgrib_says_whether_winds_are_along_a_grid(xarray: Any, tmp_path: Path, relative: int) -> None:
-    """blaylockbk/Herbie #368: without a standard name only `GRIB_uvRelativeToGrid` tells."""
-    path = turned(xarray, tmp_path / "a.nc", ("u10", "v10"), ("", ""))
+@pytest.mark.parametrize("standards", [("", ""), ("eastward_wind", "northward_wind")])
+def test_cfgrib_says_whether_winds_are_along_a_grid(
+    xarray: Any, tmp_path: Path, relative: int, standards: tuple[str, str]
+) -> None:
+    """blaylockbk/Herbie #368: only `GRIB_uvRelativeToGrid` tells."""
+    path = turned(xarray, tmp_path / "a.nc", ("u10", "v10"), standards)
     with xarray.open_dataset(path) as data:
         for name in ("u10", "v10"):
             data[name].attrs["GRIB_uvRelativeToGrid"] = relative
