@@ -41,7 +41,7 @@ LIMIT_KEYS = {
 }
 _UNDERSTOOD_KEYS = {key.lower() for keys in LIMIT_KEYS.values() for key in keys}
 _MAY_LIMIT = re.compile(
-    r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?"
+    r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?|[lu]\w*limit"
 )
 
 
@@ -140,6 +140,7 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     names = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
     names |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
+    names = {key: key for key in volume if _MAY_LIMIT.fullmatch(key.lower()) and key not in names.values()} | names
     yield from ((key, str(volume[name])) for key, name in names.items() if volume.get(name) is not None)
 
 

@@ -272,6 +272,11 @@ def test_times_and_radii_of_ed269_are_understood_or_named(tmp_path: Path) -> Non
     assert {thing.what for thing in named.unread} == {
         'tag "ceiling_ft", which may be a limit', 'tag "Lower_Limit", which may be a limit'
     }  # fmt: skip
+    misspelled = ed269((0, "AGL"), (40, "AGL"), "M", "PROHIBITED")
+    (volume,) = misspelled["features"][0]["geometry"]
+    volume["uperLimit"] = volume.pop("upperLimit")
+    (thing,) = read(tmp_path, misspelled).unread
+    assert (thing.what, thing.example) == ('tag "uperLimit", which may be a limit', "40")
 
 
 def test_interuss_zones_are_read(samples: Path) -> None:
