@@ -84,6 +84,11 @@ def test_a_place_is_read_as_people_write_it(words: str) -> None:
     assert (latitude, longitude) == pytest.approx((47.3977, 8.5456), abs=0.01)
 
 
+def test_a_square_of_mgrs_is_read_as_its_center() -> None:
+    pytest.importorskip("mgrs")
+    assert place_of("32TMT6549") == pytest.approx(place_of("32TMT6550049500"), abs=2e-5)
+
+
 @pytest.mark.parametrize("words", ["", "somewhere", "95, 8", "9GXW+36", "32TMT65695"])
 def test_what_is_no_place_is_refused(words: str) -> None:
     with refuses("bad-input", "place"):
