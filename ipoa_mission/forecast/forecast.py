@@ -150,7 +150,7 @@ class Forecast:
         return tuple(find_unknown(self.given))
 
     def predicted(self, noise_free: bool, fast: bool | None = None) -> "Prediction":
-        """Predict times and places, `noise_free` or in the mean of flights with sensor noise.
+        """Predict times and places, `noise_free` or with the mean of sensor noise.
 
         `fast`: as in `estimate`.
 

@@ -14,7 +14,7 @@ class DeviationKind(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """A deviation on the way to item `item`; `measured` and `allowed` in meters, for LATE in seconds."""
+    """On the way to `item`: `measured` and `allowed` in meters, for LATE in seconds."""
 
     kind: DeviationKind
     item: int
