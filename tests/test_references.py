@@ -1,12 +1,11 @@
-import io
 import re
-import tokenize
 from pathlib import Path
 
 from tools import REPOSITORY
 from tools.census import comments
 
 REFERENCE = re.compile(r"[A-Za-z_]\w*(?:[./][A-Za-z_]\w*)*(?:\(\))?")
+PROSE = re.compile(r'"""(?s:.*?)"""|(?:^|  ) *#.*', re.MULTILINE)
 #: Of other projects, files and data.
 FOREIGN = {
     "BLDG_HEIGHT", "MAVLink_command_long_message", "SOH", "_INT", "opfunu", "pyproject.toml", "rc.mc_defaults",
@@ -19,11 +18,7 @@ def known() -> set[str]:
     for folder in ("ipoa_mission", "tools"):
         for path in (REPOSITORY / folder).rglob("*.py"):
             found |= {path.stem, *path.relative_to(REPOSITORY).parts}
-            for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
-                if token.type == tokenize.NAME:
-                    found.add(token.string)
-                elif token.type == tokenize.STRING and '"""' not in token.string:
-                    found.update(re.findall(r"\w+", token.string))
+            found.update(re.findall(r"\w+", PROSE.sub(" ", path.read_text(encoding="utf-8"))))
     return found | {path.name for path in Path(REPOSITORY).iterdir()}
 
 
