@@ -67,11 +67,11 @@ class FailsafeRule:
     def value(self, parameters: Parameters) -> float:
         return parameters.get(self.parameter, self.default) if self.parameter else math.nan
 
-    def looks(self, parameters: Parameters) -> bool:
+    def is_monitored(self, parameters: Parameters) -> bool:
         return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
 
     def action(self, parameters: Parameters, series: Series) -> FailsafeAction:
-        if not self.looks(parameters):
+        if not self.is_monitored(parameters):
             return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
         value = self.value(parameters)
         if not self.parameter:
@@ -82,18 +82,18 @@ class FailsafeRule:
         return action if action.since <= series else self.other
 
     def failsafe(
-        self, parameters: Parameters, series: Series, route: FailsafeAction, at: FlightStage, there: FailsafeAction
+        self, parameters: Parameters, series: Series, action: FailsafeAction, at: FlightStage, at_stage: FailsafeAction
     ) -> "Failsafe":
-        """Return the failsafe with the action `route`, and the action `there` at one stage."""
+        """Return the failsafe with the `action`, and another one, `at_stage`."""
         known = {value: action for value, action in self.actions.items() if action.since <= series}
         returns = (value for value, action in known.items() if action.contingency is Contingency.RTL)
-        differs = {} if there == route else {at: there}
-        return Failsafe(self.cause, self.parameter, self.value(parameters), route, differs, next(returns, None))
+        differs = {} if at_stage == action else {at: at_stage}
+        return Failsafe(self.cause, self.parameter, self.value(parameters), action, differs, next(returns, None))
 
 
 @dataclass(frozen=True)
 class Failsafe:
-    """The action for a cause on the `route`, and in stages that differ.
+    """The `action` for a cause in cruise, and in stages that differ.
 
     `returns_at`: the value of `parameter` with RTL.
     """
@@ -101,17 +101,17 @@ class Failsafe:
     cause: str
     parameter: str
     value: float
-    route: FailsafeAction
+    action: FailsafeAction
     differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)
     returns_at: int | None = None
 
     @property
     def lands_by_choice(self) -> bool:
         """Return whether the vehicle lands although another value would return."""
-        return self.route.contingency is Contingency.LAND and self.returns_at is not None
+        return self.action.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
-        return self.differs.get(stage, self.route)
+        return self.differs.get(stage, self.action)
 
 
 @dataclass(frozen=True)
@@ -134,14 +134,14 @@ class StationLoss:
         if lost is None or lost.parameter not in parameters:
             return ""
         by = f"{lost.parameter} {lost.value:g}"
-        if lost.route.contingency is Contingency.CONTINUE:
-            also = f", {lost.route.words}" if lost.route.words else ""
+        if lost.action.contingency is Contingency.CONTINUE:
+            also = f", {lost.action.words}" if lost.action.words else ""
             return f"without its ground station the vehicle continues ({by}{also})"
         first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
         if not first <= station <= max(first, int(parameters.get(self.heeds_to, first))):
             return f"{by} counts for station {first}, not for this one ({station})"
         seconds = parameters.get(self.timeout, self.usual)
-        return f"{seconds:g} s without its ground station lead to {lost.route} ({by})"
+        return f"{seconds:g} s without its ground station lead to {lost.action} ({by})"
 
 
 def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:

@@ -98,7 +98,7 @@ class CheckedFile:
             if finding.hint:
                 yield f"hint: {finding.hint}"
         if self.guarantee is not None:
-            yield from promised(self.guarantee)
+            yield from clearance_words(self.guarantee)
 
     def counts(self) -> str:
         if self.forecast is None:
@@ -134,7 +134,7 @@ def wind_words(wind: "Wind") -> list[str]:
     return [f"wind {wind}"] if wind.strongest > 0 else []
 
 
-def promised(guarantee: "ClearanceGuarantee | None") -> list[str]:
+def clearance_words(guarantee: "ClearanceGuarantee | None") -> list[str]:
     kept = None if guarantee is None else guarantee.clearance
     if guarantee is None or kept is None:
         return []

@@ -46,9 +46,9 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
         "cause": failsafe.cause,
         "parameter": failsafe.parameter or None,
         "value": None if math.isnan(failsafe.value) else failsafe.value,
-        "ending": str(failsafe.route.contingency),
-        "otherwise": [str(contingency) for contingency in failsafe.route.otherwise],
-        "words": failsafe.route.words,
+        "ending": str(failsafe.action.contingency),
+        "otherwise": [str(contingency) for contingency in failsafe.action.otherwise],
+        "words": failsafe.action.words,
     }
 
 
@@ -61,12 +61,12 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
     causes = ["cause", "parameter", "ending"]
-    decided = [(one.cause, _setting(one), str(one.route)) for one in failsafes]
+    decided = [(one.cause, _setting(one), str(one.action)) for one in failsafes]
     if decided:
         print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
     many, grades = len(rows), Counter(row.grade for row in rows)
     told = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
-    print_lines("; ".join(told) or "every ending is clear")
+    print_lines("; ".join(told) or "every contingency is clear")
 
 
 def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
@@ -82,7 +82,7 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
         print_lines(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
     print_lines("", LEGEND)
     unclear = [str(row) for row in rows if not row.clear]
-    print_lines(*(unclear or ["every ending is clear"]))
+    print_lines(*(unclear or ["every contingency is clear"]))
 
 
 def bar_of(rows: Sequence[ContingencyRow]) -> str:

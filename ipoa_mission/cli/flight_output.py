@@ -4,7 +4,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.centimeters import down
-from ipoa_mission.cli.check_files import promised, wind_words
+from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import FlownJob, Job
 from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
@@ -113,7 +113,7 @@ def describe(flight: Flight) -> list[str]:
     firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
-        *promised(flight.guarantee),
+        *clearance_words(flight.guarantee),
         f"estimated {estimate.total_s:.1f} s",
         *wind_words(flight.forecast.wind),
     ]

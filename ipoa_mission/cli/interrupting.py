@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage
     from ipoa_mission.progress import Progress
 
-#: The changes that the verb has made, or may have made.
+#: The changes that the verb has made, or may have made; `run_interruptible` empties it.
 done: dict[str, str] = {}
 
 
@@ -77,6 +77,8 @@ def showing_stage(stage: "Stage") -> "Iterator[Progress]":
         Stage.FLIGHT: ("the vehicle flies on, unwatched", ""),
     }[stage]
     hint = "look at the vehicle: it may be flying" if stage is Stage.START else None
+    if stage is Stage.FLIGHT:
+        hint = "`ipoa-mission pause` and `rtl` with the same --link command it"
     waits = stage in (Stage.POSITION, Stage.READY, Stage.START)
     is_long = stage not in (Stage.CHECK, Stage.STORED)
     words = "starting" if stage is Stage.START else stage

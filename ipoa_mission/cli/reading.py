@@ -35,16 +35,16 @@ def read_given(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
 ) -> Given:
     """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s. Raises BadInput."""
-    has_version = _with_version(flown_by.version)
+    with_this_version = _autopilots_with(flown_by.version)
     otherwise = None if world is None else world.vehicle.autopilot
-    if len(has_version) == 1:
-        (otherwise,) = has_version
+    if len(with_this_version) == 1:
+        (otherwise,) = with_this_version
     read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
     findings = read.findings if world is None else (*read.findings, *_two_readers(world))
     mission, remarks = read.mission, tuple(finding.message for finding in findings)
     remarks += taken_for(read)
     if flown_by.version is not None:
-        others = [one for one in has_version if one is not mission.autopilot]
+        others = [one for one in with_this_version if one is not mission.autopilot]
         try:
             mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
         except BadInput as error:
@@ -74,7 +74,7 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
     return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
 
 
-def _with_version(version: "Version | None") -> list[Autopilot]:
+def _autopilots_with(version: "Version | None") -> list[Autopilot]:
     return [one for one in registered() if version is not None and version.series in one.tables.series]
 
 

@@ -43,7 +43,7 @@ class RealVehicle:
     def fly(self, job: Job, frames_log: Path) -> FlownJob:
         """Connect, upload, arm, start, watch. Raises MissionError with `known` data for JSON."""
         on_vehicle, on_link, begin = self.on_vehicle, self.on_link, self.on_vehicle.begin
-        _begun_at_item(job, begin)  # raises for an unknown item before connecting
+        _begun_at_item(job, begin)  # an unknown item is an error before connecting
         try:
             with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
                 if not states_firmware(self.source, self.flown_by.autopilot):

@@ -196,7 +196,7 @@ class ConformanceMonitor:
         bound = np.tile(self._width(law), (len(times), 1))
         goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
         bound[times > max(goals, default=math.inf)] = self._width(law.after_cruise())
-        bound[:, 0] *= law.stretch(across)
+        bound[:, 0] *= law.widening(across)
         return times, track.at(times), bound
 
     def _goal(self, visit: int) -> Vector | None:

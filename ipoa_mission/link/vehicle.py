@@ -330,7 +330,7 @@ class Vehicle(RemoteVehicle):
         return "" if onboard is None or not onboard.changed else str(ReplacedSince(onboard))
 
     @property
-    def interrupted(self) -> str:
+    def mode_change(self) -> str:
         """Return how the vehicle has left its mission in the air."""
         return self._mode_watch.words
 

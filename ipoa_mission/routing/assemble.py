@@ -31,7 +31,6 @@ class Option:
     deviation: float
     """Greatest lateral deviation of the predicted path from the planned curve [m]."""
     flies_clear: bool
-    """True if the predicted path keeps every limit."""
     ratio: float
     """Ratio to the least time of the curve, or to the quickest route if that is quicker."""
 
@@ -165,7 +164,6 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:
-    """Return the least time [s] of any vehicle with these limits."""
     vehicle = scenario.vehicle
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds

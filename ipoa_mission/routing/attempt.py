@@ -125,7 +125,6 @@ class Flown:
 
     @cached_property
     def deviation(self) -> float:
-        """Return the lateral deviation from the curve [m]."""
         return lateral_deviation(self.path, self.attempt.plan.curve)
 
     @property

@@ -223,7 +223,7 @@ def _at_kept_height(attempt: Attempt) -> Points:
     """Return the waypoints, moved vertically if a limit of height is broken."""
     points, broken = attempt.route.points.copy(), attempt.guarantee.forbidding
     up = max((-kept.slack for kept in broken if kept.limit == "ground"), default=0.0)
-    down = max((-kept.slack for kept in broken if kept.limits_above), default=0.0)
+    down = max((-kept.slack for kept in broken if kept.limit == "ceiling" or kept.to == "the upper bound"), default=0.0)
     shift = up - down
     points[_free(points, attempt.scenario.via_points), 2] += shift * GROWTH_FACTOR + np.sign(shift) * GROWTH_MARGIN
     return points

@@ -233,7 +233,7 @@ class Watch:
         self.obeyed = self._obeyed(vehicle.state.custom_mode)
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
-        words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
+        words = words or ("it holds its place" if self.is_held else vehicle.mode_change)
         if (words, lost_s) != self._state:
             self._state = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
@@ -275,7 +275,7 @@ class Watch:
             unknown = self._unknown
             if self._contingencies is not None:
                 now, aside = self._contingencies.time_at(self._local(at), time_s)
-                is_away = aside > 10.0 or (self._vehicle.interrupted and not self.is_held)
+                is_away = aside > 10.0 or (self._vehicle.mode_change and not self.is_held)
                 unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
             self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._orders

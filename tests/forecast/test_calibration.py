@@ -35,7 +35,7 @@ def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray)
     law, count = law_of(autopilot), len(seconds)
     number, far = np.zeros(count, dtype=np.intp), np.full(count, 10.0)
     low, over = np.full(count, -20.0), np.zeros(count, dtype=bool)
-    return ProximityRisks(law, np.arange(count), number, seconds, far, low, over, law.stretch(across), np.ones(count))
+    return ProximityRisks(law, np.arange(count), number, seconds, far, low, over, law.widening(across), np.ones(count))
 
 
 def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shortest: float = 0.0) -> np.ndarray:
@@ -114,5 +114,5 @@ def _some_pairs(autopilot: Autopilot, rng: np.random.Generator) -> ProximityRisk
     numbers, seconds = rng.integers(0, 5, count), rng.uniform(0.0, 120.0, count)
     aside, above = rng.uniform(-1.0, 6.0, count), rng.uniform(-1.0, 6.0, count)
     away = np.where((aside < 0) & (above < 0), 3.0, aside)
-    over, stretch = rng.random(count) < 0.5, law.stretch(rng.uniform(0.0, 3.0, count))
+    over, stretch = rng.random(count) < 0.5, law.widening(rng.uniform(0.0, 3.0, count))
     return ProximityRisks(law, np.arange(count), numbers, seconds, away, above, over, stretch, np.ones(count))

@@ -36,7 +36,7 @@ def beside(autopilot: Autopilot, later: str) -> np.ndarray:
     rows = [r for r in PASSES if r["autopilot"] == autopilot.name and r["on_the_way"] == "1" and r["later"] in later]
     across = np.array([float(row["across"]) for row in rows])
     sides = np.array([[float(row[side]) for side in SIDES] for row in rows])
-    return np.asarray((sides / law_of(autopilot).stretch(across)[:, None]).ravel())
+    return np.asarray((sides / law_of(autopilot).widening(across)[:, None]).ravel())
 
 
 def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -> tuple[Pieces, Airspace]:

@@ -55,17 +55,17 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
         if isinstance(message, Position) and message.height > 15.0 and not held_s:
             held_s.append(now)
             ordered_into(vehicle, family.modes.hold)
-        if vehicle.interrupted and not told_s:
+        if vehicle.mode_change and not told_s:
             told_s.append(now)
-            assert f"in {family.modes.name(family.modes.hold)}" in vehicle.interrupted
-            assert "it stays in this mode" in vehicle.interrupted
+            assert f"in {family.modes.name(family.modes.hold)}" in vehicle.mode_change
+            assert "it stays in this mode" in vehicle.mode_change
             ordered_into(vehicle, family.modes.mission)
 
     vehicle.overhearing = overhear
     record = vehicle.watch()
     assert record.completed
     assert told_s[0] - held_s[0] < SETTLED_S + 1.5
-    assert vehicle.interrupted == ""
+    assert vehicle.mode_change == ""
     told = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
     assert "`resume` or `rtl` orders it on" in told[0]
     assert [words.split(":")[0] for words in told] == [
@@ -85,8 +85,8 @@ def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(
         if isinstance(message, Position) and message.height > 15.0 and not told:
             told.append("")
             ordered_into(vehicle, family.modes.returning)
-        if vehicle.interrupted and len(told) == 1:
-            told.append(vehicle.interrupted)
+        if vehicle.mode_change and len(told) == 1:
+            told.append(vehicle.mode_change)
 
     vehicle.overhearing = overhear
     record = vehicle.watch()

@@ -111,7 +111,7 @@ class Flight:
                 air.ends_s, air.breaks = air.now() + seconds, breaks
                 self.told_before = len(self.station.told)
                 self.at_loss()
-            if vehicle.interrupted:
+            if vehicle.mode_change:
                 self.on_return()
 
         def progress(share: float, words: str) -> None:

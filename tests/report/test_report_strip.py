@@ -60,7 +60,7 @@ def test_where_every_contingency_is_clear_it_says_so(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("sitl.toml")
     text = scenario.model_dump(mode="json") | {"obstacles": []}
     page = report_html(Forecast(mission, Scenario.model_validate(text)))
-    assert '<p class="note">Every ending is clear.</p>' in page
+    assert '<p class="note">Every contingency is clear.</p>' in page
     assert "ways-not-clear" not in page[page.index("</style>") :]
 
 

@@ -20,7 +20,7 @@ from ipoa_mission.scenario import Scenario
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
-from tests.routing.test_promise_kept import nearest, way
+from tests.routing.test_guarantee_kept import nearest, way
 
 CRUISE = 15.0
 #: A bent way, and a post outside of the bend.

@@ -107,7 +107,7 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
     for name, values in table.items():
         for value, (first, *others) in documented(values):
             given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
-            found = by(name, given | {name: value}, autopilot, version).route
+            found = by(name, given | {name: value}, autopilot, version).action
             if (found.contingency, *found.otherwise[: len(others)]) != (first, *others):
                 wrong[name, value] = str(found)
     assert not wrong
@@ -123,14 +123,14 @@ def test_who_lands_by_choice_returns_with_the_value_that_is_named(
         returns = [value for value, (first, *_) in documented(values) if first is Contingency.RTL]
         for value, _ in documented(values):
             found = by(name, given | {name: value}, autopilot, version)
-            assert found.lands_by_choice == (found.route.contingency is Contingency.LAND and bool(returns)), (
+            assert found.lands_by_choice == (found.action.contingency is Contingency.LAND and bool(returns)), (
                 name,
                 value,
             )
             if found.lands_by_choice:
                 assert found.returns_at in returns
                 there = by(name, given | {name: float(returns[0])}, autopilot, version)
-                assert there.route.contingency is Contingency.RTL
+                assert there.action.contingency is Contingency.RTL
 
 
 @pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_MAIN)])
@@ -147,14 +147,14 @@ def test_every_parameter_that_decides_is_held_against_its_documentation(
 )
 def test_px4_takes_a_battery_by_its_stage(value: float, critical: str, emergency: str) -> None:
     """COM_LOW_BAT_ACT: warning; land mode; return at critical, land at emergency level; or terminate there (1.19)."""
-    found = {one.cause: one.route.contingency for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, MAIN)}
+    found = {one.cause: one.action.contingency for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, MAIN)}
     assert (found["low battery"], found["critical battery"]) == ("continue", critical)
     assert found["emergency battery"] == emergency
 
 
 def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
     for earlier in (OLD, NEW):
-        assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).route.contingency is Contingency.CONTINUE
+        assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).action.contingency is Contingency.CONTINUE
         assert {one.parameter for one in PX4.failsafes({}, earlier)}.isdisjoint({"COM_TRAFF_AVOID", "COM_POS_FS_ACT"})
     assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}, OLD))
     assert all(one.parameter != "COM_IMB_PROP_ACT" for one in PX4.failsafes({}, NEW))
@@ -169,7 +169,7 @@ def test_any_value_of_any_parameter_has_an_answer_at_every_stage(autopilot: Auto
             assert one.at(stage).contingency in Contingency
             assert (one.at(stage).contingency is Contingency.UNKNOWN) <= bool(one.at(stage).words)
         if one.parameter and not math.isfinite(value):
-            assert one.route.contingency is Contingency.UNKNOWN
+            assert one.action.contingency is Contingency.UNKNOWN
 
 
 @pytest.mark.parametrize(
@@ -194,18 +194,18 @@ def test_a_critical_battery_that_is_less_urgent_than_a_low_one_changes_nothing()
         (3, 4, "smart_rtl"),
         (4, 3, "smart_rtl"),
     ):
-        found = by("BATT_FS_CRT_ACT", base | {"BATT_FS_LOW_ACT": low, "BATT_FS_CRT_ACT": critical}).route
+        found = by("BATT_FS_CRT_ACT", base | {"BATT_FS_LOW_ACT": low, "BATT_FS_CRT_ACT": critical}).action
         assert found.contingency == then
         assert ("less urgent" in found.words) == ((low, critical) in {(1, 2), (0, 7), (4, 3)})
     unwatched = base | {"BATT_LOW_VOLT": 0.0, "BATT_FS_CRT_ACT": 7}
-    assert by("BATT_FS_CRT_ACT", unwatched).route.contingency is Contingency.HOLD
+    assert by("BATT_FS_CRT_ACT", unwatched).action.contingency is Contingency.HOLD
 
 
 def test_what_is_not_looked_for_is_said_so() -> None:
-    assert "FENCE_ENABLE" in by("FENCE_ACTION", {}).route.words
-    assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).route.contingency is Contingency.RTL
-    assert "BATT_CRT_VOLT" in by("BATT_FS_CRT_ACT", {"BATT_FS_CRT_ACT": 1.0}).route.words
-    assert by("NAV_RCL_ACT", {"COM_RC_IN_MODE": 4.0}, PX4).route.contingency is Contingency.CONTINUE
+    assert "FENCE_ENABLE" in by("FENCE_ACTION", {}).action.words
+    assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).action.contingency is Contingency.RTL
+    assert "BATT_CRT_VOLT" in by("BATT_FS_CRT_ACT", {"BATT_FS_CRT_ACT": 1.0}).action.words
+    assert by("NAV_RCL_ACT", {"COM_RC_IN_MODE": 4.0}, PX4).action.contingency is Contingency.CONTINUE
 
 
 def test_a_second_battery_has_failsafes_of_its_own() -> None:
@@ -223,12 +223,12 @@ def test_a_second_battery_has_failsafes_of_its_own() -> None:
 
 def test_smart_rtl_without_points_is_what_stands_behind_it() -> None:
     none = {"SRTL_POINTS": 0.0, "FS_THR_ENABLE": 4.0, "FS_GCS_ENABLE": 4.0}
-    assert by("FS_THR_ENABLE", none).route.contingency is Contingency.RTL
-    assert (by("FS_GCS_ENABLE", none).route.contingency, by("FS_GCS_ENABLE", none).route.after_s) == (
+    assert by("FS_THR_ENABLE", none).action.contingency is Contingency.RTL
+    assert (by("FS_GCS_ENABLE", none).action.contingency, by("FS_GCS_ENABLE", none).action.after_s) == (
         Contingency.LAND,
         4.0,
     )
-    assert Contingency.SMART_RTL not in {one.route.contingency for one in AP.failsafes(none)}
+    assert Contingency.SMART_RTL not in {one.action.contingency for one in AP.failsafes(none)}
 
 
 def test_px4_excepts_modes_of_a_lost_link() -> None:
@@ -247,11 +247,11 @@ def test_px4_excepts_modes_of_a_lost_link() -> None:
 
 def test_how_long_it_holds_first() -> None:
     """COM_FAIL_ACT_T before what a user may take over; LAND_WITH_DELAY_MS where ArduCopter lands by a failsafe."""
-    assert by("NAV_RCL_ACT", {}, PX4).route.after_s == 5.0
-    assert by("NAV_RCL_ACT", {"COM_FAIL_ACT_T": 0.0}, PX4).route.after_s == 0.0
-    assert by("GF_ACTION", {"GF_ACTION": 4.0}, PX4).route.after_s == 0.0
-    assert by("FS_THR_ENABLE", {"FS_THR_ENABLE": 3.0}).route.after_s == 4.0
-    assert by("FENCE_ACTION", {"FENCE_ACTION": 2.0, "FENCE_ENABLE": 1.0}).route.after_s == 0.0
+    assert by("NAV_RCL_ACT", {}, PX4).action.after_s == 5.0
+    assert by("NAV_RCL_ACT", {"COM_FAIL_ACT_T": 0.0}, PX4).action.after_s == 0.0
+    assert by("GF_ACTION", {"GF_ACTION": 4.0}, PX4).action.after_s == 0.0
+    assert by("FS_THR_ENABLE", {"FS_THR_ENABLE": 3.0}).action.after_s == 4.0
+    assert by("FENCE_ACTION", {"FENCE_ACTION": 2.0, "FENCE_ENABLE": 1.0}).action.after_s == 0.0
 
 
 def test_what_decides_is_a_known_parameter() -> None:
@@ -267,7 +267,7 @@ def test_the_page_is_as_the_tables() -> None:
 def test_home_by_dead_reckoning_is_not_known() -> None:
     """Both that were flown went through something that RTL keeps clear of."""
     for value in (2.0, 3.0, 4.0, 6.0):
-        assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).route.contingency is Contingency.UNKNOWN
+        assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).action.contingency is Contingency.UNKNOWN
 
 
 def test_a_landing_has_no_floor() -> None:

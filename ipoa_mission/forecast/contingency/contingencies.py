@@ -85,7 +85,7 @@ def to_return_instead(forecast: Forecast) -> str:
 
 def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     failsafes = failsafes_of(forecast)
-    actions = [action for failsafe in failsafes for action in (failsafe.route, *failsafe.differs.values())]
+    actions = [action for failsafe in failsafes for action in (failsafe.action, *failsafe.differs.values())]
     had = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
     had = had if failsafes else {Contingency.RTL, Contingency.LAND, Contingency.HOLD}
     return tuple(contingency for contingency in COMPUTED if contingency in had)
@@ -181,24 +181,24 @@ class Contingencies:
             [[0.0], mean, mean[-1:] + tail_s]
         )
 
-    def _in_mean(self, times: Vector) -> Vector:
+    def _mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
 
-    def _if_sure(self, times: Vector) -> Vector:
+    def _noise_free(self, times: Vector) -> Vector:
         noise_free, mean = self._clocks
         return np.asarray(np.interp(times, mean, noise_free))
 
     @property
     def in_air(self) -> tuple[float, float]:
-        begin, end = self._in_mean(np.array(self.paths.in_air))
+        begin, end = self._mean(np.array(self.paths.in_air))
         return float(begin), float(end)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        return replace(stops := self.paths.stops(contingency), times=self._in_mean(stops.times))
+        return replace(stops := self.paths.stops(contingency), times=self._mean(stops.times))
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        noise_free = None if between is None else tuple(self._if_sure(np.array(between)).tolist())
-        return replace(samples := self.paths.samples(contingency, noise_free), times=self._in_mean(samples.times))
+        noise_free = None if between is None else tuple(self._noise_free(np.array(between)).tolist())
+        return replace(samples := self.paths.samples(contingency, noise_free), times=self._mean(samples.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
@@ -219,7 +219,7 @@ class Contingencies:
             return unknown
         tolerance = float(self._tolerances(np.array([time]))[0])
         begin, end = np.clip([time - tolerance, time + tolerance], *self.in_air)
-        now = self.paths.at(contingency, self._if_sure(np.clip([time], begin, end)))
+        now = self.paths.at(contingency, self._noise_free(np.clip([time], begin, end)))
         both = [self.samples(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
         samples = ContingencySamples.merged(both)
         middle = int(np.searchsorted(samples.times, np.clip(time, begin, end)))
@@ -252,7 +252,7 @@ class Contingencies:
         unclear = ~(samples.clear[after - 1] & samples.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if unclear.any():
-            predicted = self.paths.as_flown.at(contingency, self._if_sure(evenly[unclear]))
+            predicted = self.paths.as_flown.at(contingency, self._noise_free(evenly[unclear]))
             nearer[unclear] = predicted.all_nearer(self.paths.required)
         return evenly, nearer
 

@@ -63,10 +63,6 @@ class KeptLimit:
         return self.required - self.guaranteed if self.limit == "ceiling" else self.guaranteed - self.required
 
     @property
-    def limits_above(self) -> bool:
-        return self.limit == "ceiling" or (self.limit == "bounds" and self.to == "the upper bound")
-
-    @property
     def falls_short(self) -> bool:
         if self.limit == "ceiling":
             return goes_beyond(self.guaranteed, self.required)

@@ -30,11 +30,11 @@ class TightPlace:
     reach: float
 
 
-def tight_places(task: PathTask, room: float) -> tuple[TightPlace, ...]:
+def tight_places(task: PathTask, spare: float) -> tuple[TightPlace, ...]:
     if not task.airspace.obstacles:
         return ()
     places = task.places
-    missing = task.limits.obstacle_distance + room - task.airspace.obstacle_distance(places)
+    missing = task.limits.obstacle_distance + spare - task.airspace.obstacle_distance(places)
     return tuple(
         TightPlace(name, place, 5.0 + 2.0 * float(less))  # [m] to turn, and two meters flown for each meter away
         for name, place, less in zip(place_names(places), places, missing, strict=True)

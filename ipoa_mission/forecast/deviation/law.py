@@ -49,7 +49,7 @@ class DeviationLaw:
     """Distribution of a vehicle's deviation from its predicted path.
 
     `level`: to one side at a moment of a straight flight. A lateral acceleration of `turn` [m/s^2] doubles it. After
-    the last waypoint it is `after_way` times as large. It is independent after `memory` [s].
+    the last waypoint it is `after_cruise_factor` times as large. It is independent after `memory` [s].
 
     `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: of a whole flight, as
     a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m for each
@@ -66,14 +66,14 @@ class DeviationLaw:
     highest: Quantiles
     farthest: Quantiles | None
     turn: float
-    after_way: float
+    after_cruise_factor: float
     memory: float
     height_memory: float
     growth: tuple[float, float, float]
     source: str
     strongest: float
 
-    def stretch(self, across: Vector) -> Vector:
+    def widening(self, across: Vector) -> Vector:
         return np.asarray(1.0 + across / self.turn)
 
     def lateral(self, chance: float) -> float:
@@ -101,7 +101,7 @@ class DeviationLaw:
 
     def after_cruise(self) -> "DeviationLaw":
         def wider(spread: Quantiles) -> Quantiles:
-            return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
+            return replace(spread, distances=tuple(self.after_cruise_factor * each for each in spread.distances))
 
         return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))
 

@@ -22,21 +22,21 @@ Numbers = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class _Draws:
-    """Pairs `taken` (n,), with the index of their `draw` (n,): an obstacle in a `stretch` of time (m,)."""
+    """Pairs `taken` (n,), with the index of their `draw` (n,): an obstacle in a `window` of time (m,)."""
 
     taken: Numbers
     draw: Numbers
-    stretch: Numbers
+    window: Numbers
 
     def chance(self, chances: Vector, sides: float) -> float:
-        """Return the probability of any pair; each obstacle counts by its likeliest, a stretch for at most `sides`."""
+        """Return the probability of any pair; each obstacle counts by its likeliest, a window for at most `sides`."""
         if len(self.taken) == 0:
             return 0.0
-        likeliest = np.zeros(len(self.stretch))
+        likeliest = np.zeros(len(self.window))
         np.maximum.at(likeliest, self.draw, chances[self.taken])
-        greatest = np.zeros(int(self.stretch.max()) + 1)
-        np.maximum.at(greatest, self.stretch, likeliest)
-        summed = np.bincount(self.stretch, likeliest, len(greatest))
+        greatest = np.zeros(int(self.window.max()) + 1)
+        np.maximum.at(greatest, self.window, likeliest)
+        summed = np.bincount(self.window, likeliest, len(greatest))
         return float(1.0 - np.prod(1.0 - np.minimum(np.minimum(summed, sides * greatest), 1.0)))
 
 
@@ -44,7 +44,7 @@ class _Draws:
 class ProximityRisks:
     """Pairs of a piece and an obstacle: indices, and lower bounds of their distance, (n,) each [m].
 
-    `lateral`: to the outline. `above`: over the top or under the base. `stretch` widens the law. `sides` is 2 in a
+    `lateral`: to the outline. `above`: over the top or under the base. `widening` of the law. `sides` is 2 in a
     court or a corner of an obstacle, else 1.
     """
 
@@ -55,7 +55,7 @@ class ProximityRisks:
     lateral: Vector
     above: Vector
     is_over: NDArray[np.bool_]
-    stretch: Vector
+    widening: Vector
     sides: Vector
 
     @cached_property
@@ -74,7 +74,7 @@ class ProximityRisks:
         return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
     def of(self, taken: NDArray[np.bool_]) -> "ProximityRisks":
-        columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "stretch", "sides")
+        columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "widening", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, clearance: float) -> float:
@@ -100,26 +100,26 @@ class ProximityRisks:
         return np.minimum(self._sideways(clearance), self._vertical(clearance))
 
     def _sideways(self, clearance: Vector | float) -> Vector:
-        level = self.law.level.chance((self.lateral - clearance) / self.stretch)
-        towards = self.law.level.chance((self.distance - clearance) / (self.stretch * self.facing))
+        level = self.law.level.chance((self.lateral - clearance) / self.widening)
+        towards = self.law.level.chance((self.distance - clearance) / (self.widening * self.facing))
         return np.minimum(self.sides * np.minimum(level, towards), 1.0)
 
     def _vertical(self, clearance: Vector | float) -> Vector:
-        room = self.above - clearance
-        return np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
+        spare = self.above - clearance
+        return np.where(self.is_over, self.law.down.chance(spare), self.law.up.chance(spare))
 
     def _height_of_a_flight(self, clearance: float) -> float:
-        room = self.above - clearance
-        low = self.law.lowest.chance(room[self.by_height & self.is_over]).max(initial=0.0)
-        high = self.law.highest.chance(room[self.by_height & ~self.is_over]).max(initial=0.0)
+        spare = self.above - clearance
+        low = self.law.lowest.chance(spare[self.by_height & self.is_over]).max(initial=0.0)
+        high = self.law.highest.chance(spare[self.by_height & ~self.is_over]).max(initial=0.0)
         return float(min(low + high, 1.0))
 
     def _side_of_a_flight(self, clearance: float) -> float:
         """Return the probability of such a lateral deviation anywhere in a flight, to one side."""
         if self.law.farthest is None:
             return 1.0
-        room = np.maximum(self.lateral - clearance, (self.distance - clearance) / self.facing) / self.stretch
-        return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
+        spare = np.maximum(self.lateral - clearance, (self.distance - clearance) / self.facing) / self.widening
+        return float(min(2.0 * self.law.farthest.chance(spare[~self.by_height]).max(initial=0.0), 1.0))
 
     @cached_property
     def _lateral(self) -> _Draws:
@@ -152,8 +152,8 @@ class ProximityRisks:
 
 def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> ProximityRisks:
     a, b = flown.points[:-1], flown.points[1:]
-    stretch, rare = law.stretch(flown.across), 1e-5  # the chance of obstacles that are ignored
-    reach = max(clearance, 0.0) + stretch * law.level.distance(rare)
+    widening, rare = law.widening(flown.across), 1e-5  # the chance of obstacles that are ignored
+    reach = max(clearance, 0.0) + widening * law.level.distance(rare)
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
@@ -168,4 +168,4 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
     nearer = np.maximum(above, below)
-    return ProximityRisks(law, piece, obstacle, flown.times[piece], lateral, nearer, over, stretch[piece], sides)
+    return ProximityRisks(law, piece, obstacle, flown.times[piece], lateral, nearer, over, widening[piece], sides)

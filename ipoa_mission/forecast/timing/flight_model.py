@@ -110,7 +110,7 @@ class FlightModel(ABC):
 
     @abstractmethod
     def predicted(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
         """Predict the flight; `fast` and `noise_free` as in `Forecast.predicted`.
 
@@ -123,8 +123,8 @@ class FlightModel(ABC):
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
-    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
-        """Predict the flight to an abort, and its contingency; the only time is of its end.
+    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
+        """Predict the flight up to the abort, then the contingency; `done` has only its end.
 
         Raises:
             MissionError: as `predicted`; or the model has no such flights.
@@ -139,5 +139,5 @@ class FlightModel(ABC):
         """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""
         raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
-    def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        return self.predicted(route, mission, CALM, True, False).done
+    def usual(self, itinerary: Itinerary, mission: Mission) -> Vector:
+        return self.predicted(itinerary, mission, CALM, True, False).done

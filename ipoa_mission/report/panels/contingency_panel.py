@@ -79,8 +79,8 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     if not bars:
         return ""
     drawn = "".join(_bar(bar, predicted, axis) for bar in bars)
-    unclear = "".join(f"<li>{escape(str(row))}</li>" for bar in bars for row in bar.rows if not row.clear)
-    below = f'<ul class="ways-not-clear">{unclear}</ul>' if unclear else '<p class="note">Every ending is clear.</p>'
+    rows = "".join(f"<li>{escape(str(row))}</li>" for bar in bars for row in bar.rows if not row.clear)
+    below = f'<ul class="ways-not-clear">{rows}</ul>' if rows else '<p class="note">Every contingency is clear.</p>'
     return (
         '<h3>If it were ended there</h3><p class="note">The result of ending the flight there, by a failsafe or by '
         'the pilot.</p><div class="chart strip" id="endings" data-along="along" '

@@ -175,14 +175,14 @@ def _unless_less_urgent(critical: Failsafe, parameters: Parameters, series: Seri
         return critical
     rules = [_of_battery(rule, critical.parameter.split("_")[0]) for rule in RULES[:2]]
     low = _failsafe(rules[0], parameters, series)
-    if not all(rule.looks(parameters) for rule in rules) or _urgency(critical.value) <= _urgency(low.value):
+    if not all(rule.is_monitored(parameters) for rule in rules) or _urgency(critical.value) <= _urgency(low.value):
         return critical
     words = (
         f"{critical.parameter} {critical.value:g} is less urgent than {low.parameter} {low.value:g} and has no effect, "
         "except where the voltage falls through both at once"
     )
     differs = {stage: replace(action, words=words) for stage, action in low.differs.items()}
-    return replace(critical, route=replace(low.route, words=words), differs=differs, returns_at=None)
+    return replace(critical, action=replace(low.action, words=words), differs=differs, returns_at=None)
 
 
 def _urgency(action: float) -> int:

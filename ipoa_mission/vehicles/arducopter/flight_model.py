@@ -72,10 +72,10 @@ class ArduCopterModel(FlightModel):
     }
 
     def predicted(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
-        flight, times, reasons = _Flight(route, mission, wind, fast), list[float](), list[str]()
-        for n, visit in enumerate(route.visits):
+        flight, times, reasons = _Flight(itinerary, mission, wind, fast), list[float](), list[str]()
+        for n, visit in enumerate(itinerary.visits):
             try:
                 reasons.append(flight.visit(n))
             except BadInput:
@@ -85,28 +85,28 @@ class ArduCopterModel(FlightModel):
             times.append(flight.copter.state.time)
         track = Track.joined(flight.tracks)
         done = np.array(times, dtype=np.float64)
-        first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in route.visits]).reshape(-1, 2)
+        first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
         doubt = UNCERTAINTY.flight_s + UNCERTAINTY.flight_share * done
         low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
         return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
-    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
+    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
         """Predict the time with an abort and its contingency; the track has a sample at the abort."""
-        flight = _Flight(route, mission, wind, None)
-        flight.until = order.time
-        for n in range(len(route.visits)):
+        flight = _Flight(itinerary, mission, wind, None)
+        flight.until = abort.time
+        for n in range(len(itinerary.visits)):
             if flight.is_aborted:
                 break
             flight.visit(n)
         flight.until, copter = math.inf, flight.copter
-        returns = order.contingency is Contingency.RTL
+        returns = abort.contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
             raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
-        flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
+        flight.come_down(return_home(copter, itinerary.goal_of_return(copter.place)) if returns else land(copter, None))
         done = np.array([copter.state.time])
-        doubt = UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (done - order.time)
-        touched, off = flight.touched, UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (flight.touched - order.time)
+        doubt = UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (done - abort.time)
+        touched, off = flight.touched, UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (flight.touched - abort.time)
         track = Track.joined(flight.tracks)
         between = touched - off, touched, touched + off
         return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
@@ -121,11 +121,12 @@ class ArduCopterModel(FlightModel):
 
 
 class _Flight:
-    def __init__(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None) -> None:
-        self.route, self.wind, self.limits = route, wind, copter_limits(mission.parameters, mission.firmware_version)
+    def __init__(self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None) -> None:
+        self.itinerary, self.wind = itinerary, wind
+        self.limits = copter_limits(mission.parameters, mission.firmware_version)
         self.airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        height = flying_already(route)
-        self.copter = Copter(self.limits, wind, self.airframe, fast, route.ground)
+        height = flying_already(itinerary)
+        self.copter = Copter(self.limits, wind, self.airframe, fast, itinerary.ground)
         self.copter.start_at((0.0, 0.0, height or 0.0))
         self.airborne, self.until, self.touched = height is not None, math.inf, math.nan
         self.remarks: list[str] = []
@@ -137,7 +138,7 @@ class _Flight:
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
-        visit = self.route.visits[n]
+        visit = self.itinerary.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in TAKEOFFS:
             self.take_off(self.target(n)[2])
@@ -147,7 +148,7 @@ class _Flight:
             self.go(circle(self.copter, self.target(n), visit.item))
             return "circle"
         elif command == Command.NAV_LOITER_TO_ALT:
-            if visit.seq in self.route.over_terrain:
+            if visit.seq in self.itinerary.over_terrain:
                 self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
             self.go(loiter_to_alt(self.copter, self.target(n)))
         elif command == Command.NAV_DELAY:
@@ -156,9 +157,9 @@ class _Flight:
         elif command == Command.DO_CHANGE_SPEED:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.come_down(return_home(self.copter, self.route.goal_of_return(self.copter.here)))
+            self.come_down(return_home(self.copter, self.itinerary.goal_of_return(self.copter.here)))
         elif command in LANDINGS:
-            self.come_down(land(self.copter, landing_place(self.route.program, visit.item)))
+            self.come_down(land(self.copter, landing_place(self.itinerary.program, visit.item)))
         elif command == Command.NAV_PAYLOAD_PLACE:
             self.go(payload_place(self.copter, self.target(n) if visit.item.has_position else None, visit.item))
         elif command in ARDUCOPTER.guidance.flown_on_into:
@@ -168,15 +169,15 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        return self.route.program.place(n, self.here(n))
+        return self.itinerary.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
         """Return the stopping place if visit n leaves its place open; slow."""
-        return self.copter.here if self.route.program.leaves_open(n) else (math.nan,) * 3
+        return self.copter.here if self.itinerary.program.leaves_open(n) else (math.nan,) * 3
 
     def fly_to(self, n: int) -> str:
         """Fly to visit n and hold; return why it was slow."""
-        program, visit, copter = self.route.program, self.route.visits[n], self.copter
+        program, visit, copter = self.itinerary.program, self.itinerary.visits[n], self.copter
         onward, stop = program.onward(n), stop_at(program, n, self.here(n))
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
         this, following = copter.this, copter.following

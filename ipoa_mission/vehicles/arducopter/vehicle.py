@@ -365,7 +365,7 @@ class ArduCopter(Autopilot):
         """Read in the source.
 
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
-        >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
+        >>> str(lost.action), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].action)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
         """
         return failsafes.failsafes(self.parameter_table.by_old_names(parameters), (version or self.newest).series)

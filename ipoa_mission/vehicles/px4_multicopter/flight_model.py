@@ -1,6 +1,7 @@
 """Flight times of PX4 in AUTO.MISSION, measured on 1.17 and 1.18.
 
-Noisy height estimates shift home for two minutes: one quiet run gives the path, many noisy ones the mean and spread.
+Noisy height estimates shift home for two minutes: a run without noise gives the path, many with noise
+the mean and spread.
 """
 
 import math
@@ -79,15 +80,15 @@ class Px4Model(FlightModel):
     simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
 
     def predicted(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
-        flights = Flights(route, mission, wind, KNOWS if noise_free else SIH_SENSES)
-        quiet, ends = flights.flown(False, fast)(0), list(flights.plan.done)
-        smooth, samples = quiet.done[ends], quiet.samples
+        flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
+        exact_run, ends = flights.flown(False, fast)(0), list(flights.plan.done)
+        smooth, samples = exact_run.done[ends], exact_run.samples
         once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.plan.remarks)
         times: list[Vector] = []
-        for seed in range(1, RUNS.most + 1 if route.visits and not noise_free else 1):
+        for seed in range(1, RUNS.most + 1 if itinerary.visits and not noise_free else 1):
             if (seed - 1) % RUNS.batch == 0 and _known(times):
                 break
             try:
@@ -98,7 +99,7 @@ class Px4Model(FlightModel):
                 remarks.append(f"some flights did not end: {lost}")
         runs = np.array(times or [smooth])
         done = runs.mean(axis=0)
-        lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in route.visits], dtype=bool)
+        lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
         below = RUNS.interval_deviations * runs.std(axis=0)
         above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)
@@ -107,39 +108,39 @@ class Px4Model(FlightModel):
         warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
         track = Track.of(samples, warped)
         clock = np.ascontiguousarray(samples[:, 0])
-        reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
+        reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(itinerary.visits)))
         low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
-        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(route, runs))
+        return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, runs))
 
-    def predict_abort(self, route: Itinerary, mission: Mission, wind: Wind, order: Abort) -> Prediction:
-        flights = Flights(route, mission, wind)
-        if order.contingency is Contingency.RTL:
+    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
+        flights = Flights(itinerary, mission, wind)
+        if abort.contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
                 raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
-            if (by := route.returns_by) is not ReturnBy.DIRECT:
+            if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
-        quiet = flights.flown(False, None)(0).done
-        steps = np.diff(quiet)
+        exact_times = flights.flown(False, None)(0).done
+        steps = np.diff(exact_times)
         lasted, stood, when = list[float](), list[float](), list[float]()
         for seed in range(1, RUNS.most + 1):
             if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.abort_share):
                 break
             with suppress(MissionError):
-                run, begun = flights.aborted(order.contingency, order.time, seed, None)
-                lasted.append(float(run.done[-1]) - order.time)
+                run, begun = flights.aborted(abort.contingency, abort.time, seed, None)
+                lasted.append(float(run.done[-1]) - abort.time)
                 stood.append(float(run.done[-1]) - run.touched)
-                when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
-        then = float(np.mean(when)) if when else order.time
-        last, _ = flights.aborted(order.contingency, then, None, None)
+                when.append(float(exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])))
+        then = float(np.mean(when)) if when else abort.time
+        last, _ = flights.aborted(abort.contingency, then, None, None)
         lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
         mean = float(np.mean(lasted))
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
         half = RUNS.abort_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
-        touched = order.time + mean - float(np.mean(stood))
+        touched = abort.time + mean - float(np.mean(stood))
         off = RUNS.abort_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
         samples = last.samples
-        track = Track.of(samples, samples[:, 0] + order.time - then)
-        end = np.array([order.time + mean])
+        track = Track.of(samples, samples[:, 0] + abort.time - then)
+        end = np.array([abort.time + mean])
         return Prediction(end, end - half, end + half, ("",), track, touched=(touched - off, touched, touched + off))
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
@@ -150,8 +151,8 @@ class Px4Model(FlightModel):
     def airframe(self, altitude: float) -> SlowedByAir:
         return SIH
 
-    def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        flights = Flights(route, mission)
+    def usual(self, itinerary: Itinerary, mission: Mission) -> Vector:
+        flights = Flights(itinerary, mission)
         steps = RUNS.of_median * sum(order.patience for order in flights.plan.orders) / RUNS.step_s
         once, ends = flights.flown(True, True, steps), list(flights.plan.done)
         return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
@@ -162,11 +163,11 @@ def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
 
 
-def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
+def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
     """Return the share of runs (m, n) [s] that miss each waypoint, and their mean delay."""
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
-    flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
+    flown_to = np.array([visit.item.command in FLOWN_TO for visit in itinerary.visits], dtype=bool)
     missed = (longer > RUNS.missed_s) & flown_to
     share = missed.mean(axis=0)
     cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
@@ -185,15 +186,17 @@ class FlownOnce(NamedTuple):
 
 
 class Flights:
-    def __init__(self, route: Itinerary, mission: Mission, wind: Wind = CALM, senses: SensorModel = SIH_SENSES) -> None:
-        self.route, self.airframe, self.wind = route, airframe_of(mission.vehicle), wind
+    def __init__(
+        self, itinerary: Itinerary, mission: Mission, wind: Wind = CALM, senses: SensorModel = SIH_SENSES
+    ) -> None:
+        self.itinerary, self.airframe, self.wind = itinerary, airframe_of(mission.vehicle), wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.plan = orders_of_itinerary(route, self.limits, self.airframe.landing_delay)
+        self.plan = orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
         self.orders = self.plan.orders
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
         with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
-        self.quiet = with_noise._replace(noisy=False, turns=turns)
+        self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
     def aborted(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
@@ -211,9 +214,9 @@ class Flights:
         return self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s)(seed or 0), begun
 
     def orders_of(self, contingency: Contingency, at: Vector) -> list[Order]:
-        here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
+        here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.itinerary.ground
         if contingency is Contingency.RTL:
-            goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
+            goal = Enu(*self.itinerary.goal_of_return((here.east, here.north, here.up)))
             return return_orders(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
         stop = stopping_place(here, speed, self.limits)
         down = stop._replace(up=ground.at(stop.east, stop.north))
@@ -226,16 +229,16 @@ class Flights:
 
         `steps`: expected number. It raises MissionError without progress.
         """
-        orders, height = self.orders, flying_already(self.route) or 0.0
-        machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
+        orders, height = self.orders, flying_already(self.itinerary) or 0.0
+        machine, constants = jit_if_faster(fly, fast, steps), [self.noise_free_constants._replace(noisy=noisy)]
         inputs: Any = orders
         if machine is not fly:
-            inputs, laws = records(orders, Order), records(laws, SimulationConstants)
+            inputs, constants = records(orders, Order), records(constants, SimulationConstants)
 
         def once(seed: int) -> FlownOnce:
             first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
             done, samples, touched = machine(
-                inputs, laws, height, (first, second), RUNS.sample_steps if sampled or not noisy else 0
+                inputs, constants, height, (first, second), RUNS.sample_steps if sampled or not noisy else 0
             )
             if len(done) > len(orders):
                 return FlownOnce(np.asarray(done), np.asarray(samples).reshape(-1, 7), touched)
@@ -251,7 +254,7 @@ class Flights:
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""
-        command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
+        command, params = self.itinerary.visits[n].item.command, self.itinerary.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
         if command not in FLOWN_TO:

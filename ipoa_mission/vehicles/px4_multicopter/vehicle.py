@@ -342,8 +342,8 @@ class Px4Multicopter(Autopilot):
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Read in the source.
 
-        >>> routes = {one.cause: one.route for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
-        >>> routes["critical battery"].contingency, routes["critical battery"].after_s
+        >>> actions = {one.cause: one.action for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
+        >>> actions["critical battery"].contingency, actions["critical battery"].after_s
         (<Contingency.RTL: 'rtl'>, 5.0)
         """
         return failsafes.failsafes(parameters, (version or self.newest).series)

@@ -123,7 +123,7 @@ class Planned(NamedTuple):
     remarks: tuple[str, ...]
 
 
-def orders_of_itinerary(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
+def orders_of_itinerary(itinerary: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
     """Return the orders of an itinerary, from the ground, or from over home.
 
     It disarms `landing_delay` s later.
@@ -131,8 +131,8 @@ def orders_of_itinerary(route: Itinerary, limits: Px4Limits, landing_delay: floa
     Raises:
         BadInput: an item never ends.
     """
-    navigator, orders, done = _Navigator(route, limits), list[Order](), list[int]()
-    for n in range(len(route.visits)):
+    navigator, orders, done = _Navigator(itinerary, limits), list[Order](), list[int]()
+    for n in range(len(itinerary.visits)):
         begins = orders[-1].goal if orders else navigator.here
         orders += with_patience(navigator.visit(n), begins, limits, landing_delay)
         done.append(len(orders))
@@ -151,14 +151,14 @@ def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_d
 
 
 class _Navigator:
-    def __init__(self, route: Itinerary, limits: Px4Limits) -> None:
-        self.route, self.limits, self.cruise = route, limits, limits.cruise
-        height = flying_already(route)
+    def __init__(self, itinerary: Itinerary, limits: Px4Limits) -> None:
+        self.itinerary, self.limits, self.cruise = itinerary, limits, limits.cruise
+        height = flying_already(itinerary)
         self.here, self.airborne = Enu(0.0, 0.0, height or 0.0), height is not None
         self.remarks: list[str] = []
 
     def visit(self, n: int) -> list[Order]:
-        visit = self.route.visits[n]
+        visit = self.itinerary.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in FLOWN_TO:
             start, self.here = self.here, self.target(n)
@@ -179,11 +179,12 @@ class _Navigator:
             if self.limits.land_delay < 0.0:
                 raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"item {visit.seq}")
             self.cruise = self.limits.cruise
-            if (places := self.route.places_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
+            places = self.itinerary.places_of_return(n, (self.here.east, self.here.north, self.here.up))
+            if places is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
                 back = [Enu(*place) for place in places]
                 return self.down(orders_along(self.here, back, self.limits, self.ground(back[-1])))
-            goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
+            goal = Enu(*self.itinerary.goal_of_return((self.here.east, self.here.north, self.here.up)))
             return self.down(return_orders(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
             return self.down(landing_orders(self.here, self.ground(self.target(n)), self.limits, self.cruise, 0.0))
@@ -198,12 +199,12 @@ class _Navigator:
         return orders
 
     def ground(self, place: Enu) -> Enu:
-        return place._replace(up=self.route.ground.at(place.east, place.north))
+        return place._replace(up=self.itinerary.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
         """Return the place of visit n; open coordinates are those last commanded."""
-        return Enu(*self.route.program.place(n, self.here))
+        return Enu(*self.itinerary.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:
-        onward = self.route.program.onward(n)
+        onward = self.itinerary.program.onward(n)
         return None if onward is None else self.target(onward)

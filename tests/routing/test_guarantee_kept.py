@@ -137,8 +137,8 @@ def test_nominal_clearance_short_by_a_centimeter_is_an_error(aside: float, error
     assert all("to wall" in one and "predicted 2.4" in one and "2.50 m required" in one for one in found)
 
 
-def test_what_is_promised_at_a_given_place_is_its_own_line() -> None:
-    """The goal is 2.6 m from the wall: the tube does not fit there."""
+def test_the_guarantee_at_a_given_place_is_its_own_line() -> None:
+    """The goal is 2.6 m from the wall: the deviation bound does not fit there."""
     scenario = beside(0.99, 2.6)
     moved = scenario.model_copy(update={"goal": scenario.start.model_copy(update={"east": 40.0})})
     flight = plan_flight(moved)
