@@ -61,7 +61,8 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
     causes = ["cause", "parameter", "ending"]
-    decided = [(one.cause, _setting(one), str(one.action)) for one in failsafes]
+    settings = (f"{one.parameter} = {one.value:g}" if one.parameter else "" for one in failsafes)
+    decided = [(one.cause, setting, str(one.action)) for one, setting in zip(failsafes, settings, strict=True)]
     if decided:
         print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
     many, grades = len(rows), Counter(row.grade for row in rows)
@@ -100,10 +101,6 @@ def _cells(row: ContingencyRow) -> tuple[str, ...]:
     clear = CELL[row.grade]
     times = f"{row.from_s:.1f}", f"{row.to_s:.1f}"
     return (str(row.contingency), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes, energy)
-
-
-def _setting(failsafe: Failsafe) -> str:
-    return f"{failsafe.parameter} = {failsafe.value:g}" if failsafe.parameter else ""
 
 
 def _between(both: tuple[float, float] | None) -> list[float | None] | None:

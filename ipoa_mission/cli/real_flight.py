@@ -23,7 +23,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.flight_record import Deviation, FlightRecord
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
 
@@ -50,7 +50,9 @@ class RealVehicle:
                     job = read_job(self.source, self.flown_by, vehicle.autopilot, job.ignore)
                 vehicle.conformance.on_deviation = on_vehicle.on_deviation
                 if self.as_json:
-                    vehicle.conformance.tell = _print_deviation
+                    vehicle.conformance.tell = lambda one: print_json(
+                        {"event": "deviation"} | one.as_json(), indent=None
+                    )
                 on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
                 job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), begin)
                 remarks, record = self._fly_on(vehicle, job)
@@ -85,10 +87,6 @@ def _begun_at_item(job: Job, item: int) -> Job:
         return job
     log.info("%s: from item %d on estimated %.1f s", job.name, item, begun.estimate.total_s)
     return replace(job, begun=begun)
-
-
-def _print_deviation(deviation: Deviation) -> None:
-    print_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
 @contextmanager

@@ -62,6 +62,7 @@ class Flight:
         forecast: of the flight.
         findings: warnings of the check.
         remarks: notes, the warnings first.
+        chosen: the route and its forecast.
         options: ways to choose the waypoints, computed at first use.
     """
 

@@ -1,5 +1,6 @@
 """Forecast the flight of a mission, each part computed once."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -212,6 +213,11 @@ class Forecast:
             raise _refusal(self.unknown[0], "clearance")
         task = clearance_task(self.world, self.mission.autopilot)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
+
+    @property
+    def promise(self) -> "ClearanceGuarantee":
+        warnings.warn("Forecast.promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
+        return self.guarantee
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

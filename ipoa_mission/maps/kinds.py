@@ -160,7 +160,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     tags, areal = feature.tags, extent == "area"
     if extent == "none":
         return Reason("without a geometry", False)
-    if _is_below(tags):
+    if tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no":
         return Reason("underground", False)
     values = [tags[key] for key in ("building", "building:part") if key in tags]
     if any(value not in NO_BUILDING for value in values) or tagged(tags, TALL) or is_bridge(tags):
@@ -235,10 +235,6 @@ def _is_areal(shape: Any) -> bool:
         or (part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3)
         for part in parts
     )
-
-
-def _is_below(tags: Mapping[str, str]) -> bool:
-    return tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no"
 
 
 def _is_flat(tags: Mapping[str, str]) -> bool:

@@ -76,7 +76,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
             lengths.append(length)
         last = factor if unit else 0.0
     rest.append(text[end:])
-    sure = not any(_ASIDE.sub("", part) for part in rest) and all(map(_has_number, text.split(";")))
+    sure = not any(_ASIDE.sub("", part) for part in rest) and all(re.search(r"\d", part) for part in text.split(";"))
     greatest = sum(lengths) if "±" in text or "+/-" in text else max(lengths, default=None)
     return (None, False) if greatest is None or not math.isfinite(greatest) else (greatest, sure)
 
@@ -115,10 +115,6 @@ def _plain(text: str) -> str:
 
 def _without_blanks_at_plus(text: str) -> str:
     return re.sub(r"\s*\+\s*", "+", _plain(text))
-
-
-def _has_number(text: str) -> bool:
-    return any(letter.isdecimal() for letter in text)
 
 
 def _number(text: str) -> float:

@@ -1,5 +1,6 @@
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -189,6 +190,11 @@ class Scenario(Section):
         copied = super().model_copy(update=update, deep=deep)
         if not (WORLD | added_sections().keys()) & (update or {}).keys():
             copied.__dict__ |= {key: self.__dict__[key] for key in CACHED if key in self.__dict__}
+        return copied
+
+    def in_airspace(self, airspace: Airspace) -> "Scenario":
+        copied = self.model_copy(update={})
+        copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
 
     def with_wind_read(self) -> "Scenario":
