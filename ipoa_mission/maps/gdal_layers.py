@@ -100,17 +100,21 @@ class _Layer:
             raise DamagedFile(f"expected {count} rows, but the last cannot be read", place=self._path) from None
         return True
 
-    def _read(self, **chosen: Any) -> tuple[Any, ...]:
-        read: tuple[Any, ...] = self._pyogrio.raw.read(self._path, layer=self._name, return_fids=True, **chosen)
-        return read
+    def _read(self, **chosen: Any) -> Any:
+        return self._pyogrio.raw.read(self._path, layer=self._name, return_fids=True, **chosen)
 
     def _features(self, **chosen: Any) -> list[Feature]:
-        meta, numbers, shapes, fields = self._read(max_features=5_000_000, **chosen)
+        most = 5_000_000
+        for reserved in (min(most, max(1, self._info["features"] + 1)), most):
+            meta, numbers, shapes, fields = self._read(max_features=reserved, **chosen)
+            if len(numbers) < reserved:
+                break
+        columns = [column.tolist() for column in fields]
         is_cut = self._path.suffix.lower() == ".shp"
         rows = (
             {
-                uncut(str(name), str(column[n])) if is_cut else str(name): _plain(column[n])
-                for name, column in zip(meta["fields"], fields, strict=True)
+                uncut(str(name), str(column[n])) if is_cut else str(name): column[n]
+                for name, column in zip(meta["fields"], columns, strict=True)
             }
             for n in range(len(numbers))
         )
@@ -150,7 +154,3 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
     except shapely.errors.GEOSException as error:
         raise BadInput(f"expected a shape: {error}", place=place) from error
     return Feature(place, flat, tags, blank, truncated(row, flat))
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value

@@ -76,6 +76,13 @@ def test_a_file_is_read_whole_where_its_index_may_lack_rows(tmp_path: Path) -> N
         assert there <= read
 
 
+def test_rows_beyond_the_count_that_a_geopackage_stores_are_read(tmp_path: Path) -> None:
+    with sqlite3.connect(houses(tmp_path / "map.gpkg")) as database:
+        database.execute("UPDATE gpkg_ogr_contents SET feature_count = 3")
+    database.close()
+    assert len(read_features(tmp_path / "map.gpkg")) == ROWS
+
+
 def test_a_window_across_the_antimeridian_finds_both_sides(tmp_path: Path) -> None:
     frame = LocalFrame(Geodetic(46.8, 179.999, 500.0))
     for west in (179.8, -180.2 + 360.0 - 0.2):
