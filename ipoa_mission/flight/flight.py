@@ -63,7 +63,6 @@ class Flight:
         findings: warnings of the check.
         remarks: notes, the warnings first.
         chosen: the route and its forecast.
-        options: ways to choose the waypoints, computed at first use.
     """
 
     plan: Plan
@@ -74,6 +73,7 @@ class Flight:
 
     @cached_property
     def options(self) -> tuple[Option, ...]:
+        """Return the ways to choose the waypoints."""
         return weigh_routes(self.plan, self.scenario, self.chosen)
 
     def __repr__(self) -> str:

@@ -57,6 +57,11 @@ STAGES = {
     ),
 }
 
+HINTS = {
+    Stage.START: "look at the vehicle: it may be flying",
+    Stage.FLIGHT: "`ipoa-mission pause` and `rtl` with the same --link command it",
+}
+
 
 def press(patch: pytest.MonkeyPatch, owner: object, at: str, raised: type[BaseException] = KeyboardInterrupt) -> None:
     name, _, after = at.partition(" ")
@@ -114,7 +119,7 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         assert there.flight.armed is armed
     told = json.loads(ended.out)
     assert (ended.code, told["exit_code"], told["error"]) == (130, 130, words)
-    assert told["hint"] == ("look at the vehicle: it may be flying" if stage is Stage.START else None)
+    assert told["hint"] == HINTS.get(stage)
     assert told["written"] == ["hop.tlog"]
     assert told["completed"] is False
     assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
