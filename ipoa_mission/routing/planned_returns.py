@@ -56,10 +56,12 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
         tried = try_return_altitudes(ways, forecast, short)
     if any(one.part >= ReturnLeg.RETURNS for one in tried[0][1]) and not forecast.mission.rally:
-        rallied = (_with_rally_points(ways, *altitude) for altitude in tried[:RALLIED_ALTITUDES])
-        tried = [min(rallied, key=lambda one: (any(s.part >= ReturnLeg.RETURNS for s in one[1]), len(one[1]) > 0))]
-    best, short = tried[0]
-    return best, tuple(short)
+        for altitude in tried[:RALLIED_ALTITUDES]:
+            if not (rallied := _with_rally_points(ways, *altitude))[1]:
+                return rallied[0], ()
+            tried.append(rallied)
+        tried.sort(key=lambda one: any(short.part >= ReturnLeg.RETURNS for short in one[1]))
+    return tried[0][0], tuple(tried[0][1])
 
 
 def names_return_altitude(scenario: Scenario) -> bool:

@@ -37,7 +37,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told
         order=SimpleNamespace(words="", is_paused=False),
         changed="",
         link_loss=SimpleNamespace(seconds=None, words=""),
-        interrupted="",
+        mode_change="",
         conformance=SimpleNamespace(why_not="", deviations=()),
         record=lambda: record,
     )
