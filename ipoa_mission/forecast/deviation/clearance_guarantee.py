@@ -1,6 +1,6 @@
 """Compute predicted and kept clearance of a flight."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -25,7 +25,9 @@ from ipoa_mission.forecast.deviation.proximity import proximity_risks
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.flight_model import Prediction
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Pieces, pieces_of, thinned
-from ipoa_mission.planning.proof import Check
+from ipoa_mission.geometry import Points
+from ipoa_mission.planning.proof import TOUCHING, Check
+from ipoa_mission.world.airspace import Airspace, Clearance
 
 TAKEOFF_PART, LANDING_PART = "the take-off", "the ending"
 
@@ -56,7 +58,7 @@ class KeptLimit:
         """Return whether the limit forbids the flight: too little on the way, or at a tight place as predicted."""
         if self.part in (TAKEOFF_PART, LANDING_PART):
             return False
-        return self.falls_short and (self.in_cruise or self.nominal < self.required - 2 * THINNING_TOLERANCE)
+        return self.falls_short and (self.in_cruise or self.nominal < self.required - TOUCHING)
 
     @property
     def slack(self) -> float:
@@ -115,8 +117,7 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
             if nearest.distance - THINNING_TOLERANCE < required:
                 return False
         for stretch in runs(flown.points, ~free):
-            near = airspace.obstacle_clearance(thinned(stretch), within=required)
-            if near.distance < required - THINNING_TOLERANCE:
+            if _least_clearance(airspace, [stretch], required).distance < required - TOUCHING:
                 return False
         if chance is not None:
             pairs = proximity_risks(flown, airspace, law, required)
@@ -124,6 +125,16 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
                 return False
     path = thinned(flown.points)
     return not any(_breaks(check) for check in limits_kept(path, task.path, _bound(law, chance)))
+
+
+def _least_clearance(airspace: Airspace, stretches: Iterable[Points], required: float) -> Clearance:
+    """Return a lower bound; exact where that could decide whether the required distance is kept."""
+    stretches = list(stretches)
+    bounds = (airspace.obstacle_clearance(thinned(one)).minus(THINNING_TOLERANCE) for one in stretches)
+    least = min(bounds, key=lambda clearance: clearance.distance)
+    if not required - 2 * THINNING_TOLERANCE <= least.distance < required:
+        return least
+    return min(map(airspace.obstacle_clearance, stretches), key=lambda clearance: clearance.distance)
 
 
 def _breaks(check: Check) -> bool:
@@ -204,9 +215,8 @@ class PredictedFlight:
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
     ) -> KeptLimit:
         airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
-        clearances = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
-        nominal = min(clearances, key=lambda clearance: clearance.distance)
-        least, to, place = nominal.distance - THINNING_TOLERANCE, nominal.what, nominal.place
+        nominal = _least_clearance(airspace, runs(part.points, taken), required if name else -np.inf)
+        least, to, place = nominal.distance, nominal.what, nominal.place
         guaranteed = least
         if chance is not None:
             near = proximity_risks(part, airspace, law, least)
