@@ -29,9 +29,10 @@ class Attempt:
     plan: Plan
     route: Route
     scenario: Scenario
+    rival: "Attempt | None" = None  # of about the same time, with another number of waypoints
 
     def along(self, points: Points) -> "Attempt":
-        return replace(self, route=replace(self.route, points=points))
+        return Attempt(self.plan, replace(self.route, points=points), self.scenario)
 
     @cached_property
     def draft(self) -> Forecast:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -166,7 +166,9 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     ends = [attempt.flown for attempt in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
-    return improved[min(ranks)[-1]]
+    first = improved[min(ranks)[-1]]
+    others = (attempt for attempt in improved if attempt.route.legs != first.route.legs)
+    return replace(first, rival=min(others, key=lambda attempt: attempt.sketched.seconds, default=None))
 
 
 def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
