@@ -141,7 +141,7 @@ def estimate(
             f"{item.duration_s:.1f}",
             f"{item.done_s:.1f}",
             f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
-            _risk(item.missed.share, item.missed.cost_s),
+            f"{100 * item.missed.share:.0f} %, {item.missed.cost_s:.0f} s" if item.missed.share else "",
             "" if taken is None else f"{taken.takes.likely:.1f}",
             "" if taken is None or taken.left is None else f"{max(taken.left.likely, 0.0):.0%}",
             item.reason,
@@ -208,10 +208,6 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
         "qgroundcontrol_counts": COUNTED_TERMS
     }
     return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)} | waits
-
-
-def _risk(share: float, cost_s: float) -> str:
-    return f"{100 * share:.0f} %, {cost_s:.0f} s" if share else ""
 
 
 def _number(value: float) -> str:

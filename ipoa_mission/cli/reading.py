@@ -13,7 +13,6 @@ from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import parameter_path
 
 if TYPE_CHECKING:
-    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.mission.mission_file import MissionFile
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
@@ -35,7 +34,8 @@ def read_given(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
 ) -> Given:
     """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s. Raises BadInput."""
-    with_this_version = _autopilots_with(flown_by.version)
+    series = None if flown_by.version is None else flown_by.version.series
+    with_this_version = [one for one in registered() if series in one.tables.series]
     otherwise = None if world is None else world.vehicle.autopilot
     if len(with_this_version) == 1:
         (otherwise,) = with_this_version
@@ -72,10 +72,6 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
         return ()
     why = read.taken_for or "the file does not name its autopilot"
     return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
-
-
-def _autopilots_with(version: "Version | None") -> list[Autopilot]:
-    return [one for one in registered() if version is not None and version.series in one.tables.series]
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":

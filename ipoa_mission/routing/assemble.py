@@ -134,7 +134,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
     Args:
         plan: the path.
         scenario: the scenario of the plan.
-        chosen: the known attempt of the scenario's own mode.
+        chosen: that of the scenario's own mode.
 
     Returns:
         The options, quickest first.

@@ -29,7 +29,7 @@ class Attempt:
     plan: Plan
     route: Route
     scenario: Scenario
-    rival: "Attempt | None" = None  # of about the same time, with another number of waypoints
+    rival: "Attempt | None" = None
 
     def along(self, points: Points) -> "Attempt":
         return Attempt(self.plan, replace(self.route, points=points), self.scenario)

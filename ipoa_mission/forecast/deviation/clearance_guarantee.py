@@ -1,6 +1,6 @@
 """Compute predicted and kept clearance of a flight."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -127,9 +127,8 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
     return not any(_breaks(check) for check in limits_kept(path, task.path, _bound(law, chance)))
 
 
-def _least_clearance(airspace: Airspace, stretches: Iterable[Points], required: float) -> Clearance:
-    """Return a lower bound; exact where that could decide whether the required distance is kept."""
-    stretches = list(stretches)
+def _least_clearance(airspace: Airspace, stretches: list[Points], required: float) -> Clearance:
+    """Return a lower bound; exact if that decides whether the required distance is kept."""
     bounds = (airspace.obstacle_clearance(thinned(one)).minus(THINNING_TOLERANCE) for one in stretches)
     least = min(bounds, key=lambda clearance: clearance.distance)
     if not required - 2 * THINNING_TOLERANCE <= least.distance < required:
@@ -215,7 +214,7 @@ class PredictedFlight:
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
     ) -> KeptLimit:
         airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
-        nominal = _least_clearance(airspace, runs(part.points, taken), required if name else -np.inf)
+        nominal = _least_clearance(airspace, [*runs(part.points, taken)], required if name else -np.inf)
         least, to, place = nominal.distance, nominal.what, nominal.place
         guaranteed = least
         if chance is not None:
