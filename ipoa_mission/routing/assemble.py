@@ -88,8 +88,8 @@ def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
     whole = _first_guaranteed(_routes(plan, scenario))
-    if whole.rival is not None and not whole.holds and whole.rival.holds:
-        return whole.rival
+    if whole.rivals and not whole.holds:
+        return next((rival for rival in whole.rivals if rival.holds), whole)
     return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
 
 

@@ -29,7 +29,7 @@ class Attempt:
     plan: Plan
     route: Route
     scenario: Scenario
-    rival: "Attempt | None" = None
+    rivals: "tuple[Attempt, ...]" = ()
 
     def along(self, points: Points) -> "Attempt":
         return Attempt(self.plan, replace(self.route, points=points), self.scenario)

@@ -167,8 +167,8 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
     first = improved[min(ranks)[-1]]
-    others = (attempt for attempt in improved if attempt.route.legs != first.route.legs)
-    return replace(first, rival=min(others, key=lambda attempt: attempt.sketched.seconds, default=None))
+    others = (attempt for attempt in improved if attempt is not first)
+    return replace(first, rivals=tuple(sorted(others, key=lambda attempt: attempt.sketched.seconds)))
 
 
 def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
