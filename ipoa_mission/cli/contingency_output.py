@@ -66,8 +66,8 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     if decided:
         print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
     many, grades = len(rows), Counter(row.grade for row in rows)
-    told = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
-    print_lines("; ".join(told) or "every contingency is clear")
+    unclear = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
+    print_lines("; ".join(unclear) or "every contingency is clear")
 
 
 def print_strip(rows: tuple[ContingencyRow, ...]) -> None:

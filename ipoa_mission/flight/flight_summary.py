@@ -25,10 +25,8 @@ def clearance_as_json(guarantee: "ClearanceGuarantee | None") -> dict[str, Any]:
     """Return the smallest guaranteed clearance, and shortfalls `elsewhere`: at take-off, ending and given places."""
     if guarantee is None:
         return {}
-    clearance, confidence = (
-        guarantee.clearance,
-        "nominal" if guarantee.confidence is None else round(guarantee.confidence, 4),
-    )
+    clearance = guarantee.clearance
+    confidence = "nominal" if guarantee.confidence is None else round(guarantee.confidence, 4)
     others = [{"part": other.part, "limit": other.limit} | _limit_as_json(other) for other in guarantee.elsewhere]
     elsewhere = {"elsewhere": others} if others else {}
     return elsewhere if clearance is None else _limit_as_json(clearance) | {"confidence": confidence} | elsewhere

@@ -29,7 +29,7 @@ class Attempt:
     plan: Plan
     route: Route
     scenario: Scenario
-    rivals: "tuple[Attempt, ...]" = ()
+    rivals: "tuple[Attempt, ...]" = ()  # the quickest first
 
     def along(self, points: Points) -> "Attempt":
         return Attempt(self.plan, replace(self.route, points=points), self.scenario)
@@ -101,7 +101,7 @@ class Attempt:
 
     @cached_property
     def sketched(self) -> "Flown":
-        """Fly without sensor noise, only to the goal: quicker for PX4."""
+        """Fly without noise, only to the goal."""
         mission = self.draft.given
         return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
 

@@ -100,11 +100,11 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
     centers = curve.points(at)[:, :2] + aside * rng.choice([-1, 1], 5)[:, None] * rng.uniform(6.5, 9.0, 5)[:, None]
     away = np.linalg.norm(centers[:, None] - curve.sample(500)[None, :, :2], axis=2).min(axis=1)
     centers = centers[away > 6.0]  # the curve itself must be clear
-    above_landings = tuple(
+    towers = tuple(
         {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
         for n, (e, north) in enumerate(centers)
     )
-    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": above_landings})
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
     flown = choose_route(as_plan(curve, scenario), scenario, "fastest").flown
     required = scenario.vehicle.radius + scenario.safety_distance
     legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
@@ -118,11 +118,11 @@ def test_fastest_route_is_flown_clear_to_its_goal(autopilot: Autopilot) -> None:
     curve, free = curve_of_the_ways(autopilot)
     inside = curve.points(np.array([0.5, 0.75]), order=2)[:, :2]
     at = curve.points(np.array([0.5, 0.75]))[:, :2] + 6.0 * inside / np.linalg.norm(inside, axis=1)[:, None]
-    above_landings = tuple(
+    towers = tuple(
         {"kind": "cylinder", "name": f"tower {n}", "east": e, "north": north, "radius": 2.0, "height": 90.0}
         for n, (e, north) in enumerate(at)
     )
-    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": above_landings})
+    scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
     chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
     route, predicted = chosen.route, chosen.flown
     assert prove(route.points, scenario).holds

@@ -50,7 +50,7 @@ def scene(
     return parse_scenario(text, Path("scene.toml"))
 
 
-def above_landings(autopilot: Autopilot, seed: int) -> Scenario:
+def towers(autopilot: Autopilot, seed: int) -> Scenario:
     rng = np.random.default_rng(seed)
     bodies = [
         f'kind = "box"\nname = "tower {n}"\neast = {rng.uniform(15, 80):.1f}\nnorth = {rng.uniform(-25, 25):.1f}\n'
@@ -74,7 +74,7 @@ def kept_by_dense_sampling(flight: Flight) -> float:
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
-    flight = plan_flight(above_landings(autopilot, seed), seed=0)
+    flight = plan_flight(towers(autopilot, seed), seed=0)
     assert all(
         row.clear for contingency in PLANNED for row in Contingencies(flight.forecast).rows(contingency, timed=False)
     )
