@@ -71,6 +71,7 @@ def main() -> None:
             subprocess.run([sys.executable, "-m", "venv", tree / ".venv"], check=True)
             install: list[str | Path] = [tree / ".venv/bin/python", "-m", "pip", "install", "--quiet", "."]
             costs["pip install .", tree] = [cost(install, tree)]
+            cost([*install[:-1], "rasterio"], tree)  # the elevation model of oldtown
         runs = list(product(range(wanted.rounds + 1), VERBS.items(), (other, this)))
         for number, (verb, arguments), tree in track(runs, "running"):
             used = cost([tree / ".venv/bin/ipoa-mission", *arguments], tree)
