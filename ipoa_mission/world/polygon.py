@@ -1,6 +1,5 @@
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -116,41 +115,11 @@ class Polygon:
     def balance_parameters(self, a: Vector, b: Vector, others: NDArray[np.float64], inside: bool) -> Vector:
         """Return the parameters of the leg a-b, inside or outside, that may be farthest from the outline.
 
-        There two squared distances are equal: to corners, edges, or walls with coefficients `others` (k, 3) of 1, t,
-        t^2. Long spans are halved until few edges are near.
+        `others`: squared distances to walls, coefficients (k, 3) of 1, t, t^2.
         """
-        max_solved_edges, min_span = 6, 1e-8  # [m]
-        parameters, spans = [np.array([0.0, 1.0])], [(0.0, 1.0)]
-        length, greatest = float(np.linalg.norm(b - a)), 0.0
-        while spans:
-            low, high = spans.pop()
-            middle, reach = (low + high) / 2, (high - low) * length
-            spot = (a + middle * (b - a))[None, :]
-            away = self.edge_distances(spot)[0]
-            walls = np.sqrt(np.maximum(others @ [1.0, middle, middle**2], 0.0))
-            here = min(away.min(), walls.min(initial=np.inf))
-            wanted = bool(self.contains(spot)[0]) == inside
-            if wanted and here > greatest:
-                greatest = here
-                parameters.append(np.array([middle]))
-            if reach < min_span or away.min() + reach / 2 < greatest or (not wanted and reach / 2 < away.min()):
-                continue
-            near = away <= away.min() + reach
-            if near.sum() <= max_solved_edges:
-                parameters.append(_equal(np.vstack([self._squares(a, b, near), others])))
-            else:
-                spans += [(low, middle), (middle, high)]
-        return np.concatenate(parameters)
+        from ipoa_mission.world._polygon import balance
 
-    def _squares(self, a: Vector, b: Vector, edges: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """Return squared distances to edges and corners: coefficients of 1, t, t^2."""
-        step, along = b - a, (self.ends - self.starts)[edges]
-        normal = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-        offset, drift = np.einsum("mk,mk->m", a - self.starts[edges], normal), normal @ step
-        corners = a - np.unique(np.vstack([self.starts[edges], self.ends[edges]]), axis=0)
-        lines = np.column_stack([offset**2, 2 * offset * drift, drift**2])
-        points = np.column_stack([(corners**2).sum(axis=1), 2 * corners @ step, np.full(len(corners), step @ step)])
-        return np.vstack([lines, points])
+        return np.asarray(balance(self.starts, self.ends, others, a, b, inside))
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
@@ -160,12 +129,6 @@ def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
     q = -0.5 * (c1 + np.copysign(root, c1))
     both: Vector = np.concatenate([q[~flat] / c2[~flat], c0[q != 0] / q[q != 0]])
     return both[np.isfinite(both)]
-
-
-def _equal(squares: NDArray[np.float64]) -> Vector:
-    pairs = np.array(list(combinations(range(len(squares)), 2)), dtype=int).reshape(-1, 2)
-    differences = squares[pairs[:, 0]] - squares[pairs[:, 1]]
-    return quadratic_roots(*differences.T)
 
 
 def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:

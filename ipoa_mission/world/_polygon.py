@@ -1,0 +1,108 @@
+"""Compiled search for the parameters of a leg that may be farthest from a polygon's outline."""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+
+MAX_SOLVED_EDGES, MIN_SPAN, MAX_WAITING = 6, 1e-8, 128  # spans of at least so many meters, and of so many halvings
+
+
+@njit(inline="always")
+def _distances(starts, ends, x, y, away):
+    """Write the distances to all edges to `away` (m,); return the least, and whether the place is inside."""
+    least, inside = math.inf, False
+    for k in range(len(starts)):
+        e0, n0 = starts[k, 0], starts[k, 1]
+        along_e, along_n, away_e, away_n = ends[k, 0] - e0, ends[k, 1] - n0, x - e0, y - n0
+        share = (away_e * along_e + away_n * along_n) / (along_e * along_e + along_n * along_n)
+        share = min(max(share, 0.0), 1.0)
+        away[k] = math.hypot(away_e - share * along_e, away_n - share * along_n)
+        least = min(least, away[k])
+        if (n0 > y) != (ends[k, 1] > y) and x < e0 + (y - n0) / along_n * along_e:
+            inside = not inside
+    return least, inside
+
+
+@njit(inline="always")
+def _squares(starts, ends, a, step, within, away, squares):
+    """Write squared distances to the edges and corners `within` [m], coefficients of 1, t, t^2; return their number."""
+    count, square = 0, step[0] * step[0] + step[1] * step[1]
+    for k in range(len(starts)):
+        if away[k] > within:
+            continue
+        along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
+        length, from_e, from_n = math.hypot(along_e, along_n), a[0] - starts[k, 0], a[1] - starts[k, 1]
+        offset = (from_n * along_e - from_e * along_n) / length
+        drift = (step[1] * along_e - step[0] * along_n) / length
+        squares[count, 0], squares[count, 1], squares[count, 2] = offset * offset, 2.0 * offset * drift, drift * drift
+        for corner in range(2):
+            east, north = from_e - corner * along_e, from_n - corner * along_n
+            row = squares[count + 1 + corner]
+            row[0], row[1] = east * east + north * north, 2.0 * (east * step[0] + north * step[1])
+            row[2] = square
+        count += 3
+    return count
+
+
+@njit(cache=True, error_model="numpy")
+def balance(starts, ends, walls, a, b, inside):
+    """Return the parameters (n,) of the leg a-b, inside or outside, that may be farthest from edges (m, 2) and walls.
+
+    There two squared distances are equal: to corners, edges, or walls with coefficients (k, 3) of 1, t, t^2. Long
+    spans are halved until few edges are near.
+    """
+    step, away = b - a, np.empty(len(starts))
+    length, greatest = math.hypot(step[0], step[1]), 0.0
+    squares = np.empty((3 * MAX_SOLVED_EDGES + len(walls), 3))
+    waiting, spans = np.empty((MAX_WAITING, 2)), 1
+    waiting[0, 0], waiting[0, 1] = 0.0, 1.0
+    found, count = np.empty(64), 2
+    found[0], found[1] = 0.0, 1.0
+    while spans > 0:
+        spans -= 1
+        low, high = waiting[spans]
+        middle, reach = (low + high) / 2.0, (high - low) * length
+        nearest, contained = _distances(starts, ends, a[0] + middle * step[0], a[1] + middle * step[1], away)
+        here, wanted = nearest, contained == inside
+        for k in range(len(walls)):
+            here = min(here, math.sqrt(max(walls[k, 0] + middle * (walls[k, 1] + middle * walls[k, 2]), 0.0)))
+        most = count + 1 + 2 * len(squares) ** 2
+        if most > len(found):
+            longer = np.empty(2 * most)
+            for k in range(count):
+                longer[k] = found[k]
+            found = longer
+        if wanted and here > greatest:
+            greatest = here
+            found[count] = middle
+            count += 1
+        if reach < MIN_SPAN or nearest + reach / 2.0 < greatest or (not wanted and reach / 2.0 < nearest):
+            continue
+        near = 0
+        for k in range(len(starts)):
+            near += away[k] <= nearest + reach
+        if near > MAX_SOLVED_EDGES:
+            waiting[spans, 0], waiting[spans, 1] = low, middle
+            waiting[spans + 1, 0], waiting[spans + 1, 1] = middle, high
+            spans += 2
+            continue
+        sides = _squares(starts, ends, a, step, nearest + reach, away, squares)
+        for k in range(len(walls)):
+            for power in range(3):
+                squares[sides + k, power] = walls[k, power]
+        for one in range(sides + len(walls)):
+            for other in range(one):
+                c0, c1 = squares[one, 0] - squares[other, 0], squares[one, 1] - squares[other, 1]
+                c2 = squares[one, 2] - squares[other, 2]
+                q = -0.5 * (c1 + math.copysign(math.sqrt(max(c1 * c1 - 4.0 * c2 * c0, 0.0)), c1))
+                if c2 != 0.0:
+                    found[count] = q / c2
+                    count += 1
+                if q != 0.0:
+                    found[count] = c0 / q
+                    count += 1
+    return found[:count].copy()
