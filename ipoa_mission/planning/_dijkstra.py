@@ -10,19 +10,29 @@ from ipoa_mission.planning._places import FASTMATH, _look
 GLANCES = 100  # at most on a leg between two nodes
 
 
-@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
-def spread(nodes, steps, lengths, look, source, grid, rules):
-    """Return the least cost from one lattice node to every other (n,), and each predecessor (n,).
+@njit(inline="always")
+def _ahead(nodes, node, target, rules):
+    """Return a bound of the cost from a node to the target: loops are a little cheaper than straight climbs."""
+    _, ny, nz = nodes.price.shape
+    east = (node // (ny * nz) - target // (ny * nz)) * nodes.spacing[0]
+    north = (node // nz % ny - target // nz % ny) * nodes.spacing[1]
+    up = (node % nz - target % nz) * nodes.spacing[2]
+    return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)
 
-    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its leg
-    is checked for obstacles.
+
+@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
+def spread(nodes, steps, lengths, look, source, target, ratio, grid, rules):
+    """Return the least cost from lattice node `source` to others (n,), and each predecessor (n,), in the order of A*.
+
+    Nodes on no route to `target` of less than `ratio` times the cheapest are not reached. A step of `steps` (s, 3)
+    costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its leg is checked for obstacles.
     """
     places, (nx, ny, nz) = nodes.places, nodes.price.shape
     price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
     onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]
     cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
     keys, heap, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
-    cost[source], keys[0], heap[0] = 0.0, 0.0, source
+    cost[source], keys[0], heap[0], most = 0.0, 0.0, source, np.inf
     while size > 0:
         key, here = keys[0], heap[0]
         size -= 1
@@ -37,8 +47,13 @@ def spread(nodes, steps, lengths, look, source, grid, rules):
                 break
             keys[hole], heap[hole], hole = keys[child], heap[child], child
         keys[hole], heap[hole] = last_key, last
-        if key > cost[here]:
+        if key > most:
+            break
+        reached = cost[here]
+        if key > (reached + _ahead(nodes, here, target, rules)) * (1.0 + 1e-12):  # rounded otherwise
             continue
+        if here == target:
+            most = ratio * reached
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         x, y, z = places[here, 0], places[here, 1], places[here, 2]
         price_here, room_here = price[here], room[here]
@@ -47,7 +62,7 @@ def spread(nodes, steps, lengths, look, source, grid, rules):
             if not (0 <= a < nx and 0 <= b < ny and 0 <= c < nz):
                 continue
             there = here + onward[s]
-            trial = key + lengths[s] * 0.5 * (price_here + price[there])
+            trial = reached + lengths[s] * 0.5 * (price_here + price[there])
             if not trial < cost[there] or size >= len(keys):
                 continue
             if look:  # from clearance ball to ball
@@ -63,6 +78,7 @@ def spread(nodes, steps, lengths, look, source, grid, rules):
                 if not free:
                     continue
             cost[there], before[there] = trial, here
+            trial += _ahead(nodes, there, target, rules)
             hole = size
             size += 1
             while hole > 0 and keys[(hole - 1) // 2] > trial:

@@ -42,6 +42,8 @@ class LatticeDetails:
 DETAILS = LatticeDetails()
 
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
+ROUNDING = 1e-9  # of costs, relative
+CUBE = np.array(sorted(np.ndindex(5, 5, 5), key=lambda step: sum((k - 2) ** 2 for k in step))[1:]) - 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,15 +269,17 @@ def _leg_routes(
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
 
-    nodes = Nodes(lattice.price, lattice.slack, lattice.places)
+    nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
+    ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
 
-    def costs(steps: NDArray[np.int64], lengths: Vector, node: int) -> tuple[Vector, NDArray[np.int64]]:
-        return spread(nodes, steps, lengths, look, node, problem.grid, problem.rules)  # type: ignore[no-any-return]
+    def costs(backwards: bool, *ends: int) -> tuple[Vector, NDArray[np.int64]]:
+        steps = lattice.steps(backwards)
+        return spread(nodes, *steps, look, *ends, ratio, problem.grid, problem.rules)  # type: ignore[no-any-return]
 
-    there, before = costs(*lattice.steps(), source)
+    there, before = costs(False, source, target)
     if not np.isfinite(there[target]):
         return []
-    back, after = costs(*lattice.steps(backwards=True), target)
+    back, after = costs(True, target, source)
     through = there + back
     routes: list[Points] = []
     even: list[Points] = []
@@ -298,9 +302,15 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
     chosen: list[tuple[float, int]] = []
     for middle in (0.25, 0.5, 0.75):
         on_surface = (np.abs(share - middle) < 0.04) & (through < lattice.strategy.max_cost_ratio * best)
-        surface = np.where(on_surface, through, np.inf).reshape(lattice.price.shape)
-        least = (surface == _least_around(surface, 2)) & np.isfinite(surface)
-        chosen += [(float(through[node]), int(node)) for node in np.nonzero(least.ravel())[0]]
+        surface = np.pad(np.where(on_surface, through, np.inf).reshape(lattice.price.shape), 2, constant_values=np.inf)
+        nodes = np.flatnonzero(on_surface)
+        strides = np.array([surface.shape[1] * surface.shape[2], surface.shape[2], 1])
+        at = (np.column_stack(np.unravel_index(nodes, lattice.price.shape)) + 2) @ strides
+        values, least = surface.ravel(), through[nodes]
+        for offset in (CUBE @ strides).tolist():
+            kept = values[at + offset] >= least
+            nodes, at, least = nodes[kept], at[kept], least[kept]
+        chosen += zip(least.tolist(), nodes.tolist(), strict=True)
     return (node for _, node in sorted(chosen))
 
 

@@ -76,7 +76,8 @@ class Nodes(NamedTuple):
 
     price: NDArray[np.float64]  # (nx, ny, nz): per meter, infinite if blocked
     slack: NDArray[np.float64]  # (nx, ny, nz) [m]
-    places: Points  # (nx ny nz, 3)
+    places: Points  # (nx ny nz, 3), near the lattice
+    spacing: Vector  # (3,) [m]
 
 
 class Spans(NamedTuple):

@@ -65,7 +65,7 @@ def kernels() -> Iterator[Kernel]:
         _numbers(1), _numbers(1), 1.0, low_zones,
     )  # fmt: skip
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
-    nodes = Nodes(_numbers(3), _numbers(3), _numbers(2))
+    nodes = Nodes(_numbers(3), _numbers(3), _numbers(2), _numbers(1))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
@@ -83,7 +83,7 @@ def kernels() -> Iterator[Kernel]:
         "straight_ways": (_numbers(2),) * 3,
         "ways_between": (clock, *(_numbers(2),) * 5, 1.0),
         "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
-        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, grid, rules),
+        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, 0, 1.0, grid, rules),
     }
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
