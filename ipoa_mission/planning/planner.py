@@ -161,8 +161,8 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
                 break
         if safe := [candidate for candidate, proof, _ in proved if proof.holds]:
             best = min(safe, key=problem.cost)
-            if (finer := _finer(best, strategy)) is not best:
-                proved.append(_settle(finer, searcher, enough=1e-8))
+            if len(best.curve.control) < strategy.few_control_points:
+                proved.append(_settle(refine(best), searcher, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
