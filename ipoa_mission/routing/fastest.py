@@ -138,6 +138,7 @@ class RouteSearch:
     step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance
     least_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
+    most_delayed: float = 1.02  # of the time without noise, of a route that noise may make the quickest
     most_overrun: float = 0.5  # [m]
     tight_places: float = 0.5  # if no route fits without margins
     repaired_routes: int = 6
@@ -162,13 +163,21 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     )
     if not quickest:
         return None
-    improved = [*quickest, *map(_improve, quickest)]
-    ends = [attempt.flown for attempt in improved]
-    equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
-    ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
-    first = improved[min(ranks)[-1]]
-    others = (attempt for attempt in improved if attempt is not first)
-    return replace(first, rivals=tuple(sorted(others, key=lambda attempt: attempt.sketched.seconds)))
+    improved = sorted(dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.sketched.seconds)
+    first = _best_of_equal(improved)
+    return replace(first, rivals=tuple(attempt for attempt in improved if attempt is not first))
+
+
+def _best_of_equal(attempts: list[Attempt]) -> Attempt:
+    """Return the best of the routes that are as quick as the first with sensor noise, which is costly to predict."""
+    most = SEARCH.most_delayed * attempts[0].sketched.seconds
+    equal = [attempt for attempt in attempts if attempt.sketched.seconds <= most]
+    if len(equal) == 1:
+        return equal[0]
+    ends = [attempt.flown for attempt in equal]
+    late = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
+    ranks = [(end.seconds + end.late > late, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
+    return equal[min(ranks)[-1]]
 
 
 def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
