@@ -157,10 +157,14 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     """
     expect_wide(scenario)
     nearest: Attempt | None = None
+    planned = set[bytes]()
     tries = ((number, margins) for number in range(seed, seed + EFFORT.seed_count) for margins in _margins(scenario))
     for number, margins in islice(tries, plans):
         try:
             plan = plan_path(margins.world, seed=number, progress=progress)
+            if (curve := plan.curve.control.tobytes()) in planned:
+                continue
+            planned.add(curve)
             progress(0.9, "choosing waypoints, proving returns")
             attempt = _move_until_safe(plan, margins, scenario)
         except NoPath as error:
