@@ -30,7 +30,7 @@ from ipoa_mission.forecast.contingency.shortfalls import (
     try_return_altitudes,
 )
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
@@ -57,9 +57,9 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         tried = try_return_altitudes(ways, forecast, short)
     if any(one.part >= ReturnLeg.RETURNS for one in tried[0][1]) and not forecast.mission.rally:
         for altitude in tried[:RALLIED_ALTITUDES]:
-            if not (rallied := _with_rally_points(ways, *altitude))[1]:
-                return rallied[0], ()
-            tried.append(rallied)
+            tried.append(rallied := _with_rally_points(ways, *altitude))
+            if not any(one.part >= ReturnLeg.RETURNS for one in rallied[1]):
+                break
         tried.sort(key=lambda one: any(short.part >= ReturnLeg.RETURNS for short in one[1]))
     return tried[0][0], tuple(tried[0][1])
 
@@ -73,15 +73,22 @@ def _with_rally_points(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
-    for rally in rally_sets(ways.returning(forecast)):
+    search, seen = _RallySearch(ways.returning(forecast)), set[Shortfall]()
+    for _ in range(EFFORT.max_proved):
+        if (rally := search.propose()) is None:
+            break
         try:
             mission = slow_landings(replace(forecast.given, rally=rally), forecast.world)
         except Unsafe:
             continue
         landing = Forecast(mission, forecast.scenario, forecast.wind)
         left = find_return_shortfalls(ways.returning(landing))
-        if not any(one.part >= ReturnLeg.RETURNS for one in left):
+        if not (unclear := {one for one in left if one.part >= ReturnLeg.RETURNS}):
             return landing, left
+        if unclear & seen:  # wherever it returns to
+            break
+        seen |= unclear
+        search.add_samples([one.time for one in unclear])
     return forecast, short
 
 
@@ -141,61 +148,82 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
 
 
 @dataclass(frozen=True)
-class RallySearch:
+class RallyEffort:
     """Candidate places of rally points."""
 
     max_points: int = 4
+    max_proved: int = 6  # sets
+    beam: int = 8  # sets of each size that are extended
     place_step: float = 25.0  # along the path [m]
     lateral_distances: tuple[float, ...] = (0.0, 15.0, 30.0)  # from the path [m]
     landing_clearance: float = 2.0  # around a landing place [m]
     sample_count: int = 60
+    sample_step: float = 0.5  # next to a shortfall [s]
     least_separation: float = 12.0  # of home and rally points [m]: PX4 ignores those within 10 m of home
 
 
-SEARCH = RallySearch()
+EFFORT = RallyEffort()
 
 
-def rally_sets(paths: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
-    """Yield growing sets of rally points, not proved."""
-    forecast = paths.forecast
-    places = _with_room(paths, _places(forecast))
-    if not len(places):
-        return
-    begin, end = paths.in_air
-    times = np.linspace(begin, end, SEARCH.sample_count)
-    stopped = paths.stops().at(times)[1]
-    height = paths.at(Contingency.RTL, times).paths[:, 0, 3, 2]
-    home = np.zeros(3)
-    goals = np.vstack([home, places])
-    clear = _clear(paths, stopped, height, goals)
-    if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
-        own = int(np.searchsorted(times, forecast.guarantee.flight.cruise_span[1]))
-        keep = clear[min(own, len(times) - 1)]
-        keep[0] = True
-        goals, clear = goals[keep], clear[:, keep]
-    away = np.linalg.norm(stopped[:, None, :2] - goals[None, :, :2], axis=2)
-    chosen = [0]
-    while len(goals) > 1 and len(chosen) <= SEARCH.max_points:
-        gains = [_served(clear, away, [*chosen, n]) for n in range(1, len(goals))]
-        best = int(np.argmax(gains)) + 1
-        if gains[best - 1] <= _served(clear, away, chosen):
-            return
-        chosen.append(best)
-        yield tuple(_rally_point(forecast, goals[n]) for n in chosen[1:])
+class _RallySearch:
+    """A search for the fewest rally points by which returns from sampled instants are clear."""
+
+    def __init__(self, paths: ContingencyPaths) -> None:
+        self._paths, forecast = paths, paths.forecast
+        self._tried = set[tuple[int, ...]]()
+        self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(forecast))])
+        self._sample(np.linspace(*paths.in_air, EFFORT.sample_count))
+        if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
+            own = int(np.searchsorted(self._times, forecast.guarantee.flight.cruise_span[1]))
+            keep = self._margins[min(own, len(self._times) - 1)] >= 0.0
+            keep[0] = True
+            self._goals, self._margins, self._away = self._goals[keep], self._margins[:, keep], self._away[:, keep]
+
+    def add_samples(self, times: list[float]) -> None:
+        """Sample next to the times [s] of shortfalls, which lie between the samples."""
+        beside = EFFORT.sample_step * np.arange(-1, 2)
+        self._sample(np.unique([*self._times, *np.clip(np.add.outer(times, beside), *self._paths.in_air).ravel()]))
+
+    def _sample(self, times: Vector) -> None:
+        stopped = self._paths.stops().at(times)[1]
+        height = self._paths.at(Contingency.RTL, times).paths[:, 0, 3, 2]
+        self._times, self._margins = times, _margins(self._paths, stopped, height, self._goals)
+        self._away = np.linalg.norm(stopped[:, None, :2] - self._goals[None, :, :2], axis=2)
+
+    def propose(self) -> tuple[Geodetic, ...] | None:
+        """Return the smallest set not yet proposed, then that with the greatest least margin, by beam search."""
+        beam: list[tuple[int, ...]] = [(0,)]
+        for _ in range(min(EFFORT.max_points, len(self._goals) - 1)):
+            ranks = dict[tuple[int, ...], tuple[int, float]]()
+            for chosen in beam:
+                least = _least_margins(self._margins, self._away, chosen)
+                unserved, worst = np.count_nonzero(least < 0.0, axis=0), least.min(axis=0)
+                for n in np.lexsort((-worst, unserved))[: EFFORT.beam].tolist():
+                    if n not in chosen:
+                        ranks[tuple(sorted((*chosen, n)))] = int(unserved[n]), -float(worst[n])
+            beam = sorted(ranks, key=lambda chosen: (ranks[chosen], chosen))[: EFFORT.beam]
+            for chosen in beam:
+                if ranks[chosen][0] == 0 and chosen not in self._tried:
+                    self._tried.add(chosen)
+                    return tuple(_rally_point(self._paths.forecast, self._goals[n]) for n in chosen[1:])
+        return None
 
 
-def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
-    """Count the instants at which all possible goals are clear."""
-    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * SAMPLING.position_error
-    return int((clear[:, chosen] | ~near).all(axis=1).sum())
+def _least_margins(margins: NDArray[np.float64], away: NDArray[np.float64], chosen: tuple[int, ...]) -> Points:
+    """Return the least margin of possible returns at instants (n,) to `chosen` goals and one of all goals (m,)."""
+    farthest = np.minimum(away, away[:, chosen].min(axis=1, keepdims=True)) + 2 * SAMPLING.position_error
+    least = np.where(away <= farthest, margins, np.inf)
+    for goal in chosen:
+        least = np.where(away[:, [goal]] <= farthest, np.minimum(least, margins[:, [goal]]), least)
+    return least
 
 
-def _clear(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
-    """Return whether level legs from places (n, 3) to goals (m, 3) are clear, (n, m)."""
+def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> Points:
+    """Return the margins [m] of level legs from places (n, 3) to goals (m, 3), (n, m)."""
     starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
     near, _ = paths.enlarged.airspace.legs_clearance(starts, ends, paths.required + SAMPLING.max_slack)
-    return np.asarray(near >= paths.required).reshape(len(stopped), len(goals))
+    return np.asarray(near - paths.required).reshape(len(stopped), len(goals))
 
 
 def _places(forecast: Forecast) -> Points:
@@ -203,15 +231,15 @@ def _places(forecast: Forecast) -> Points:
     track = forecast.guarantee.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
-    at = np.arange(0.0, traveled[-1] + SEARCH.place_step, SEARCH.place_step)
+    at = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
     spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     spaced: list[np.ndarray] = [np.zeros(2)]
-    for distance in SEARCH.lateral_distances:
+    for distance in EFFORT.lateral_distances:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in spaced) >= SEARCH.least_separation:
+                if min(float(np.hypot(*(spot - other))) for other in spaced) >= EFFORT.least_separation:
                     spaced.append(spot)
     level = np.array(spaced[1:]).reshape(-1, 2)
     return np.column_stack([level, forecast.world.airspace.ground(level)])
@@ -222,10 +250,10 @@ def _with_room(paths: ContingencyPaths, places: Points) -> Points:
         return places
     air = paths.enlarged.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
-    near, _ = air.legs_clearance(top, places, paths.required + SEARCH.landing_clearance)
+    near, _ = air.legs_clearance(top, places, paths.required + EFFORT.landing_clearance)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
     inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
-    return places[(near >= paths.required + SEARCH.landing_clearance) & (inside > 0.0)]
+    return places[(near >= paths.required + EFFORT.landing_clearance) & (inside > 0.0)]
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:
