@@ -70,7 +70,7 @@ def corners(leg: Leg) -> list[list[float]]:
 
 
 @pytest.mark.parametrize("command", [Command.NAV_PAYLOAD_PLACE, Command.NAV_LOITER_TO_ALT])
-def test_the_way_to_where_a_payload_is_put_down_or_a_height_is_taken_is_flown(command: Command) -> None:
+def test_the_leg_to_a_payload_place_or_a_loiter_to_altitude_is_checked(command: Command) -> None:
     scenario = world(px4="ardupilot", RTL_RETURN_ALT="RTL_ALT")
     there = replace(waypoint(place(scenario, 100.0, 20.0), 20.0), command=command, params=(0.0, 0.0, 0.0, 0.0))
     through = flight(scenario, (0.0, 20.0, 20.0), (100.0, 0.0, 20.0), autopilot=ARDUPILOT)
@@ -128,7 +128,7 @@ def test_the_way_home_is_as_high_as_the_autopilots_parameters_say(
     assert [way.alternative for way in ways] == [False, True][: len(ways)]
 
 
-def test_ardupilot_climbs_where_it_stands_and_px4_goes_to_the_take_offs_position() -> None:
+def test_ardupilot_climbs_in_place_and_px4_then_flies_to_the_take_off_item() -> None:
     scenario = world()
     items = (takeoff(place(scenario, 10.0, 0.0), 20.0), waypoint(place(scenario, 60.0, 0.0), 20.0))
     starts = {
@@ -258,7 +258,7 @@ def test_heights_above_ground_are_limited_where_the_scenario_says_so() -> None:
     assert all(re.search(": 30.00 m .* at most 25.00 m required", finding.message) for finding in findings)
 
 
-def test_a_leg_steeper_than_the_scenario_allows_is_an_error_but_a_take_off_is_not() -> None:
+def test_a_leg_steeper_than_the_limit_is_an_error_and_a_take_off_is_none() -> None:
     steep = "planning = { max_climb_angle_deg = 20.0 }\n[[obstacles]]"
     scenario = world(WORLD.replace("[[obstacles]]", steep, 1))
     assert seen(flight(scenario, (60.0, 0.0, 40.0)), scenario) == []

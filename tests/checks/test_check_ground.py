@@ -79,7 +79,7 @@ def test_the_way_home_ends_on_the_ground_at_home() -> None:
     assert told(slope(12.0, PX4), to_goal=False) == []
 
 
-def test_ground_at_home_that_is_not_at_homes_altitude_shifts_the_whole_flight() -> None:
+def test_ground_at_home_off_homes_altitude_shifts_the_whole_flight() -> None:
     ((message, hint), *_) = told(slope(-3.0, PX4, at_home=-3.0))
     assert "3.0 m below home's altitude" in message
     assert "flies 3.0 m lower than planned" in message
@@ -98,7 +98,7 @@ def test_a_range_finder_slows_arducopter_down_in_time() -> None:
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_three_goals_below_level_with_and_above_home_are_landed_on_in_three_times(autopilot: Autopilot) -> None:
+def test_landings_below_at_and_above_home_take_their_own_times(autopilot: Autopilot) -> None:
     totals = []
     for height in (-40.0, 0.0, 12.0):
         scenario = slope(height, autopilot)

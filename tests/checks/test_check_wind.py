@@ -25,7 +25,7 @@ def too_strong(wind: Wind) -> bool:
     return bool(found)
 
 
-def test_a_wind_that_it_cannot_fly_in_is_an_error_by_itself_or_with_its_spread() -> None:
+def test_a_wind_too_strong_by_itself_or_with_its_spread_is_an_error() -> None:
     assert too_strong(Wind(25.0, 45.0))
     assert not too_strong(Wind(3.0, 45.0))
     assert too_strong(Wind(3.0, 45.0, spread=22.0))

@@ -17,7 +17,7 @@ HERE = Item(22, 3, altitude=25.0)  # a take-off names no place
 IN_JAPAN = Mission(AUSTRALIA, (HERE, waypoint(JAPAN, 25.0), return_to_launch()), Autopilot.ARDUPILOT)
 
 
-def test_a_home_elsewhere_is_a_warning_but_nothing_is_drawn_or_timed_from_it(tmp_path: Path) -> None:
+def test_a_home_far_from_all_items_is_a_warning_and_stops_an_export(tmp_path: Path) -> None:
     (finding,) = check_mission(IN_JAPAN)
     assert "it lies 8010 km from all places" in finding.message
     assert refusals(IN_JAPAN) == (finding.message,)

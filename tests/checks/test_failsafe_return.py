@@ -89,9 +89,7 @@ def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> No
 
 @pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("height", [22.0, pytest.param(33.0, marks=pytest.mark.long), 41.0])
-def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_not(
-    autopilot: Autopilot, height: float
-) -> None:
+def test_items_whose_return_is_unclear_are_those_of_single_unclear_paths(autopilot: Autopilot, height: float) -> None:
     scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
     paths = ContingencyPaths(flight_in(scenario))
     samples = paths.samples(Contingency.RTL)
@@ -119,7 +117,7 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
+def test_px4_may_turn_home_anywhere_between_the_order_and_its_stop(autopilot: Autopilot) -> None:
     scenario = scene(autopilot, HALL)
     paths = ContingencyPaths(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))

@@ -23,13 +23,13 @@ def codes(given: Mission) -> dict[str, int | None]:
     return {code: found[code] for code in ("waypoint-passed", "waypoint-may-be-passed") if code in found}
 
 
-def test_a_waypoint_before_another_height_without_a_hold_is_an_error_from_1_18_on() -> None:
+def test_a_waypoint_without_hold_before_a_climb_is_an_error_from_1_18_on() -> None:
     slope = mission([20.0, 20.0, 25.0, 25.0], 0.0, Version(1, 18))
     assert codes(slope) == {"waypoint-passed": 3, "waypoint-may-be-passed": 2}
     assert codes(replace(slope, firmware_version=Version(1, 17))) == {}
 
 
-def test_level_waypoints_without_a_hold_are_a_warning_but_the_one_before_landing() -> None:
+def test_level_waypoints_without_hold_warn_but_one_before_landing_fails() -> None:
     assert codes(mission([20.0, 20.0, 20.0], 0.0, Version(1, 18))) == {
         "waypoint-passed": 4,
         "waypoint-may-be-passed": 2,

@@ -95,7 +95,7 @@ def test_a_spline_before_a_command_without_a_place_is_flown_or_an_error(
     assert clearance_is_known(mission) != dives
 
 
-def test_a_payload_at_another_height_than_the_waypoint_before_is_never_placed() -> None:
+def test_a_payload_place_above_the_waypoint_before_has_no_known_clearance() -> None:
     beside = at(40, 60)
     where = beside.latitude_deg, beside.longitude_deg
     for height, placed in ((30.0, False), (20.0, True), (0.0, True)):

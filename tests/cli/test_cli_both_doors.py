@@ -74,7 +74,7 @@ def looked_for_once() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("name", ["sitl", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
-def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
+def test_python_and_the_command_line_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
     scenario, flight = api.read_scenario(slow), planned(slow)
     told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
     written = flight.write("api")

@@ -61,7 +61,7 @@ def test_a_parameter_changes_the_estimate(run: Run, mission: str) -> None:
     assert slow > usual + 20  # 35 m at 0.5 instead of 2.5 m/s
 
 
-def test_a_parameter_that_no_model_uses_is_said_with_the_one_that_was_meant(run: Run, mission: str) -> None:
+def test_an_unknown_parameter_is_refused_with_the_likely_one(run: Run, mission: str) -> None:
     ended = run(f"estimate {mission} --param WPNAV_ACCELL=500 --autopilot ardupilot")
     assert ended.code == 2
     assert (

@@ -40,9 +40,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.long
-def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compiled(
-    installed: Path, tmp_path: Path
-) -> None:
+def test_the_demo_of_a_read_only_wheel_flies_and_compiles_nothing(installed: Path, tmp_path: Path) -> None:
     """numba is out of reach."""
     hidden = "import sys; sys.modules['numba'] = None"
     lines = f"{hidden}; from ipoa_mission.cli.app import main; main()"

@@ -58,7 +58,7 @@ def test_a_vehicle_on_the_ground_is_not_told_to_fly(run: Run, autopilot: Serve, 
     assert (ended.code, told) == (1, "expected a vehicle in the air: the vehicle is disarmed, in AUTO.LOITER")
 
 
-def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwise(
+def test_upload_names_parameters_that_differ_between_mission_and_vehicle(
     run: Run, autopilot: Serve, mission: Path
 ) -> None:
     own = replace(read_mission(mission), parameters={"MPC_ACC_HOR": 1.5, "MPC_JERK_AUTO": 4.0, "MPC_XY_WARP": 9.0})
@@ -85,7 +85,7 @@ def test_a_mission_made_for_the_other_firmware_is_refused(run: Run, autopilot: S
         assert run(f"upload {whoever} --link {link}").code == 0
 
 
-def test_fly_flies_a_vehicle_at_a_link_and_keeps_the_log_of_an_earlier_flight(
+def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(
     run: Run, autopilot: Serve, mission: Path, steps: int
 ) -> None:
     Path("out").mkdir()

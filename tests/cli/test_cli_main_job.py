@@ -60,9 +60,7 @@ def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
-    planned: Planned, autopilot: Autopilot
-) -> None:
+def test_a_refused_item_is_named_by_its_number_for_both_autopilots(planned: Planned, autopilot: Autopilot) -> None:
     mission = read_mission(planned("sitl")[1] / "sitl.plan", autopilot)
     with refuses("mission-refused", "", "item 2", "ERROR"):
         fly(mission, faults=Faults(nak_at=2))

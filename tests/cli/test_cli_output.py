@@ -281,9 +281,7 @@ SHOWN = r"mast\x1b]0;owned\x07\x1b[2J\x9b31m\u202etxt\r\nerror: none"
 OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
 
 
-def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_control_characters_are_shown_in_results_tables_errors_and_logs(capsys: pytest.CaptureFixture[str]) -> None:
     output.print_lines(WICKED, "\ta tab")
     output.print_table(WICKED, ["words", "n"], [(WICKED, "1")])
     output.print_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))

@@ -23,7 +23,7 @@ battery = { capacity_mah = 2000.0, voltage = 14.8 }
 """.replace("ROWS", ", ".join(f"{{ east = {east}.0, north = {north}.0, up = 30.0 }}" for east, north in ROWS))
 
 
-def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
+def test_a_plan_beyond_its_battery_is_refused_and_split_writes_its_parts(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     paths = once(plan_with_margins, lambda scenario, seed, progress: (scenario, seed))

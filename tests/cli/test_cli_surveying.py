@@ -169,7 +169,7 @@ def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
     assert "survey.starts[1]: no flight begins there" in " ".join(told.out.split())
 
 
-def test_an_area_is_named_as_it_was_typed_and_a_line_becomes_a_corridor_by_width(run: Run, tmp_path: Path) -> None:
+def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp_path: Path) -> None:
     line = {"type": "LineString", "coordinates": [[8.0, 47.0], [8.002, 47.0]]}
     (tmp_path / "river.geojson").write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": line}))
     said = run("plan --survey river.geojson").err

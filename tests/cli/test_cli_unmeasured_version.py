@@ -83,7 +83,7 @@ def test_a_vehicle_that_says_it_gets_it_where_it_is_asked_for(autopilot: Autopil
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_a_vehicle_that_says_no_version_is_refused_unless_the_user_names_one(autopilot: Autopilot) -> None:
+def test_a_vehicle_without_a_version_is_refused_unless_the_user_names_one(autopilot: Autopilot) -> None:
     mission = plain(autopilot)
     with refuses("unsafe") as refused:
         upload_mission(aboard(autopilot, None), mission)

@@ -165,7 +165,7 @@ FUNCTIONS = [name for name in ipoa_mission.__all__ if name not in TYPES]
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
-def test_help_on_a_function_has_each_parameter_what_it_returns_and_an_example(name: str) -> None:
+def test_help_on_a_function_has_parameters_results_and_an_example(name: str) -> None:
     function = getattr(ipoa_mission, name)
     told = sections(function)
     assert list(told) == [part for part in ("", "Args", "Returns", "Raises", "Example") if part in told]

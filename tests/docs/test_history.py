@@ -18,6 +18,6 @@ def test_each_scenario_is_a_line_over_its_first_value() -> None:
     assert lines == {"sitl": [1.0, 0.9], "campus": [1.0]}
 
 
-def test_the_history_of_the_repository_has_every_scenario_once_a_version_and_measure() -> None:
+def test_the_history_has_a_scenario_once_for_each_version_and_measure() -> None:
     keys = [(row.version, row.scenario, row.measure) for row in read(HISTORY)]
     assert len(set(keys)) == len(keys) > 0

@@ -15,7 +15,7 @@ def test_the_page_of_names_has_them_all() -> None:
     assert reference.PAGE.read_text(encoding="utf-8") == reference.page(), "run python -m tools.generate.reference"
 
 
-def test_the_site_builds_without_a_warning_and_loads_nothing_from_elsewhere(
+def test_the_site_builds_without_a_warning_and_loads_no_foreign_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("material")

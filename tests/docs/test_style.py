@@ -1,3 +1,4 @@
+import ast
 import re
 import subprocess
 from pathlib import Path
@@ -6,6 +7,7 @@ import pytest
 
 REPOSITORY = Path(__file__).parents[2]
 WIDTH = 120
+TEST_NAME = 70  # characters
 #: British forms, and their quotations.
 BRITISH = re.compile(
     r"(?<!ekf3 still )(?<!system not )"
@@ -74,3 +76,15 @@ def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None
     aside = {"lab", "reproduction", "reproduction.md"}
     pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not aside & set(page.parts)]
     assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 35_000
+
+
+def test_a_test_has_a_short_name() -> None:
+    found = [
+        f"{path.relative_to(REPOSITORY).as_posix()}:{node.lineno}: {len(node.name)}: {node.name}"
+        for path in FILES
+        if path.suffix == ".py" and path.relative_to(REPOSITORY).parts[0] == "tests"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_")
+        if len(node.name) > TEST_NAME
+    ]
+    assert not found

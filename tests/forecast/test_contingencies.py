@@ -75,7 +75,7 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Contingenc
     assert row.touches_s[1] < row.duration_s[1] - 1.0
 
 
-def test_a_flight_that_is_in_the_air_for_one_moment_has_its_contingencies_too() -> None:
+def test_a_flight_of_one_moment_has_all_contingencies() -> None:
     forecast = forecast_of("campus")
     grounded = replace(forecast.given, items=forecast.given.items[-1:])
     rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
@@ -106,7 +106,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
         assert one.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
-def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Contingencies) -> None:
+def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
     found = campus.paths.samples(Contingency.LAND)

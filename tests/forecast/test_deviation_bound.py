@@ -87,7 +87,7 @@ def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
     assert proximity_risks(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(1 - (1 - once) ** 2, rel=1e-6)
 
 
-def test_over_a_roof_the_height_counts_and_it_stays_wrong_for_a_whole_flight() -> None:
+def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
     roof = box("hall", (-100.0, -50.0, 0.0), (5000.0, 50.0, 15.0))
     course, world = straight(roof)
     moment, flight = (5.0 - spread.distance(0.01) for spread in (PX4.down, PX4.lowest))

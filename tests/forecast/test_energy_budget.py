@@ -55,7 +55,7 @@ def codes(capacity: float, planned: bool = False) -> dict[str, Severity]:
 
 
 @pytest.mark.parametrize("missing", [0.0, 0.1, 0.7])
-def test_in_flight_the_reserve_is_what_is_measured_less_what_the_rest_takes(missing: float) -> None:
+def test_the_reserve_in_flight_is_the_measured_one_less_the_remaining_use(missing: float) -> None:
     found = budget(20.0)
     middle, left = float(found.used.times[-1]) / 2, found.left(found.used.between)
     now = found.against_plan(1.0 - found.used.until(middle).likely / 20.0 - missing, middle)
@@ -84,13 +84,13 @@ def test_what_was_learned_is_surer_than_an_airframe() -> None:
     assert reckoned.high / reckoned.low > 1.7
 
 
-def test_against_the_wind_a_flight_takes_more_by_its_time_and_by_its_airspeed() -> None:
+def test_a_headwind_raises_the_mean_power_by_the_airspeed() -> None:
     """Both ways take 8 m/s over ground; the airspeed is 13 and 3 m/s."""
     against, with_it = budget(wind=Wind(5.0, from_deg=90.0)).used, budget(wind=Wind(5.0, from_deg=270.0)).used
     assert against.mean_w > with_it.mean_w + 10.0
 
 
-def test_a_return_takes_what_remains_of_a_flight_and_no_return_is_where_it_does_not() -> None:
+def test_no_return_begins_where_a_return_takes_more_than_remains() -> None:
     enough, scarce = budget(60.0), budget(14.2)
     assert enough.no_return is None
     assert enough.shortage is None
@@ -110,7 +110,7 @@ def _return(time: float) -> float:
     return used.energy_wh
 
 
-def test_where_returns_are_planned_one_that_the_battery_is_not_enough_for_is_refused() -> None:
+def test_a_planned_return_beyond_the_battery_is_refused() -> None:
     late = budget(14.2)
     assert late.refusal is None
     assert late.no_return is not None

@@ -74,7 +74,7 @@ def test_a_hold_lasts_at_least_as_long_as_it_says(autopilot: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_parameters_count_by_the_autopilots_own_names_and_others_are_passed_over(autopilot: Autopilot) -> None:
+def test_parameters_count_by_the_autopilots_names_and_unused_ones_do_not(autopilot: Autopilot) -> None:
     mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
     slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]
     other = {Autopilot.ARDUPILOT: "FRAME_CLASS", Autopilot.PX4: "SYS_AUTOSTART"}[autopilot]

@@ -44,7 +44,7 @@ def test_arducopter_is_right_within_half_a_per_cent_as_often_as_not() -> None:
 
 
 @pytest.mark.parametrize("flight", COPTER, ids=lambda f: f.name)
-def test_each_leg_of_arducopter_within_three_tenths_of_a_second_or_three_per_cent(flight: Recorded) -> None:
+def test_arducopter_flies_each_leg_within_0_3_seconds_or_three_per_cent(flight: Recorded) -> None:
     when, (run,) = done(flight), flight.runs
     items = [n for n in sorted(run) if flight.first <= n <= flight.last]
     for before, after in pairwise(items):
@@ -125,7 +125,7 @@ def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
 
 
 @pytest.mark.parametrize("flight", [*COPTER, *PX4], ids=lambda f: f.name)
-def test_the_flown_path_is_the_predicted_one_within_what_the_autopilot_strays(flight: Recorded) -> None:
+def test_the_flown_path_keeps_near_the_predicted_one(flight: Recorded) -> None:
     """ArduCopter's place is known within centimeters in the simulator, PX4's within a meter and more."""
     trace, found = flight.trace, estimated(flight)
     inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])

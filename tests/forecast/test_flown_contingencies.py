@@ -81,7 +81,7 @@ def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
     assert unforetold == []
 
 
-def test_what_is_not_clear_comes_nearer_and_most_of_what_comes_nearer_is_not_clear() -> None:
+def test_unclear_returns_come_nearer_and_most_that_come_nearer_are_unclear() -> None:
     """PX4's spread is wide: some is perhaps not clear."""
     graded = [(row["grade"], kept) for row, _, kept in by_obstacles("px4") if row["grade"]]
     would, nearer = [kept for grade, kept in graded if grade == "would"], [grade for grade, kept in graded if not kept]

@@ -63,7 +63,7 @@ def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_it_returns_to_the_ground_at_home_and_takes_off_from_where_it_stands(autopilot: Autopilot) -> None:
+def test_a_return_ends_at_home_and_a_take_off_begins_where_it_landed(autopilot: Autopilot) -> None:
     contingency = mission(autopilot, -40.0, {})
     home = replace(contingency, items=(*contingency.items[:2], return_to_launch()))
     level = replace(home, landing_ground=None)

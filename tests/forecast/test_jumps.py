@@ -137,7 +137,7 @@ def test_arducopter_counts_a_finished_jump_anew_since_4_7() -> None:
     assert seconds(*NESTED) == seconds(UP, *(A, B, A, B, C) * 2, BACK) == pytest.approx(253.2, abs=3.0)
 
 
-def test_arducopter_does_what_stands_behind_a_finite_jump_as_its_last_pass_begins() -> None:
+def test_arducopter_runs_an_action_behind_a_jump_as_its_last_pass_begins() -> None:
     written_out = (UP, FAR, EAST, FAR, EAST, change_speed(2.0), FAR, EAST, SOUTH, BACK)
     assert seconds(*ACTION) == seconds(*written_out) == pytest.approx(666.4, abs=7.0)
     assert found(check_mission(mission(*ACTION))) == ["warning action-at-other-time 6"]
@@ -219,7 +219,7 @@ def test_an_endless_loiter_before_other_items_is_found(autopilot: Autopilot) -> 
     assert not check_mission(mission(UP, first, stays, autopilot=autopilot))
 
 
-def test_a_flight_does_not_begin_behind_the_place_that_a_jump_leads_back_to() -> None:
+def test_a_flight_does_not_begin_inside_a_loop() -> None:
     with refuses("bad-input", "--from", "item 6", "item 2", "item 4"):
         begun_at(mission(*LOOP), 3)
     assert begun_at(mission(*LOOP), 6).items[6:] == LOOP[6:]

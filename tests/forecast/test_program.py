@@ -24,7 +24,7 @@ def mission(*items: Item) -> Mission:
     return Mission(HOME, (takeoff(HOME, 15.0), *items), Autopilot.ARDUPILOT)
 
 
-def test_here_is_where_the_flight_comes_from_not_what_the_file_names_before() -> None:
+def test_an_item_without_a_place_stays_where_the_flight_comes_from() -> None:
     route = itinerary(mission(waypoint(HERE, 0.0), waypoint(NEAR, 20.0), waypoint(FAR, 30.0), jump(2, 1)))
     assert [visit.seq for visit in route.visits] == [1, 2, 3, 4, 2, 3, 4]
     assert route.program.places[4] == pytest.approx(route.program.places[3])  # stays at FAR, at 30 m

@@ -34,7 +34,7 @@ def done(folder: Path) -> dict[int, float]:
 
 
 @pytest.mark.parametrize("folder", FLIGHTS, ids=lambda folder: folder.name)
-def test_the_time_from_take_off_to_the_last_waypoint_is_within_three_per_cent(folder: Path) -> None:
+def test_the_time_to_the_last_waypoint_is_within_three_per_cent(folder: Path) -> None:
     flown, expected = done(folder), {item.seq: item.done_s for item in forecast(folder).estimate.items}
     first, last = min(flown), sorted(flown)[-2]
     assert expected[last] - expected[first] == pytest.approx(flown[last] - flown[first], rel=0.03)

@@ -163,7 +163,7 @@ def test_px4_waits_for_its_nose_where_an_item_names_a_heading() -> None:
     assert about > ahead + 0.5
 
 
-def test_px4_takes_off_straight_up_and_then_flies_to_where_the_take_off_lies() -> None:
+def test_px4_takes_off_straight_up_and_then_flies_to_the_take_off_item() -> None:
     mission = Mission(HOME, (takeoff(place(0.0, 400.0), 30.0), land(place(0.0, 400.0))), Autopilot.PX4)
     points = estimate(mission, fast=True).track.points
     climbing, level = points[points[:, 2] < 28.0], np.hypot(*points.T[:2])

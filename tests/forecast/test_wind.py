@@ -47,7 +47,7 @@ def test_px4_in_a_steady_wind_takes_as_long_as_estimated() -> None:
 
 
 @pytest.mark.parametrize("flight", FLOWN, ids=lambda f: f.name)
-def test_take_off_and_landing_in_wind_within_three_per_cent_and_five_in_gusts(flight: Recorded) -> None:
+def test_take_off_and_landing_in_wind_keep_their_predicted_times(flight: Recorded) -> None:
     done = {item.seq: item.done_s for item in estimated(flight, flight.wind).items}
     run, last = flight.runs[0], len(flight.mission.items)
     assert done[flight.first] == pytest.approx(run[flight.first], rel=0.02)
@@ -105,7 +105,7 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_a_profile_of_one_wind_is_that_wind_and_one_of_a_power_law_nearly_that(autopilot: Autopilot) -> None:
+def test_a_profile_of_one_wind_or_of_a_power_law_agrees_with_it(autopilot: Autopilot) -> None:
     home = Geodetic(47.4, 8.5, 400.0)
     mission, short = (
         Mission(home, (takeoff(home, up / 4), change_speed(8.0), waypoint(there, up), land(there)), autopilot)

@@ -60,9 +60,7 @@ def test_frames_pass_both_ways_over_a_serial_line(cable: Cable, serial: SerialCh
     assert serial.receive(serial.now() + 5.0) == [(AUTOPILOT, "serial")]
 
 
-def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
-    cable: Cable, serial: SerialChannel
-) -> None:
+def test_a_blocked_serial_line_loses_whole_frames_and_never_waits(cable: Cable, serial: SerialChannel) -> None:
     codec, began = Codec(245, 190), time.monotonic()
     sent = [codec.encode(Text(6, f"{n:050}"), EVERYONE, 0.0) for n in range(3000)]
     for frame in sent:
@@ -127,7 +125,7 @@ def test_whatever_cannot_be_opened_is_said_in_words(url: str) -> None:
         open_channel(url)
 
 
-def test_a_stranger_whose_address_cannot_be_answered_does_not_break_the_link() -> None:
+def test_an_address_that_cannot_be_answered_does_not_break_the_link() -> None:
     channel = UdpChannel(parse_address("udpin:127.0.0.1:0"))
     try:
         channel.send(b"\xfd", ("127.0.0.1", 0))
@@ -136,7 +134,7 @@ def test_a_stranger_whose_address_cannot_be_answered_does_not_break_the_link() -
         channel.close()
 
 
-def test_serial_ports_are_told_by_their_names_and_are_none_without_pyserial(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_serial_ports_are_listed_by_name_and_are_none_without_pyserial(monkeypatch: pytest.MonkeyPatch) -> None:
     ports = [SimpleNamespace(device=name) for name in ("/dev/ttyUSB1", "/dev/ttyACM0")]
     monkeypatch.setattr("serial.tools.list_ports.comports", lambda: ports)
     assert serial_ports() == ("/dev/ttyACM0", "/dev/ttyUSB1")

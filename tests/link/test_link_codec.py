@@ -307,7 +307,7 @@ def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(
         Upload((FINE, dataclasses.replace(FINE, **change)), Autopilot.PX4)  # type: ignore[arg-type]
 
 
-def test_more_items_than_mavlink_can_count_are_an_error_before_anything_is_sent() -> None:
+def test_more_items_than_mavlink_can_count_are_an_error_before_sending() -> None:
     with refuses("bad-input", "", "65535", "70000"):
         Upload((FINE,) * 70_000, Autopilot.PX4)
 

@@ -158,7 +158,7 @@ def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_a_height_is_above_the_vehicles_home_unless_an_item_counts_from_the_sea(family: Autopilot) -> None:
+def test_a_height_is_above_the_vehicles_home_unless_an_item_is_amsl(family: Autopilot) -> None:
     flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
     amsl = replace(flown, items=(flown.items[0], replace(flown.items[1], frame=0, altitude=420.0), *flown.items[2:]))
     at = Geodetic(HOME.latitude_deg, HOME.longitude_deg, 431.0)

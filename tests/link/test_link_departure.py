@@ -47,7 +47,7 @@ def test_items_done_at_once_may_stand_before_the_one_that_is_current() -> None:
     assert vehicle.current == 2
 
 
-def test_the_older_message_sets_the_current_item_where_the_command_is_unknown() -> None:
+def test_the_older_message_sets_the_item_where_the_command_is_unknown() -> None:
     vehicle = Scripted(PX4, first=0)
     vehicle.refuses[SET_CURRENT] = (3, "")
     vehicle.hold(prepare)
@@ -227,7 +227,7 @@ def test_an_ardupilot_that_begins_with_a_waypoint_climbs_first() -> None:
     assert vehicle.height == 20.0
 
 
-def test_an_arming_that_is_refused_at_first_without_a_reason_is_tried_again() -> None:
+def test_an_arming_refused_without_a_reason_is_tried_again() -> None:
     vehicle = Scripted(PX4, first=0)
     vehicle.hold(prepare)
     vehicle.refuses[ARM] = (1, "")

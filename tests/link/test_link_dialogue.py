@@ -38,7 +38,7 @@ def run_until(exchange: Exchange[Any], now: float) -> list[tuple[float, Message]
     return said
 
 
-def test_a_question_is_said_at_once_and_again_after_the_specifications_timer() -> None:
+def test_a_request_is_sent_at_once_and_again_after_the_specified_timeout() -> None:
     said = run_until(Exchange(asking(), 0.0, Patience(adapt=False)), 3.1)
     assert said == [(0.0, Count(3)), (1.5, Count(3)), (3.0, Count(3))]
 
@@ -55,7 +55,7 @@ def test_silence_is_an_error() -> None:
     assert exchange.deadline == pytest.approx(SPECIFIED.silence_s)
 
 
-def test_on_a_fast_link_who_is_busy_gets_no_less_patience_than_on_a_slow_one() -> None:
+def test_a_busy_vehicle_on_a_fast_link_keeps_the_specified_timeout() -> None:
     tempo = Tempo(SPECIFIED)
     tempo.sample(0.001)
     exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)

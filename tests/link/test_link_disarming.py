@@ -67,7 +67,7 @@ STATES: list[int | None] = [None, 0, ON_GROUND, 2, 3, 4]
     st.floats(0.5, 30.0),
     st.floats(0.0, 4.0),
 )
-def test_a_disarm_follows_the_vehicle_s_own_word_that_it_stands_on_the_ground(
+def test_a_disarm_is_sent_only_after_the_vehicle_reports_the_ground(
     autopilot: Autopilot, landed: list[int | None], results: list[int], cancel_s: float, climb: float
 ) -> None:
     vehicle = Scripted(autopilot, first=0 if autopilot is PX4 else 1)

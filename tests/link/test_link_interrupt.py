@@ -177,7 +177,7 @@ def test_a_press_that_nobody_took_is_raised_when_the_conversation_is_over() -> N
         press()
 
 
-def test_a_program_with_a_handler_of_its_own_keeps_it_and_other_threads_have_none() -> None:
+def test_a_program_keeps_its_own_handler_and_other_threads_have_none() -> None:
     heard: list[int] = []
     signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
     with noted_interrupts() as interrupt:

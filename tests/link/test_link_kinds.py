@@ -137,9 +137,7 @@ def fly_all(vehicle: Vehicle) -> None:
 
 @pytest.mark.parametrize("after", [Count, 224, 176, 400, 300])
 @pytest.mark.parametrize("other", [(3, 1), (12, 2)])
-def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
-    after: object, other: tuple[int, int]
-) -> None:
+def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: object, other: tuple[int, int]) -> None:
     """Nor is it disarmed."""
     line, channel = line_to(3, 2)
     vehicle = meet(line, options=ConnectionOptions(fast=False))
@@ -150,7 +148,7 @@ def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
     assert {type(one) for one in channel.said_since} <= {Heartbeat}
 
 
-def test_what_a_companion_says_with_the_ids_of_the_autopilot_tells_nothing_of_it() -> None:
+def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
     line, channel = line_to(3, 2)
     vehicle = meet(line, options=ConnectionOptions(fast=False))
     vehicle.state.armed = True

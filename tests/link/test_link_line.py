@@ -228,7 +228,7 @@ def test_an_answer_goes_only_where_the_question_came_from() -> None:
     assert routes.to(EVERYONE) == {"alice", "bob"}
 
 
-def test_two_stations_with_the_same_ids_are_both_answered_until_one_falls_silent() -> None:
+def test_stations_with_the_same_ids_all_get_answers_until_one_is_silent() -> None:
     routes = Routes()
     routes.learn(ALICE, "alice", 0.0)
     routes.learn(ALICE, "her twin", 1.0)

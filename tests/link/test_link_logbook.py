@@ -58,12 +58,12 @@ def test_items_before_the_one_it_began_with_are_not_done() -> None:
     assert record.item_reached_s == {1: 9.0, 2: 20.0}
 
 
-def test_words_name_the_moment_of_disarming_more_closely_than_the_heartbeat() -> None:
+def test_the_disarming_text_gives_the_time_and_not_the_later_heartbeat() -> None:
     flight = (ARMING, armed(), at(30.0), Current(2), Text(6, "Disarming motors"), at(30.9), DISARMED)
     assert noted(LANDS, *flight).record().total_s == 30.0
 
 
-def test_a_return_is_done_on_the_ground_although_px4_reports_it_as_it_begins() -> None:
+def test_a_return_is_done_on_the_ground_not_when_px4_reports_it() -> None:
     home = next(iter(PX4.modes.returns))
     for last in (Reached(1), Current(1, 2, 5)):
         flight = (ARMING, armed(), at(60.0, HOME), Reached(0), last, armed(home))

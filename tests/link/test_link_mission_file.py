@@ -110,7 +110,7 @@ def test_a_vehicle_without_the_file_is_served_the_ordinary_way() -> None:
 
 
 @pytest.mark.parametrize("mute", ["capabilities", "files"])
-def test_a_vehicle_that_does_not_answer_about_files_is_served_the_ordinary_way(mute: str) -> None:
+def test_a_vehicle_without_file_transfer_gets_the_mission_item_by_item(mute: str) -> None:
     vehicle, mock = aboard(Faults())
     if mute == "capabilities":
         mock._commander._find_message = lambda name: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
@@ -149,9 +149,7 @@ def test_silence_says_what_was_asked() -> None:
 
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
 @pytest.mark.parametrize("moment", [1.0, 4.0, 5.0], ids=["while writing", "while closing", "while reading back"])
-def test_broken_off_the_vehicle_holds_a_whole_mission_and_the_message_says_which(
-    error: MissionError, moment: float
-) -> None:
+def test_an_aborted_file_upload_leaves_a_whole_mission_and_names_it(error: MissionError, moment: float) -> None:
     vehicle, mock = aboard(Faults(delay_s=0.2))
     old, new = items_of(ARDUPILOT, 4, shift=0.1), items_of(ARDUPILOT, 40)
     vehicle.upload_items(old, MissionType.MISSION)

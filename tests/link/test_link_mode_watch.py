@@ -75,7 +75,7 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
 
 
 @pytest.mark.parametrize("family", registered())
-def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(
+def test_a_vehicle_sent_home_ends_its_flight_with_that_mode(
     family: Autopilot, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle = flying(family)
@@ -145,7 +145,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
 
 
 @pytest.mark.parametrize("family", registered())
-def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(family: Autopilot) -> None:
+def test_a_refused_order_to_end_the_flight_is_reported_and_not_repeated(family: Autopilot) -> None:
     state, refused = VehicleState(family), CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.DENIED)
     state.note(beat(family, family.modes.mission))
     order = FlightOrder(state, lambda: 0.0)
@@ -158,7 +158,7 @@ def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(fa
 
 @pytest.mark.parametrize("family", registered())
 @pytest.mark.parametrize("climbs", [True, False])  # within a take-off ArduCopter does not pause
-def test_one_that_is_watched_holds_its_place_and_goes_on_when_it_is_ordered(family: Autopilot, climbs: bool) -> None:
+def test_a_watched_vehicle_holds_and_goes_on_when_ordered(family: Autopilot, climbs: bool) -> None:
     vehicle = flying(family)
     places: list[Position] = []
     paused: list[bool] = []

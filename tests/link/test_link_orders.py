@@ -80,7 +80,7 @@ def test_home_is_asked_for_until_it_comes_or_is_unknown() -> None:
     assert lead(orders.request_home(), [CommandAck(512, 2)]).result is None
 
 
-def test_a_vehicle_that_knows_no_home_is_asked_some_seconds_and_not_for_ever() -> None:
+def test_a_vehicle_without_home_is_asked_for_some_seconds_only() -> None:
     """ArduPilot without GPS accepts every request for HOME_POSITION, and sends none."""
     patient = lead(orders.request_home(), *([CommandAck(512, 0)] for _ in range(99)))
     assert patient.result is None
@@ -110,7 +110,7 @@ def value_of(name: str, value: float, kind: int = 9) -> ParamValue:
     return ParamValue(name, value, kind, 2, 0)
 
 
-def test_parameters_are_read_by_name_and_whole_numbers_as_each_firmware_sends_them() -> None:
+def test_parameters_are_read_by_name_and_integers_by_each_firmwares_coding() -> None:
     bits = struct.unpack("<f", struct.pack("<i", 4001))[0]
     answers: list[list[Message]] = [[BEAT, value_of("A", bits, 6)], [value_of("B", 2.5)]]
     both = lead(orders.request_parameters([["A"], ["B"]], PX4), *answers).result
@@ -122,7 +122,7 @@ def test_parameters_are_read_by_name_and_whole_numbers_as_each_firmware_sends_th
         lead(orders.request_parameters([["A"]], PX4))
 
 
-def test_a_parameter_with_several_names_is_known_by_the_first_that_is_answered() -> None:
+def test_a_parameter_with_several_names_has_the_first_one_answered() -> None:
     answers: list[list[Message]] = [[], [value_of("WPNAV_SPEED", 500.0)]]
     known = lead(orders.request_parameters([["WP_SPD", "WPNAV_SPEED"]], ARDUPILOT), *answers).result
     assert {name: one.param_value for name, one in known.items()} == {"WPNAV_SPEED": 500.0}
@@ -135,7 +135,7 @@ def test_a_parameter_that_does_not_exist_is_left_out() -> None:
 
 @pytest.mark.parametrize(("delay_s", "within_s"), [(0.0, 0.5), (0.3, 4.0), (0.9, 8.0)])
 @pytest.mark.parametrize("family", registered())
-def test_names_that_the_vehicle_lacks_do_not_hold_one_up_and_late_answers_count(
+def test_missing_parameters_cost_little_time_and_late_answers_count(
     family: Autopilot, delay_s: float, within_s: float
 ) -> None:
     faults = Faults(delay_s=delay_s)

@@ -201,7 +201,7 @@ def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
 
 
 @pytest.mark.parametrize("family", registered())
-def test_an_order_that_the_vehicle_has_not_shown_is_not_said_again_after_a_loss(
+def test_an_unconfirmed_order_is_not_repeated_after_a_link_loss(
     family: Autopilot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     flight = Flight(family, monkeypatch)

@@ -65,7 +65,7 @@ class Rivalry(Air):
 
 @settings(UNHURRIED, max_examples=examples(150))
 @given(st.floats(0.0, 3.0), st.integers(0, 6), st.integers(1, 6), st.sampled_from([0.0, 0.02, 0.1]))
-def test_a_mission_that_another_station_replaces_is_an_error_or_was_replaced_unheard(
+def test_a_mission_replaced_by_another_station_is_an_error_unless_unheard(
     moment: float, theirs: int, ours: int, delay_s: float
 ) -> None:
     assume(theirs != ours)

@@ -54,7 +54,7 @@ def test_whoever_does_not_sign_with_our_key_is_named(theirs: bytes | None, words
     assert line.now() < 4.5
 
 
-def test_another_vehicle_that_is_not_believed_is_not_the_one_that_is_sought() -> None:
+def test_an_unsigned_vehicle_is_not_taken_for_the_one_sought() -> None:
     line = signed_pair(KEY, None)
     with refuses("not-heard", "", "system id 7", kind=NoAnswer):
         meet(line, 7)
@@ -131,7 +131,7 @@ def test_a_clock_that_was_set_back_is_told_once(tmp_path: Path, caplog: pytest.L
     ]
 
 
-def test_processes_that_sign_at_the_same_time_are_told_apart_by_their_link_ids(tmp_path: Path) -> None:
+def test_processes_that_sign_at_the_same_time_have_their_own_link_ids(tmp_path: Path) -> None:
     mark, judge = tmp_path / "timestamp", Codec(1, 1, Signer(KEY))
     one, other = (Codec(245, 190, persistent_signer(KEY, mark)) for _ in range(2))
     late = one.encode(Text(6, "late"), EVERYONE, NOW)
@@ -172,7 +172,7 @@ def test_signing_timestamps_continue_after_an_unclosed_owner(tmp_path: Path) -> 
 
 
 @full_disk
-def test_a_log_on_a_full_disk_ends_with_one_warning_and_the_session_goes_on(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_log_on_a_full_disk_ends_with_a_warning_and_the_session_goes_on(caplog: pytest.LogCaptureFixture) -> None:
     line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME))), Codec(245, 190), FULL)
     meet(line).upload(MISSION)
     line.close()

@@ -86,7 +86,7 @@ def test_more_connections_than_are_served_are_closed(served: TcpChannel) -> None
             client.close()
 
 
-def test_a_client_that_does_not_read_loses_whole_frames_and_then_its_connection(served: TcpChannel) -> None:
+def test_a_client_that_does_not_read_loses_frames_and_then_its_connection(served: TcpChannel) -> None:
     frame = bytes(50_000)
     with joined(served) as client:
         began = time.monotonic()
@@ -140,7 +140,7 @@ class Stubborn(socket.socket):
         self.left = data
 
 
-def test_what_is_not_ready_after_all_is_waited_for_and_the_rest_of_a_frame_follows(served: TcpChannel) -> None:
+def test_a_socket_that_is_not_ready_gets_the_rest_of_a_frame_later(served: TcpChannel) -> None:
     with joined(served) as client:
         (connection,) = served._connections
         stubborn = Stubborn(fileno=connection.detach())

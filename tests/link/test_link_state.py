@@ -51,7 +51,7 @@ class Table:
         return {name: self.values[name] for name in names if name in self.values}
 
 
-def test_a_parameter_is_held_against_the_vehicle_by_whichever_name_that_has_for_it() -> None:
+def test_a_parameter_is_compared_by_the_name_that_the_vehicle_uses() -> None:
     vehicle = Table(Autopilot.ARDUPILOT, {"WP_SPD": 5.0, "RTL_ALT": 1500.0})
     others, missing = other_values(vehicle, {"WPNAV_SPEED": 750.0, "RTL_ALT_M": 15.0, "WP_JERK": 1.0})
     assert [str(other) for other in others] == ["WP_SPD is 5 on the vehicle, and the mission was made for 7.5"]

@@ -189,7 +189,7 @@ def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message
 
 
 @pytest.mark.parametrize("family", registered())
-def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(family: Autopilot) -> None:
+def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(family: Autopilot) -> None:
     net = Net(one=station(family))
     beat, twin = Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 0.0
     for _ in range(20):  # it was there before us
@@ -207,7 +207,7 @@ def test_beside_another_station_with_our_ids_we_hear_the_built_in_autopilot(fami
 
 
 @pytest.mark.parametrize("family", registered())
-def test_what_a_stranger_with_our_ids_transfers_does_not_break_a_transfer_under_way(family: Autopilot) -> None:
+def test_a_transfer_by_another_station_with_our_ids_does_not_break_ours(family: Autopilot) -> None:
     net = Net(one=station(family))
     said = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
 
@@ -240,7 +240,7 @@ def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopi
     assert answers(Count(2), "us", 12.2) == []  # that one is under way
 
 
-def test_an_answer_to_one_of_two_stations_reaches_both_and_a_transfer_s_only_its_own() -> None:
+def test_an_answer_reaches_both_stations_and_a_transfers_only_its_own() -> None:
     one = station()
     for peer in ("us", "twin"):
         one.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
@@ -283,7 +283,7 @@ def test_a_stream_that_comes_in_pieces_is_heard(family: Autopilot) -> None:
     assert len(vehicle.download().items) == len(MISSION.items)
 
 
-def test_what_is_said_to_others_and_what_we_do_not_read_is_logged_and_not_heard(tmp_path: Path) -> None:
+def test_messages_to_others_and_unread_messages_are_logged_only(tmp_path: Path) -> None:
     vehicle = Codec(*VEHICLE)
     ours, theirs = (vehicle.encode(Count(n), to, 0.0) for n, to in enumerate((US, Target(255, 190))))
     unread = dialect.MAVLink_meminfo_message(0, 0).pack(dialect.MAVLink(None, *VEHICLE))

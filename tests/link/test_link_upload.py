@@ -46,7 +46,7 @@ def test_home_alone_is_an_empty_mission_of_ardupilots() -> None:
     assert lead(upload(Upload((), ARDUPILOT)), script).finished  # type: ignore[arg-type]
 
 
-def test_the_same_refusal_twice_is_final_and_the_hint_says_what_the_vehicle_holds() -> None:
+def test_a_second_refusal_is_final_and_its_hint_names_the_vehicles_mission() -> None:
     vehicle = Vehicle(ARDUPILOT, nak_at=2)
     vehicle.store(items_of(ARDUPILOT, 5, shift=0.1))
     with refuses("mission-refused", "", "item 2", "ERROR") as refusal:
@@ -168,7 +168,7 @@ def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> N
     assert compare(sent, vehicle.holds(), ARDUPILOT) is None
 
 
-def test_cancelled_while_it_is_read_back_the_vehicle_is_asked_what_it_holds() -> None:
+def test_an_upload_cancelled_while_read_back_asks_which_mission_it_holds() -> None:
     class Fading(Air):
         end = 1e9
 

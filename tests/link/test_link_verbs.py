@@ -67,7 +67,7 @@ def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopil
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(autopilot: Autopilot) -> None:
+def test_a_set_parameter_is_kept_and_an_unknown_one_is_an_error(autopilot: Autopilot) -> None:
     vehicle = met(autopilot)
     name = "WPNAV_SPEED" if autopilot is Autopilot.ARDUPILOT else "MPC_XY_CRUISE"
     vehicle.set_parameter(name, 3.0)
@@ -168,7 +168,7 @@ def hear_nothing(dialogue: Dialogue[None], said: list[Step]) -> None:
         said.append(dialogue.send(None))
 
 
-def test_a_late_answer_to_a_question_from_before_is_not_what_the_vehicle_keeps() -> None:
+def test_a_late_answer_to_an_earlier_request_does_not_confirm_a_parameter() -> None:
     dialogue = setting(5.0)
     for _ in range(6):
         assert dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0)) is None

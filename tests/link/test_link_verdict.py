@@ -31,7 +31,7 @@ def judged(*words: Message, readings: int = 2) -> dict[type[Message], list[list[
         ((Event(12345, 3), Current(0, 1, 1)), ("unflyable",)),
     ],
 )
-def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
+def test_a_mission_that_the_vehicle_rejects_is_an_error_with_its_reason(
     words: tuple[Message, ...], why: tuple[str, ...]
 ) -> None:
     with refuses(*why):
@@ -60,7 +60,7 @@ OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
         (Ack(0, 0, 77), (Current(0, 1, 2, 2, 78),), items_of(PX4, 2)[1:], "item 0: command: sent NAV_TAKEOFF"),
     ],
 )
-def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
+def test_a_mission_replaced_before_the_verdict_is_an_error(
     ack: Ack, words: tuple[Message, ...], held: tuple[Item, ...], told: str
 ) -> None:
     script = judged(*words) | {
@@ -114,7 +114,7 @@ def test_an_upload_names_the_mission_only_where_nothing_else_was_heard() -> None
     assert lead(upload(Upload(ONE, PX4)), judged()).result == 0
 
 
-def test_a_vehicle_that_speaks_of_another_mission_at_every_reading_is_no_success() -> None:
+def test_a_mission_that_differs_at_every_reading_is_no_success() -> None:
     script = judged(Current(0, 2, 2), readings=9)
     script[Ack] = [[Current(0, 2, 2)]] * 9
     script[RequestList] = [[Count(1), Current(0, 2, 2)]] * 9

@@ -148,7 +148,7 @@ def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopil
 
 
 @pytest.mark.parametrize("disarmed", [0.0, 1.0])
-def test_a_dataflash_log_that_begins_armed_has_its_flight_where_the_arming_opened_it(
+def test_a_log_that_begins_armed_has_a_flight_only_if_arming_opened_it(
     disarmed: float, flown: Flown, tmp_path: Path
 ) -> None:
     path = tmp_path / "armed.bin"

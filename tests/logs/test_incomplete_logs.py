@@ -180,7 +180,7 @@ def test_events_without_positions_are_told_by_time_alone() -> None:
     assert list(messages_of(log)) == [SystemTime(0.0, 2.0), Text(6, "armed")]
 
 
-def test_a_clock_that_was_told_once_in_a_while_goes_as_fast_as_over_the_whole_log() -> None:
+def test_a_clock_reported_rarely_runs_at_its_mean_rate_over_the_log() -> None:
     stamps, at, clock = np.array([0.0, 50.0, 100.0]), np.array([10.0, 90.0]), np.array([5.0, 165.0])
     assert vehicle_times(stamps, at, clock) == pytest.approx([-15.0, 85.0, 185.0])
     assert vehicle_times(stamps, at[:1], clock[:1]) == pytest.approx([-5.0, 45.0, 95.0])

@@ -53,7 +53,7 @@ def _flight(name: str, row: dict[str, Any], autopilot: Autopilot) -> Evidence:
     ("autopilot", "drag", "before", "after"),
     [(ARDUPILOT, (1.40, 1.53), 0.05, 0.01), pytest.param(PX4, (1.5, 1.66), 0.10, 0.04, marks=pytest.mark.long)],
 )
-def test_half_of_the_flights_of_another_vehicle_tell_how_long_the_other_half_takes(
+def test_half_of_a_vehicles_flights_predict_the_times_of_the_others(
     autopilot: Autopilot, drag: tuple[float, float], before: float, after: float
 ) -> None:
     flights = recorded(autopilot)

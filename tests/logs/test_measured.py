@@ -56,7 +56,7 @@ def test_batteries_are_read_as_each_firmware_wrote_them(tmp_path: Path) -> None:
         np.testing.assert_allclose(power, [[1.0, 240.0], [2.0, 247.8]], rtol=1e-6, err_msg=name)
 
 
-def test_two_batteries_give_their_sum_and_esc_telemetry_does_not_count_them_again(tmp_path: Path) -> None:
+def test_two_batteries_are_summed_and_esc_telemetry_counts_none_twice(tmp_path: Path) -> None:
     path, first, second = (
         tmp_path / "two.bin",
         [(12.0, 20.0, 0.0), (12.0, 21.0, 0.0)],

@@ -99,7 +99,7 @@ def test_numbers_that_made_the_seconds_are_found_again() -> None:
     assert numbers["climb_power"].low < 25.0 < numbers["climb_power"].high
 
 
-def test_who_never_flew_fast_tells_no_curve_and_who_never_stood_is_less_sure() -> None:
+def test_slow_flights_give_no_power_curve_and_no_hover_widens_its_range() -> None:
     slow = PowerSeconds(np.full(300, 200.0), np.full(300, 2.0), np.zeros(300), np.ones(300, bool))
     assert learned_powers([slow]) == {}
     assert learned_powers([]) == {}

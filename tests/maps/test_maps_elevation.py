@@ -224,7 +224,7 @@ def test_ellipsoidal_heights_lose_the_geoid(write_model: Write, tmp_path: Path) 
     assert said[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (by geoid.gtx)"
 
 
-def test_a_three_dimensional_system_says_itself_that_heights_are_ellipsoidal(write_model: Write) -> None:
+def test_a_three_dimensional_crs_marks_its_heights_as_ellipsoidal(write_model: Write) -> None:
     path = write_model(lambda lat, lon: hills(lat, lon) + 47.25, crs="EPSG:4979")
     _, said = read(path, geoid=47.25)
     assert "above the ellipsoid" in said[0]

@@ -108,7 +108,7 @@ def test_what_is_no_archive_is_no_kmz(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", some(1, ["polygon.shp", "pline.shp"]))
-def test_qgroundcontrols_shapefiles_hold_meters_where_their_prj_says_degrees(samples: Path, name: str) -> None:
+def test_qgroundcontrols_shapefiles_in_meters_with_a_prj_in_degrees_fail(samples: Path, name: str) -> None:
     pytest.importorskip("pyogrio")
     with refuses("not-degrees", kind=BadInput) as told:
         read_features(samples / "DonLakeFlyer+qgroundcontrol" / "test" / "Utilities" / "Geo" / name)

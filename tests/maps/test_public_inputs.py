@@ -62,7 +62,7 @@ def test_switzerlands_99999_m_is_no_ceiling_below_it(tmp_path: Path, reference: 
 
 
 @pytest.mark.parametrize(("restriction", "count"), [("REQ_AUTHORISATION", 1), ("NO_RESTRICTION", 0)])
-def test_a_finnish_zone_without_limits_in_a_file_with_a_mark_at_its_beginning(
+def test_a_finnish_zone_without_limits_is_read_despite_a_byte_order_mark(
     tmp_path: Path, restriction: str, count: int
 ) -> None:
     """The same, #413: UTF-8 with a byte order mark."""

@@ -48,7 +48,7 @@ def test_a_profile_with_its_spread_is_read_at_home_and_at_the_hour(tmp_path: Pat
     assert alone.towards(10.0)[0] == pytest.approx(4.0)
 
 
-def test_a_classic_file_with_the_height_in_the_name_and_degrees_to_360_is_read(tmp_path: Path) -> None:
+def test_a_classic_file_with_named_heights_and_longitudes_to_360_is_read(tmp_path: Path) -> None:
     data = forecast([10.0], longitudes=(8.0, 8.5, 9.0)).isel(height=0, number=0, time=[0], drop=True)
     data = data.rename(ua="u10", va="v10").assign_coords(longitude=[351.0, 351.5, 352.0])
     for name in ("u10", "v10"):
@@ -93,7 +93,7 @@ def read(text: str, folder: Path) -> Scenario:
     return parse_scenario(text + PLACES, folder / "here.toml")
 
 
-def test_a_scenario_flies_in_the_wind_of_its_forecast_and_what_is_wrong_is_named(tmp_path: Path) -> None:
+def test_a_scenario_has_the_wind_of_its_forecast_and_errors_name_the_file(tmp_path: Path) -> None:
     forecast([10.0, 100.0]).to_netcdf(tmp_path / "ensemble.nc", engine="h5netcdf")
     scenario = read("time = 2026-06-01T12:10:00Z\n", tmp_path)
     assert scenario.wind.air().towards(100.0) == pytest.approx((12.0, 2.0))

@@ -77,7 +77,7 @@ def test_what_comes_back_from_the_wire_is_the_mission_again(autopilot: Autopilot
     assert compare(to_wire(mission), to_wire(back), autopilot) is None
 
 
-def test_ardupilots_item_0_serves_as_home_but_the_vehicles_own_word_goes_first() -> None:
+def test_ardupilots_item_0_is_home_unless_the_vehicle_reports_another() -> None:
     wire = to_wire(replace(FLIGHT, autopilot=Autopilot.ARDUPILOT))
     assert from_wire(wire, Autopilot.ARDUPILOT).home == HOME
     assert from_wire(wire, Autopilot.ARDUPILOT, AWAY).home == AWAY

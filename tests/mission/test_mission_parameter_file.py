@@ -155,7 +155,7 @@ def test_what_is_written_beside_a_mission_comes_back(
     assert read_mission(path).parameters == values
 
 
-def test_a_mission_without_parameters_takes_away_those_that_were_written_here(tmp_path: Path) -> None:
+def test_a_mission_without_parameters_deletes_the_file_written_before(tmp_path: Path) -> None:
     path = tmp_path / "a.waypoints"
     write_mission(replace(MISSION, parameters={"MPC_XY_VEL_MAX": 9.5, "MPC_YAW_MODE": 1.0}), path)
     lines = (tmp_path / "a.params").read_text().splitlines()

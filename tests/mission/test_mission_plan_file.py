@@ -198,7 +198,7 @@ def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
         write_mission(Mission(Geodetic(39.1, 121.8, math.nan), ()), tmp_path / "no.plan")
 
 
-def test_a_plan_is_for_the_autopilot_of_its_firmware_and_its_class_of_vehicle(
+def test_a_plan_selects_its_autopilot_by_firmware_and_vehicle_class(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     class Plane(type(Autopilot.ARDUPILOT)):  # type: ignore[misc]

@@ -86,7 +86,7 @@ def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("frame", [10, 11])
-def test_terrain_altitudes_are_refused_because_ground_stations_take_them_for_amsl(frame: int, tmp_path: Path) -> None:
+def test_terrain_altitudes_are_not_written_to_waypoints_files(frame: int, tmp_path: Path) -> None:
     mission = Mission(HOME, (takeoff(HOME, 40.0), Item(16, frame, altitude=30.0)), Autopilot.ARDUPILOT)
     with refuses("frame-not-written", "item 2 (NAV_WAYPOINT)", kind=BadInput):
         write_mission(mission, tmp_path / "terrain.waypoints")

@@ -61,7 +61,7 @@ def test_a_shift_of_the_problem_shifts_the_run_and_nothing_else() -> None:
     assert there.cost == pytest.approx(here.cost, rel=1e-4)
 
 
-def test_it_solves_in_a_tenth_of_the_budget_what_ipoa_does_not_solve_in_all_of_it() -> None:
+def test_adaptive_pelican_beats_ipoa_with_a_tenth_of_the_evaluations() -> None:
     ours = [
         minimize(rosenbrock, BOX, AdaptivePelican(evaluations=9_000), np.random.default_rng(run)).cost
         for run in range(5)

@@ -73,7 +73,7 @@ def test_lattice_finds_paths_around_a_too_narrow_gap(scenario: Make) -> None:
 
 
 @pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
-def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enough(
+def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
     scenario: Make, climb: float, descent: float
 ) -> None:
     limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}

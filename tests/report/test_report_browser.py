@@ -145,9 +145,7 @@ def test_pointing_at_a_moment_draws_the_way_home_from_there(open_page: Callable[
     assert page.evaluate(drawn) == ""
 
 
-def test_the_map_comes_nearer_by_buttons_wheel_and_fingers_and_keeps_what_lies_on_it(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_map_zooms_by_buttons_wheel_and_fingers_and_keeps_its_markers(open_page: Callable[..., Any]) -> None:
     page = open_page()
     plan = page.locator("#map")
     plan.scroll_into_view_if_needed()

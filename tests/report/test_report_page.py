@@ -173,7 +173,7 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
     assert "least clearance" not in page
 
 
-def test_a_return_through_a_building_is_read_before_it_flies_and_under_no_green_sign(bowed: Bowed) -> None:
+def test_a_return_through_a_building_is_listed_before_you_fly_in_amber(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("campus.toml")
     page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 1500.0}), scenario))
     assert re.search(

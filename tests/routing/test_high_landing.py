@@ -140,7 +140,7 @@ def test_arducopters_land_counts_from_its_own_altitude(
     assert estimate(mission).items[-1].duration_s == pytest.approx(flown_s, rel=0.035)
 
 
-def test_the_lower_of_home_and_the_landings_altitude_is_what_the_check_counts_from() -> None:
+def test_the_check_counts_from_the_lower_of_home_and_the_landing_item() -> None:
     scenario = slope(12.0, ARDUPILOT)
     goal = scenario.frame.geodetic(np.array([200.0, 0.0, 0.0]))
     for altitude, wanted in ((12.0, 2200.0), (-8.0, 3000.0)):  # before 4.7 the altitude did not count

@@ -64,9 +64,7 @@ def gate(width: float, autopilot: str, confidence: float | str = 0.99) -> dict[s
     }
 
 
-def test_a_gap_that_no_flight_fits_is_named_with_its_leg_before_anything_is_sought(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_gap_too_narrow_is_named_with_its_leg_before_any_search(monkeypatch: pytest.MonkeyPatch) -> None:
     def sought(*_: object) -> None:
         raise AssertionError("a path was sought")
 

@@ -71,7 +71,7 @@ def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: A
 @pytest.mark.parametrize(
     ("autopilot", "says"), some(1, [("px4", "COM_LOW_BAT_ACT = 1"), ("ardupilot", "BATT_FS_CRT_ACT = 2")])
 )
-def test_where_no_way_leads_round_the_refusal_has_the_failsafe_and_what_returns(autopilot: str, says: str) -> None:
+def test_a_refusal_without_a_detour_names_the_failsafe_and_its_alternative(autopilot: str, says: str) -> None:
     kind = next(one for one in registered() if str(one) == autopilot)
     with refuses("no-path", "", "LAND", "battery", "roof") as refused:
         plan_flight(over_a_roof(kind, LANDS[autopilot], wide=160.0), seed=0)
@@ -79,7 +79,7 @@ def test_where_no_way_leads_round_the_refusal_has_the_failsafe_and_what_returns(
     assert plan_flight(over_a_roof(kind, RETURNS[autopilot], wide=160.0), seed=0).proof.holds
 
 
-def test_who_is_only_to_be_warned_is_told_of_the_items_the_failsafe_and_what_returns() -> None:
+def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> None:
     asked = over_a_roof(Autopilot.ARDUPILOT, LANDS["ardupilot"], returns="warn")
     flight = plan_flight(asked, seed=0)
     found = [one for one in check_mission(flight.mission, asked) if one.code == "land-too-near"]

@@ -94,7 +94,7 @@ def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> No
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
-def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(autopilot: Autopilot) -> None:
+def test_rally_points_are_planned_where_no_altitude_in_the_bounds_helps(autopilot: Autopilot) -> None:
     flight = plan_flight(scene(autopilot, WALL, top=70.0), seed=0)
     assert 1 <= len(flight.mission.rally) <= 2
     assert any("rally points" in remark for remark in flight.remarks)
@@ -148,7 +148,7 @@ def test_no_return_is_planned_above_the_vehicle_s_own_fence() -> None:
     assert fenced.mission.rally
 
 
-def test_a_return_that_nobody_looked_at_is_refused_where_returns_are_planned() -> None:
+def test_an_unchecked_return_is_refused_where_returns_are_planned() -> None:
     with refuses("unsafe") as refused:
         plan_flight(scene(Autopilot.PX4, parameters="RTL_TYPE = 3"), seed=0)
     assert 'returns = "warn"' in str(refused.value.hint)
@@ -161,9 +161,7 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
 
 
 @pytest.mark.long
-def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_corner_with_an_obstacle_in_its_braking_path_is_moved_away(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     scenario = read_scenario(MISSIONS / "sitl.toml")
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
@@ -185,7 +183,7 @@ def replaced(scenario: Scenario, returns: str) -> Scenario:
     return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"returns": returns})})
 
 
-def test_where_nothing_helps_the_refusal_has_the_stretch_and_what_was_tried() -> None:
+def test_a_refusal_names_the_return_its_obstacle_and_the_way_out() -> None:
     with refuses("no-path", "", "RTL", "of roof") as refused:
         plan_flight(scene(Autopilot.PX4, SLAB, parameters="RTL_RETURN_ALT = 55", top=200.0), seed=0)
     assert 'returns = "warn"' in str(refused.value.hint)

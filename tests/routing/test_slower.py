@@ -71,7 +71,7 @@ def found_only(route: Route, patch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_what_is_too_near_at_the_cruise_speed_is_planned_with_a_slower_stretch(
+def test_a_bend_too_near_at_cruise_speed_is_planned_with_a_slower_stretch(
     autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene, route = bend(autopilot)

@@ -98,7 +98,7 @@ def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
         split(Mission(mission.home, (*mission.items[:-1], jump, mission.items[-1]), mission.autopilot), world(22.0))
 
 
-def test_where_the_straight_way_back_is_not_clear_it_is_as_high_as_the_return() -> None:
+def test_an_unclear_straight_approach_is_flown_at_the_return_altitude() -> None:
     """A wall between home and all places but the first, higher than the take-off and lower than the return."""
     wall = {"kind": "box", "name": "wall", "east": 10.0, "north": -10.0, "width": 6.0, "depth": 36.0, "height": 22.0}
     scenario = world(22.0, wall)

@@ -53,7 +53,7 @@ def height_over_the_hall(flown: Mission, scenario: Scenario) -> float:
     return float(min(way.points[-1, 2] for way in ways))
 
 
-def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_for_the_way_home() -> None:
+def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_to_return() -> None:
     """Else the curve would dip before the goal, and rise there."""
     scenario = world(Autopilot.ARDUPILOT, 18.0)
     raised = build_mission(Route(np.array(ROUND_THE_HALL), spline=True, brakes_on_curve=True), scenario)

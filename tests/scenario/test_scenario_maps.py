@@ -151,7 +151,7 @@ def test_home_in_a_no_fly_zone_is_refused(read: Read) -> None:
         read("kind = 'no_fly'", box(-5, -5, 5, 5))
 
 
-def test_of_several_flight_areas_the_one_with_home_counts_and_what_touches_it(read: Read) -> None:
+def test_the_flight_area_with_home_counts_and_those_that_touch_it(read: Read) -> None:
     scenario = read("kind = 'flight_area'", box(-20, -20, 50, 50), box(50, -20, 150, 50))
     assert scenario.airspace.bounds.upper[0] == pytest.approx(150)
     apart = read("kind = 'flight_area'", box(160, -20, 250, 50), box(-20, -20, 150, 50))

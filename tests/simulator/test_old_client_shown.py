@@ -117,7 +117,7 @@ def test_fence_items_come_back_with_another_flag() -> None:
         assert [one.item.autocontinue for one in said if isinstance(one, ItemAt)] == [False]
 
 
-def test_ardupilot_without_a_position_is_armed_stays_on_the_ground_and_stays_armed() -> None:
+def test_ardupilot_without_a_position_arms_and_refuses_the_mission() -> None:
     session = Session(ARDUPILOT, cold=True)
     session.now = 25.0
     session.upload(LEGS)
@@ -132,7 +132,7 @@ def test_ardupilot_without_a_position_is_armed_stays_on_the_ground_and_stays_arm
     assert session.order(400, 1.0) == [0, "Arming motors"]
 
 
-def test_the_second_flight_of_ardupilot_cannot_be_armed_where_the_first_one_ended() -> None:
+def test_ardupilot_cannot_arm_a_second_flight_in_the_mode_of_the_first() -> None:
     session = Session(ARDUPILOT)
     session.upload(LEGS)
     session.order(400, 1.0)

@@ -41,7 +41,7 @@ def short(*extra: Item) -> list[Item]:
     return [takeoff(HOME, 10.0), waypoint(Geodetic(47.4001, 8.5), 10.0), *extra]
 
 
-def test_px4_accepts_a_take_off_that_is_too_low_and_then_finds_it_unflyable() -> None:
+def test_px4_accepts_a_take_off_too_low_and_then_reports_it_invalid() -> None:
     flown = Flown(PX4, [takeoff(HOME, 1.0), waypoint(HOME, 20.0)])
     assert Ack(OK) in flown.uploaded
     assert any(isinstance(said, Event) for said in flown.uploaded)
@@ -84,7 +84,7 @@ def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: 
     assert (flown.mock.flight.mode is FlightMode.MISSION) == (autopilot is PX4)
 
 
-def test_ardupilot_takes_a_mission_before_it_can_be_armed_and_has_a_position_last() -> None:
+def test_ardupilot_takes_a_mission_then_arms_and_has_a_position_last() -> None:
     flown = Flown(ARDUPILOT, [], Mock(ARDUPILOT, HOME, conditions=Conditions(cold=True)))
     assert Ack(Result.NO_SPACE) in flown.hear(Count(3))
     flown.now = 4.0

@@ -199,7 +199,7 @@ def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, 
         assert flown.mock.vehicle.mode == (HOLD if result == OK else TAKEOFF)
 
 
-def test_px4_without_a_mission_any_more_refuses_its_mode_after_it_has_said_yes() -> None:
+def test_px4_without_a_mission_accepts_its_mode_and_then_refuses_it() -> None:
     """Two answers to one order: the first is only that it was heard."""
     flown = climbed()
     flown.upload([waypoint(Geodetic(HOME.latitude_deg + 0.002, HOME.longitude_deg), 20.0)])

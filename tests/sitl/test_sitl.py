@@ -116,7 +116,7 @@ def test_mavsdk_flies_it_with_the_same_result(sitl: Sitl) -> None:
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_over_a_bad_radio_a_flight_is_flown_or_refused_but_never_a_false_success(sitl: Sitl, seed: int) -> None:
+def test_a_bad_radio_gives_a_flight_or_a_refusal_and_no_false_success(sitl: Sitl, seed: int) -> None:
     """Thirty of a hundred datagrams are lost, each way."""
     if sitl.link.startswith("tcp"):
         pytest.skip("TCP loses nothing")

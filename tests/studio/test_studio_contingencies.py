@@ -56,7 +56,7 @@ def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
 
 
 @pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
-def test_what_a_contingency_takes_lies_between_what_it_takes_before_and_after(
+def test_the_energy_of_a_contingency_lies_between_its_neighbors(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...], contingency: Contingency
 ) -> None:
     contingencies, budget = Contingencies(forecast), budget_of(forecast)

@@ -42,7 +42,7 @@ def words_of(told: list[Any]) -> list[str]:
     return [said.words for said in told if isinstance(said, State)]
 
 
-def test_an_ordered_return_is_no_failure_and_hold_and_land_are_known_on_its_way(tmp_path: Path) -> None:
+def test_an_ordered_return_is_no_failure_and_offers_hold_and_land(tmp_path: Path) -> None:
     forecast = Forecast(MISSION, read_scenario(MISSIONS / "sitl.toml"))
     told = flown(tmp_path, forecast, lambda said: isinstance(said, Seen) and said.done >= 3 and "rtl")
     landed = next(said for said in told if isinstance(said, Landed))
@@ -57,7 +57,7 @@ def test_an_ordered_return_is_no_failure_and_hold_and_land_are_known_on_its_way(
     assert any("here: clear" in order.words for order in known if order.what == "land")
 
 
-def test_a_deviation_is_shown_the_vehicle_holds_and_the_page_orders_what_is_next(
+def test_a_deviation_is_shown_the_vehicle_holds_and_the_page_offers_orders(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lower = replace(MISSION, items=tuple(replace(item, altitude=item.altitude / 2) for item in MISSION.items))

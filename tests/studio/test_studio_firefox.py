@@ -67,9 +67,7 @@ def fly(page: Firefox) -> None:
 
 
 @pytest.mark.skipif(XVFB is None, reason="needs Xvfb: WebGL wants a screen")
-def test_the_goal_is_dragged_a_building_drawn_and_saved_and_the_flight_flown(
-    address: tuple[str, Path], tmp_path: Path
-) -> None:
+def test_firefox_drags_the_goal_draws_a_building_saves_and_flies(address: tuple[str, Path], tmp_path: Path) -> None:
     assert FIREFOX is not None
     (tmp_path / "profile").mkdir()
     with firefox(FIREFOX, tmp_path / "profile", XVFB) as page:

@@ -64,7 +64,7 @@ def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -
         assert len(mended.airspace.obstacles) == len(scenario.airspace.obstacles) + stand
 
 
-def test_a_way_home_that_is_not_clear_can_be_flown_higher_planned_or_left_out() -> None:
+def test_an_unclear_return_offers_a_higher_one_a_planned_one_or_none() -> None:
     text = MEADOW.read_text().replace('ending = "land"', 'ending = "rtl"').replace("height = 25.0", "height = 70.0")
     scenario = parse_scenario(text, MEADOW)
     with refuses("unsafe", "", "barn") as caught:

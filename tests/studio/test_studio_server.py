@@ -92,7 +92,7 @@ def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) 
     assert document["unsaved"]
 
 
-def test_planning_that_was_cancelled_is_taken_up_again_and_a_place_is_found(studio: Studio) -> None:
+def test_cancelled_planning_is_resumed_and_a_place_is_found(studio: Studio) -> None:
     with studio.window() as talk:
         talk.wait("sketch")
         talk.say(kind="do", what="cancel")
@@ -106,7 +106,7 @@ def test_planning_that_was_cancelled_is_taken_up_again_and_a_place_is_found(stud
     assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
 
 
-def test_how_it_can_end_is_told_after_the_plan_and_counts_no_more_after_a_change(studio: Studio) -> None:
+def test_contingencies_follow_the_plan_and_expire_after_a_change(studio: Studio) -> None:
     with studio.window() as talk:
         plan = talk.has("plan")
         strip = talk.wait("endings", lambda told: any(bar["costs"] for bar in told["bars"]))
@@ -171,7 +171,7 @@ def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ord
     assert not landed["completed"]
 
 
-def test_a_shipped_scenario_over_terrain_is_planned_uploaded_and_flown_from_the_page(studio: Studio) -> None:
+def test_the_page_plans_uploads_and_flies_a_scenario_over_terrain(studio: Studio) -> None:
     text = (Path(__file__).parents[2] / "missions" / "campus.toml").read_text()
     assert studio.client.get(f"/{TOKEN}/", headers={"host": HOST}).status_code == 200
     with studio.window() as talk:

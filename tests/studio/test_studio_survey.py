@@ -328,7 +328,7 @@ def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
     assert survey_of(parse_scenario(moved, MEADOW)).starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
 
 
-def test_on_a_link_the_next_flight_waits_for_a_battery_and_is_the_same_vehicle_s() -> None:
+def test_the_next_flight_on_a_link_waits_for_a_battery_of_the_same_vehicle() -> None:
     relay, on_link = BatteryGuard(), Upload(link="udpin:127.0.0.1:14550")
     assert relay.expect_charged(on_link, is_survey=True) == on_link
     relay.hear({"kind": "loaded", "mission": "field-1", "system": 7})

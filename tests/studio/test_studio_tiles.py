@@ -109,7 +109,7 @@ def test_pmtiles_are_read(tmp_path: Path) -> None:
     assert found.read(3, 4, 3) is None
 
 
-def test_vector_tiles_are_told_by_their_format_and_given_as_they_are_packed(tmp_path: Path) -> None:
+def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: Path) -> None:
     layers = '{"vector_layers": [{"id": "water"}, {"id": "roads"}, 7]}'
     packed = gzip.compress(b"a tile")
     file = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", "pbf", layers=layers, tile=packed)))

@@ -23,7 +23,7 @@ def flown(*places: tuple[float, float]) -> Track:
     return Track(times, np.column_stack([points, np.zeros(len(points))]), np.ones(len(points)))
 
 
-def test_only_lines_see_and_all_that_is_flown_between_them_may_lead_outside() -> None:
+def test_coverage_and_the_distance_outside_count_lines_and_no_turns() -> None:
     track = flown((0.0, 5.0), (103.0, 5.0), (103.0, 15.0), (0.0, 15.0))
     both = as_flown([(track, np.array([[0.0, 103.0], [113.0, 216.0]]))], FIELD, FIELD, 10.0)
     assert both.share == pytest.approx(1.0, abs=1e-3)

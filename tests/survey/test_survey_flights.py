@@ -314,7 +314,7 @@ def test_the_library_takes_an_area_and_a_camera() -> None:
         plan_survey(np.array(FIELD), "box brownie", scenario=world, height_above_ground=60.0)
 
 
-def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -> None:
+def test_the_camera_starts_and_stops_on_each_line_even_of_no_length() -> None:
     world = scenario(PHOTOS)
     sight = sight_of(expect_survey(world)[0], Area.of([[FIELD]]), world)
     at = [np.array(place) for place in ([30.0, 20.0], [130.0, 20.0], [130.0, 60.0], [60.0, 60.0])]
@@ -355,7 +355,7 @@ def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None
     assert len(plan_survey(scenario=scenario(LINES, vehicle=battery, wind=wind)).flights) == 2
 
 
-def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights() -> None:
+def test_planned_returns_add_a_flight_where_the_battery_allows_no_rtl() -> None:
     """A battery for all in one flight, but not for an RTL from every second of it."""
     (whole,) = plan_survey(scenario=scenario(LINES, vehicle={"airframe": AIRFRAME})).flights
     assert whole.energy is not None

@@ -28,7 +28,7 @@ def photographed() -> Scenario:
     return scenario(camera="DJI Mavic 3E", side_overlap=0.6, front_overlap=0.7)
 
 
-def test_the_lines_at_once_are_those_of_the_plan_and_take_no_longer_than_its_flight(photographed: Scenario) -> None:
+def test_a_sketch_has_the_lines_of_the_plan_and_takes_no_longer(photographed: Scenario) -> None:
     sketch, survey = sketch_survey(photographed), plan_survey(scenario=photographed)
     assert [tuple(s.begin) + tuple(s.end) for s in sketch.tour.swaths] == [
         tuple(s.begin) + tuple(s.end) for s in survey.plan.tour.swaths

@@ -56,7 +56,7 @@ DRAWN = [
 
 
 @pytest.mark.parametrize("place", [[640.0, 60.0], [-9000.0, 4000.0]])
-def test_from_another_start_place_everything_stands_where_it_is_on_the_earth(place: list[float]) -> None:
+def test_another_start_place_moves_nothing_on_the_earth(place: list[float]) -> None:
     world = scenario(
         OVER | {"starts": [place], "polygon": [LONG]},
         terrain=HILLS if place[0] > 0 else {"kind": "flat", "height": 3.0},
@@ -223,7 +223,7 @@ def test_of_many_start_places_not_every_set_is_looked_at() -> None:
     assert all((*range(count),) in _sets_of_starts(count) for count in (1, 3, 4, 10))
 
 
-def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_told() -> None:
+def test_each_start_without_a_battery_flies_the_nearest_lines_if_any() -> None:
     far = [*ENDS, [-800.0, 0.0]]
     survey = plan_survey(scenario=scenario(OVER | {"starts": far}))
     assert [flight.start for flight in survey.plan.flights] == [0, 1]

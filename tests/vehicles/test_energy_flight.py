@@ -51,7 +51,7 @@ def test_a_cruise_takes_its_power() -> None:
     )
 
 
-def test_speeding_up_takes_the_kinetic_energy_and_slowing_down_gives_none_back() -> None:
+def test_speeding_up_takes_kinetic_energy_and_braking_gives_none_back() -> None:
     times, points, speeds = cruise(10.0, 100)
     stops = speeds.copy()
     stops[[0, 50, 100]] = 0.0

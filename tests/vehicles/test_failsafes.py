@@ -184,7 +184,7 @@ def test_fs_options_decide_by_stage(options: float, route: str, landing: str) ->
     assert (station.at(FlightStage.ROUTE).contingency, station.at(FlightStage.LANDING).contingency) == (route, landing)
 
 
-def test_a_critical_battery_that_is_less_urgent_than_a_low_one_changes_nothing() -> None:
+def test_a_critical_battery_less_urgent_than_a_low_one_changes_nothing() -> None:
     """AP_BattMonitor::check_failsafes: terminate, land, RTL, SmartRTL or land, SmartRTL, none, then the others."""
     base = {"BATT_LOW_VOLT": 10.5, "BATT_CRT_VOLT": 10.0}
     for low, critical, then in (

@@ -135,6 +135,6 @@ def test_a_version_is_measured_whose_flights_are_in_the_lab_book(
     assert (autopilot.not_measured(Version.parsed(version)) is None) is measured
 
 
-def test_a_version_without_a_table_is_judged_by_the_nearest_and_that_is_said() -> None:
+def test_a_version_without_a_table_uses_the_nearest_and_names_it() -> None:
     assert str(PX4.not_measured(Version(1, 19))).endswith("its items are checked by the tables of PX4 1.18")
     assert PX4.checked_for(Version(1, 19)) == "px4 1.19 (not measured)"

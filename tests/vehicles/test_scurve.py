@@ -64,9 +64,7 @@ def test_a_twelve_meter_leg_crawls_whatever_speed_is_asked_for() -> None:
 
 
 @given(lengths, limits)
-def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(
-    length: float, limit: SCurveLimits
-) -> None:
+def test_a_leg_entered_at_a_speed_has_its_length_and_less_time(length: float, limit: SCurveLimits) -> None:
     rest = profile(length, limit)
     moving = profile(length, limit, enter=rest.peak / 2)
     assert sampled(moving, length)[-1, 2] == pytest.approx(length, rel=1e-4, abs=1e-5)
