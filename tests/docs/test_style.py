@@ -18,7 +18,7 @@ METRE = re.compile(r"(?<![a-z])(?:kilo|centi|milli)?metres?(?![a-z])")
 #: They read the units of others' files.
 READ_UNITS = {
     *("ipoa_mission/maps/lengths.py", "ipoa_mission/maps/elevation.py", "ipoa_mission/maps/tag_heights.py"),
-    *("ipoa_mission/maps/geozones.py", "tests/maps/test_maps_elevation.py", "tests/maps/test_maps_heights.py"),
+    *("ipoa_mission/maps/geozones.py", "tests/maps/test_elevation.py", "tests/maps/test_heights.py"),
     "tests/maps/test_wind_files.py",
 }
 QUOTED = re.compile(r'"(?:\d+ )?metres?(?: per second)?"|"[^"]*metres (?:centi|milli|kilo)?meter[^"]*"')
@@ -87,4 +87,15 @@ def test_a_test_has_a_short_name() -> None:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_")
         if len(node.name) > TEST_NAME
     ]
+    assert not found
+
+
+def test_a_test_file_does_not_repeat_its_folder() -> None:
+    """`tests/cli/test_files.py`, not `tests/cli/test_cli_files.py`."""
+    tests = REPOSITORY / "tests"
+    found = {
+        path.relative_to(tests).as_posix()
+        for path in tests.glob("*/test_*.py")
+        if path.name.startswith((f"test_{path.parent.name}_", f"test_{path.parent.name.removesuffix('s')}_"))
+    }
     assert not found

@@ -17,7 +17,7 @@ from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tests.checks.test_check_ground import ARDUPILOT, PX4, slope
+from tests.checks.test_ground import ARDUPILOT, PX4, slope
 from tests.examples import some
 from tests.quick_search import search_quickly
 from tests.refused import refuses

@@ -29,8 +29,8 @@ from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.survey.tour_split import RouteCost, StartSites, nearest_areas, quickest_parts
 from ipoa_mission.world.frame import Geodetic, apart
 from tests.refused import refuses
-from tests.survey.test_survey_flights import AIRFRAME, HOME, TOWER, scenario
-from tests.survey.test_survey_split import tour_of
+from tests.survey.test_flights import AIRFRAME, HOME, TOWER, scenario
+from tests.survey.test_split import tour_of
 
 LONG = [[20.0, 10.0], [620.0, 10.0], [620.0, 90.0], [20.0, 90.0]]
 OVER = {"polygon": LONG, "line_spacing": 20.0, "height_above_ground": 40.0}

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.link.vehicle import Vehicle
-from tests.checks.test_check_ground import PX4
+from tests.checks.test_ground import PX4
 from tests.cli.conftest import Run, Serve
 from tests.routing.test_high_landing import HOME, flight_to_high_ground
 

@@ -14,7 +14,7 @@ from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tests.maps.test_maps_osm import RELATION, TOWN, node, way
+from tests.maps.test_osm import RELATION, TOWN, node, way
 from tests.refused import refuses
 
 osmium = pytest.importorskip("osmium")

@@ -8,7 +8,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.survey.survey_plan import SurveyPlan, plan_flights, rest_of
 from tests.examples import some
 from tests.refused import refuses
-from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenario
+from tests.survey.test_flights import FIELD, LINES, PHOTOS, TOWER, scenario
 
 
 def flown_of(plan: SurveyPlan, flight: int) -> Any:

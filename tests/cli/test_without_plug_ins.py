@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Outcome
-from tests.cli.test_cli_surveying import SCENARIO
+from tests.cli.test_surveying import SCENARIO
 
 REPOSITORY = Path(__file__).parents[2]
 #: Runs the command of each line of its input.

@@ -10,7 +10,7 @@ from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
-from tests.cli.test_cli_surveying import SCENARIO
+from tests.cli.test_surveying import SCENARIO
 
 SITL = Path(__file__).parents[2] / "missions" / "sitl.plan"
 MISSION = read_mission(SITL)

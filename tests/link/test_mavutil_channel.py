@@ -11,8 +11,8 @@ from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.mavutil_channel import MavutilChannel, expect_line
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
-from tests.link.test_link_strangers import Net, line_on, station
-from tests.link.test_link_verbs import met
+from tests.link.test_strangers import Net, line_on, station
+from tests.link.test_verbs import met
 from tests.refused import refuses
 
 

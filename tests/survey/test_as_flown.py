@@ -11,7 +11,7 @@ from ipoa_mission.survey.flown_coverage import as_flown, expected_lines
 from ipoa_mission.survey.survey_flight import plan_survey
 from ipoa_mission.survey.survey_plan import rest_of
 from ipoa_mission.survey.survey_report import survey_as_json
-from tests.survey.test_survey_flights import LINES, TOWER, scenario
+from tests.survey.test_flights import LINES, TOWER, scenario
 
 FIELD = shapely.box(0.0, 0.0, 100.0, 20.0)
 
