@@ -1,4 +1,4 @@
-"""Measure each release: append to docs/history.csv, and plot it.
+"""Measure each release: append to docs/data/history.csv, and plot it.
 
     taskset -c 0 python -m tools.history             measure every shipped scenario, append, plot
     python -m tools.history --plot history.svg       plot what is there
@@ -20,7 +20,7 @@ import ipoa_mission as api
 from ipoa_mission.report.plots import STYLE
 from tools import REPOSITORY, command_line
 
-HISTORY = REPOSITORY / "docs" / "history.csv"
+HISTORY = REPOSITORY / "docs" / "data" / "history.csv"
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ COLUMNS = (
     "| below 90 % keep | least surplus over required m | over 99 % keep m"
 )
 NAMES = {"ardupilot": "ArduCopter 4.7.0-dev", "px4": "PX4 1.17.0"}
-with (DOCS / "flown.csv").open(encoding="utf-8", newline="") as file:
+with (DOCS / "data" / "flown.csv").open(encoding="utf-8", newline="") as file:
     FLOWN = list(csv.DictReader(file))
 
 

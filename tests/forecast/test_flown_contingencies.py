@@ -1,6 +1,7 @@
 """Contingencies ordered at random seconds on real autopilots, against the forecast of each second.
 
-docs/returns.csv has every order (tools/fly/endings_judge.py of commit b6e82bdb), `flown_contingencies/` some missions.
+docs/data/returns.csv has every order (tools/fly/endings_judge.py of commit b6e82bdb).
+`flown_contingencies/` has some missions.
 """
 
 import csv
@@ -22,7 +23,7 @@ from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 
 Row = dict[str, str]
-ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
+ROWS: list[Row] = list(csv.DictReader(Path("docs/data/returns.csv").read_text(encoding="utf-8").splitlines()))
 MISSIONS = Path(__file__).with_name("flown_contingencies")
 BOTH_AT_ONCE = "where the voltage falls through both at once"
 NOT_A_CONTINGENCY = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}

@@ -1,6 +1,6 @@
 """Power by airspeed and climb, learned from one flight.
 
-docs/energy.csv: flights of ArduCopter 4.8.0-dev in its simulator. `survey_battery`, the only one that is learned from,
+docs/data/energy.csv: flights of simulated ArduCopter 4.8.0-dev. `survey_battery`, the only one that is learned from,
 is cut by `tools.fly.trim_log`.
 """
 
@@ -32,7 +32,7 @@ REPOSITORY = HERE.parents[1]
 LOG = HERE / "survey_battery-ardupilot.bin"
 FAR_UP = 50.0  # [m]: a wind that grows so far
 NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-RECORDED = (REPOSITORY / "docs" / "energy.csv").read_text(encoding="utf-8").splitlines()
+RECORDED = (REPOSITORY / "docs" / "data" / "energy.csv").read_text(encoding="utf-8").splitlines()
 FLOWN = [row for row in csv.DictReader(RECORDED) if row["likely_wh"]]
 
 

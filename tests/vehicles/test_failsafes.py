@@ -38,7 +38,7 @@ DOCUMENTED = {
     "FS_EKF_ACTION": "0:Report only,1:Switch to Land mode,2:AltHold,3:Switch to Land mode",
     "AVD_F_ACTION": "0:None,1:Report,2:Climb Or Descend,3:Move Horizontally,4:Move Perpendicularly in 3D,5:RTL,6:Hover",
     "FS_CRASH_CHECK": "0:Disabled,1:Enabled",
-    "FS_DR_ENABLE": "0:Disabled/NoAction",  # in all others it drifts: docs/returns.csv
+    "FS_DR_ENABLE": "0:Disabled/NoAction",  # in all others it drifts: docs/data/returns.csv
 }
 GRADES = "0:None,1:Warning,2:Hold mode,3:Return mode,4:Terminate,5:Land mode"
 LINK = "1:Hold mode,2:Return mode,3:Land mode,5:Terminate,6:Disarm"
@@ -50,7 +50,7 @@ OF_PX4 = {
     "COM_POS_LOW_ACT": GRADES,
     "COM_FLTT_LOW_ACT": "0:None,1:Warning,3:Return",
     "COM_ACT_FAIL_ACT": "0:Warning only,1:Hold mode,2:Land mode,3:Return mode,4:Terminate",
-    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Disabled",  # as flown: docs/returns.csv
+    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Disabled",  # as flown: docs/data/returns.csv
 }
 OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
 OF_118 = OF_PX4 | {
@@ -70,11 +70,11 @@ WORDS = {
     r"SmartRTL": Contingency.SMART_RTL,
     r"DO_LAND_START": Contingency.LAND_START,
     r"\bRTL|Return": Contingency.RTL,
-    r"Switch to Land|Descend": Contingency.UNKNOWN,  # without a position it drifts: docs/returns.csv
+    r"Switch to Land|Descend": Contingency.UNKNOWN,  # without a position it drifts: docs/data/returns.csv
     r"Land": Contingency.LAND,
     r"Terminate|Disarm": Contingency.TERMINATE,
     r"Brake|Hold mode": Contingency.HOLD,
-    r"AltHold|Climb|Move|Hover": Contingency.UNKNOWN,  # LOITER obeys the sticks: docs/returns.csv
+    r"AltHold|Climb|Move|Hover": Contingency.UNKNOWN,  # LOITER obeys the sticks: docs/data/returns.csv
     r"Enabled": Contingency.TERMINATE,  # that it is looked for
 }
 LOOKED_FOR = {

@@ -1,7 +1,7 @@
 """Fly every recorded mission on the built-in autopilot.
 
-python -m tools.generate.built_in_autopilot_table            print the table
-python -m tools.generate.built_in_autopilot_table --write    write docs/built-in-autopilot.csv, and its page's summary
+python -m tools.generate.built_in_autopilot_table          print the table
+python -m tools.generate.built_in_autopilot_table --write  write docs/data/built-in-autopilot.csv and its page's summary
 """
 
 import numpy as np

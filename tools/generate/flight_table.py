@@ -1,7 +1,7 @@
 """Compare estimates with recorded flights.
 
-python -m tools.generate.flight_table            print the tables
-python -m tools.generate.flight_table --write    write docs/estimates*.csv, and the summary in docs/lab/flight-time.md
+python -m tools.generate.flight_table          print the tables
+python -m tools.generate.flight_table --write  write docs/data/estimates*.csv and the summary in docs/lab/flight-time.md
 """
 
 from collections.abc import Sequence

@@ -12,7 +12,7 @@ BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
 
 
 def put(text: str, page: Path, files: tuple[str, ...]) -> None:
-    """Write each kind of table, by its header, to the next of `files` in docs; all else between the page's markers."""
+    """Write each kind of table, by its header, to the next file in docs/data; the rest between the page's markers."""
     kinds: dict[str, list[list[str]]] = {}
     lines: list[str] = []
     heading = header = ""
@@ -29,7 +29,7 @@ def put(text: str, page: Path, files: tuple[str, ...]) -> None:
     for name, rows in zip(files, kinds.values(), strict=True):
         out = io.StringIO()
         csv.writer(out, lineterminator="\n").writerows(rows)
-        write_atomically(REPOSITORY / "docs" / name, out.getvalue())
+        write_atomically(REPOSITORY / "docs" / "data" / name, out.getvalue())
     before, rest = page.read_text(encoding="utf-8").split(BEGIN)
     summary = filled("\n".join(lines))
     write_atomically(page, f"{before}{BEGIN}\n{summary}{END}{rest.split(END)[1]}")
