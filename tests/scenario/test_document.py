@@ -7,12 +7,20 @@ import pytest
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tools.generate import scenario_reference
 
-REPOSITORY = Path(__file__).parents[2]
-TEXT = (REPOSITORY / "docs" / "scenario.md").read_text(encoding="utf-8")
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in scenario_reference.PAGES}
+TEXT = "\n".join(PAGES.values())
 
 
-def test_the_tables_are_those_of_the_schema() -> None:
-    assert scenario_reference.refreshed(TEXT) == TEXT, "run python -m tools.generate.scenario_reference"
+@pytest.mark.parametrize("name", PAGES)
+def test_the_tables_are_those_of_the_schema(name: str) -> None:
+    page = PAGES[name]
+    assert scenario_reference.refreshed(page) == page, "run python -m tools.generate.scenario_reference"
+
+
+def test_the_index_links_every_table() -> None:
+    rows = re.findall(r"^\| (\S+) \| .*\ba table\b", PAGES["scenario.md"], re.MULTILINE)
+    assert len(rows) > 15
+    assert not [key for key in rows if not key.startswith("[")]
 
 
 def test_every_table_of_the_schema_is_explained_once() -> None:
@@ -21,7 +29,7 @@ def test_every_table_of_the_schema_is_explained_once() -> None:
 
 
 def test_every_key_has_a_meaning_and_a_value() -> None:
-    rows = re.findall(r"^\| `(\w+)` \| (.*) \| (.*) \| (.*) \|$", TEXT, re.MULTILINE)
+    rows = re.findall(r"^\| \[?`(\w+)`\S* \| (.*) \| (.*) \| (.*) \|$", TEXT, re.MULTILINE)
     assert len(rows) > 100
     for key, value, left_out, meaning in rows:
         assert value.strip(), key

@@ -1,8 +1,8 @@
-"""Update the tables of keys in docs/scenario.md from the models that read a scenario.
+"""Update the tables of keys in docs/scenario.md and docs/scenario/ from the models that read a scenario.
 
     python -m tools.generate.scenario_reference
 
-A table is between `<!-- keys of NAME -->` and `<!-- end -->`, NAME is a table of the schema. All else in the file is
+A table is between `<!-- keys of NAME -->` and `<!-- end -->`, NAME is a table of the schema. All else in the pages is
 written by hand and stays.
 """
 
@@ -14,29 +14,40 @@ from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.scenario import Scenario
 from tools import REPOSITORY, command_line
 
-DOCUMENT = REPOSITORY / "docs" / "scenario.md"
+INDEX = REPOSITORY / "docs" / "scenario.md"
+PAGES = [INDEX, *sorted((REPOSITORY / "docs" / "scenario").glob("*.md"))]
 TABLE = re.compile(r"(<!-- keys of (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+HEADING = re.compile(r"^##? (.*\[\w+\].*)$", re.MULTILINE)
 
 
 def refreshed(text: str) -> str:
     schema = Scenario.model_json_schema()
     tables = {"Scenario": schema, **schema["$defs"]}
-    return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(tables[found[2]], tables)}{found[3]}", text)
+    return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(found[2], tables)}{found[3]}", text)
 
 
-def table_of_keys(section: dict[str, Any], tables: dict[str, Any]) -> str:
+def table_of_keys(name: str, tables: dict[str, Any]) -> str:
+    section, links = tables[name], sections() if name == "Scenario" else {}
     rows = ["| key | value | left out | meaning |", "|---|---|---|---|"]
     for key, said in section["properties"].items():
-        meaning = said.get("description") or what_it_is(said, tables)
+        if "const" in said:  # a `kind`, which the heading has
+            continue
+        meaning = said.get("description") or tables[said["$ref"].rsplit("/", 1)[-1]]["description"]
         left_out = "needed" if key in section.get("required", ()) else shown(said.get("default"))
-        cells = (f"`{key}`", value(said, tables), left_out, " ".join(meaning.split()))
+        linked = f"[`{key}`]({links[key]})" if key in links else f"`{key}`"
+        cells = (linked, value(said, tables), left_out, " ".join(meaning.split()))
         rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(rows) + "\n"
 
 
-def what_it_is(said: dict[str, Any], tables: dict[str, Any]) -> str:
-    """Return the meaning of a key without its own: that of its table, or that it distinguishes tables."""
-    return str(tables[said["$ref"].rsplit("/", 1)[-1]]["description"]) if "$ref" in said else "Says which table it is."
+def sections() -> dict[str, str]:
+    """Return the link to the section of each table at the top of a scenario."""
+    return {
+        key: f"scenario/{page.name}#{re.sub(r'[^a-z -]', '', heading.lower()).replace(' ', '-')}"
+        for page in PAGES[1:]
+        for heading in HEADING.findall(read_text(page))
+        for key in re.findall(r"\[(\w+)\]", heading)
+    }
 
 
 def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
@@ -77,4 +88,5 @@ def shown(default: Any) -> str:
 
 if __name__ == "__main__":
     command_line(__doc__).parse_args()
-    write_atomically(DOCUMENT, refreshed(read_text(DOCUMENT)))
+    for page in PAGES:
+        write_atomically(page, refreshed(read_text(page)))
