@@ -28,9 +28,11 @@ def refreshed(text: str) -> str:
 
 def table_of_keys(name: str, tables: dict[str, Any]) -> str:
     section, links = tables[name], sections() if name == "Scenario" else {}
+    position = tables["Horizontal"]["properties"].keys()  # of obstacles: as of a place
+    inherited = position if name.endswith("Section") and position <= section["properties"].keys() else ()
     rows = ["| key | value | left out | meaning |", "|---|---|---|---|"]
     for key, said in section["properties"].items():
-        if "const" in said:  # a `kind`, which the heading has
+        if "const" in said or key in inherited:  # a `kind`, which the heading has
             continue
         meaning = said.get("description") or tables[said["$ref"].rsplit("/", 1)[-1]]["description"]
         left_out = "needed" if key in section.get("required", ()) else shown(said.get("default"))
