@@ -8,5 +8,5 @@ from ipoa_mission.mission.items import waypoint as plain
 
 waypoint = partial(plain, hold_s=0.1, radius=2.0)
 
-#: ObstacleGrowth no holds; recorded links are of it.
+#: It needs no holds; recorded links are of it.
 PX4_117 = {Autopilot.PX4: Version(1, 17)}

@@ -99,3 +99,9 @@ def test_a_test_file_does_not_repeat_its_folder() -> None:
         if path.name.startswith((f"test_{path.parent.name}_", f"test_{path.parent.name.removesuffix('s')}_"))
     }
     assert not found
+
+
+def test_contributing_names_every_helper_of_the_tests() -> None:
+    text = (REPOSITORY / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    helpers = {path.stem for path in (REPOSITORY / "tests").glob("[!_]*.py") if not path.stem.startswith("test_")}
+    assert helpers <= set(re.findall(r"`(\w+)[.`]", text))
