@@ -38,7 +38,7 @@ class Version:
         return cls(int(major), int(minor), int(patch or 0), (stage or "").lower())
 
     @classmethod
-    def said(cls, flight_sw_version: int) -> "Version | None":
+    def of_flight_sw(cls, flight_sw_version: int) -> "Version | None":
         major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
         return cls(major, minor, patch, _STAGES.get(stage, "")) if flight_sw_version else None
 

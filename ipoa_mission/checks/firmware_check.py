@@ -94,8 +94,8 @@ def _command_and_frame(
     elif is_development and not _before(autopilot, firmware).takes(item.command):
         yield at.warning("command-of-development", f"not every development version of {firmware} takes {name}")
     elif placed and item.frame not in firmware.frames:
-        other = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
-        yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {other}")
+        frame = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
+        yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {frame}")
     elif placed and not plain and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
         if firmware.frame_2_is_amsl:

@@ -50,7 +50,7 @@ class RealVehicle:
                     job = read_job(self.source, self.flown_by, vehicle.autopilot, job.ignore)
                 vehicle.conformance.on_deviation = on_vehicle.on_deviation
                 if self.as_json:
-                    vehicle.conformance.tell = lambda one: print_json(
+                    vehicle.conformance.report = lambda one: print_json(
                         {"event": "deviation"} | one.as_json(), indent=None
                     )
                 on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard

@@ -48,7 +48,7 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
             for heard in line.receive(again):
                 if isinstance(heard.message, AutopilotVersion) and heard.system in silent:
                     silent.discard(heard.system)
-                    version = Version.said(heard.message.flight_sw_version)
+                    version = Version.of_flight_sw(heard.message.flight_sw_version)
                     versions |= {} if version is None else {heard.system: version}
     return versions
 
@@ -64,19 +64,19 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     return {
-        one.system: FoundVehicle(
-            one.system, VehicleKind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY
+        received.system: FoundVehicle(
+            received.system, VehicleKind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY
         )
-        for one in heard
-        if isinstance(beat := one.message, Heartbeat)
-        and one.component == AUTOPILOT_COMPONENT
+        for received in heard
+        if isinstance(beat := received.message, Heartbeat)
+        and received.component == AUTOPILOT_COMPONENT
         and beat.autopilot != MavAutopilot.INVALID
     }
 
 
 def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:
     return {
-        one.system: max(now - one.message.time_usec / 1e6, 0.0)
-        for one in heard
-        if isinstance(one.message, Ping) and one.target.system != 0 and one.component == AUTOPILOT_COMPONENT
+        ping.system: max(now - ping.message.time_usec / 1e6, 0.0)
+        for ping in heard
+        if isinstance(ping.message, Ping) and ping.target.system != 0 and ping.component == AUTOPILOT_COMPONENT
     }

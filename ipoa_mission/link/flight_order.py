@@ -202,13 +202,13 @@ class Conformance:
     """React to deviations of one vehicle's flight.
 
     Attributes:
-        tell: called with each deviation; its time counts from the arming [s].
+        report: called with each deviation; its time counts from the arming [s].
         ends_held: whether watching ends when a deviation holds the vehicle.
     """
 
     def __init__(self, state: VehicleState, order: FlightOrder) -> None:
         self.on_deviation = OnDeviation.HOLD
-        self.tell: Callable[[Deviation], None] = lambda deviation: None
+        self.report: Callable[[Deviation], None] = lambda deviation: None
         self.ends_held = True
         self.deviations: list[Deviation] = []
         self._state, self._order = state, order
@@ -281,7 +281,7 @@ class Conformance:
         self.deviations.append(deviation)
         is_ordered = self.on_deviation is not OnDeviation.REPORT and not self._is_ordered
         log.warning("%s%s", deviation, f"; {self.on_deviation} is ordered" if is_ordered else "")
-        self.tell(deviation)
+        self.report(deviation)
         if not is_ordered:
             return
         self._is_ordered = True

@@ -105,8 +105,8 @@ def first_difference(
     """
     if len(sent) != len(stored):
         return Difference(None, "number of items", str(len(sent)), str(len(stored)))
-    payloads = [n for n, one in enumerate(stored) if isinstance(one, bytes)]
-    got = np.frombuffer(b"".join(one for one in stored if isinstance(one, bytes)), PAYLOAD)
+    payloads = [n for n, payload in enumerate(stored) if isinstance(payload, bytes)]
+    got = np.frombuffer(b"".join(payload for payload in stored if isinstance(payload, bytes)), PAYLOAD)
     is_same = np.zeros(len(sent), bool)
     is_same[payloads] = _same(packed[payloads], got)
     # ArduPilot's home is recognized by index 0
@@ -118,14 +118,14 @@ def first_difference(
     return replace(difference, seq=compared[difference.seq])
 
 
-def _same(one: Payloads, other: Payloads) -> NDArray[np.bool_]:
+def _same(packed: Payloads, stored: Payloads) -> NDArray[np.bool_]:
     """Bit by bit, NaN equal to NaN, frames without `_INT`; shape (items,)."""
-    same = np.ones(len(one), bool)
+    same = np.ones(len(packed), bool)
     for name in ("params", "z"):
-        a, b = one[name], other[name]
+        a, b = packed[name], stored[name]
         agree = (a == b) | (np.isnan(a) & np.isnan(b))
         same &= agree.all(axis=1) if agree.ndim == 2 else agree
     for name in ("x", "y", "command", "autocontinue"):
-        same &= one[name] == other[name]
-    same &= _PLAIN[one["frame"]] == _PLAIN[other["frame"]]
+        same &= packed[name] == stored[name]
+    same &= _PLAIN[packed["frame"]] == _PLAIN[stored["frame"]]
     return same

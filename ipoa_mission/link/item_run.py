@@ -86,7 +86,7 @@ class ItemFrames:
             end = bytes((*target, run.kind)).rstrip(b"\0")
             self._payloads = [seq.to_bytes(2, "little") + end for seq in range(run.count)]
         #: By the header bytes of sender and number.
-        self._seeds = {bytes(target) + one.number.to_bytes(3, "little"): one.seed for one in expected}
+        self._seeds = {bytes(target) + frame.number.to_bytes(3, "little"): frame.seed for frame in expected}
 
     def take(self, frame: bytes) -> bool:
         """Return whether a frame is the run's next step."""

@@ -36,11 +36,11 @@ class RemoteVehicle:
 
     def firmware_version(self) -> Version | None:
         with self._in_time():
-            return Version.said(self._read_version().flight_sw_version)
+            return Version.of_flight_sw(self._read_version().flight_sw_version)
 
     @property
     def version_heard(self) -> Version | None:
-        return None if self._about is None else Version.said(self._about.flight_sw_version)
+        return None if self._about is None else Version.of_flight_sw(self._about.flight_sw_version)
 
     def send(self, message: Any) -> None:
         """Send to the message's own target; raise BadInput for an unknown dialect."""

@@ -49,7 +49,7 @@ class OtherKind(NotFlown):
 class VehicleState:
     """All that a vehicle reported; None is unknown.
 
-    `other`: another kind of vehicle with these ids, ignored.
+    `other_kind`: another kind of vehicle with these ids, ignored.
     """
 
     autopilot: Autopilot
@@ -64,7 +64,7 @@ class VehicleState:
     battery_left: float | None = None  # share, first battery
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
-    other: VehicleKind | None = None
+    other_kind: VehicleKind | None = None
 
     def note(self, message: Message) -> None:
         self.heard.add(type(message))
@@ -74,7 +74,7 @@ class VehicleState:
         match message:
             case Heartbeat() if not self.owns(message):
                 if message.autopilot != MavAutopilot.INVALID:
-                    self.other = self.other or VehicleKind(message.autopilot, message.type)
+                    self.other_kind = self.other_kind or VehicleKind(message.autopilot, message.type)
             case Heartbeat():
                 self.kind = VehicleKind(message.autopilot, message.type)
                 self.booted = message.system_status >= STANDBY
@@ -94,8 +94,8 @@ class VehicleState:
         """Raise NotFlown unless all heartbeats were of one supported vehicle."""
         if self.kind is not None and not self.kind.is_flown:
             raise NotFlown(self.kind)
-        if self.kind is not None and self.other is not None:
-            raise OtherKind(self.kind, self.other)
+        if self.kind is not None and self.other_kind is not None:
+            raise OtherKind(self.kind, self.other_kind)
 
     def owns(self, message: Message) -> bool:
         if not isinstance(message, Heartbeat):

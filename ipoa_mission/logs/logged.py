@@ -44,7 +44,7 @@ class Measured:
         Raises:
             MissionError: no current was measured.
         """
-        given, reasons = [], []
+        measured, reasons = [], []
         for battery in self.batteries:
             volts, current, most = battery[:, 1], battery[:, 2], 10_000.0  # [V, A]
             sound = battery[(volts > 0) & (volts < most) & (current >= 0) & (current < most)]
@@ -54,11 +54,11 @@ class Measured:
             elif np.ptp(amperes) <= 1e-3 * amperes.mean():  # a measured current varies more
                 reasons.append(f"the current of its battery is a constant, {amperes[0]:.3g} A, and not measured")
             else:
-                given.append((sound[:, 0], sound[:, 1] * amperes))
-        if not given:
+                measured.append((sound[:, 0], sound[:, 1] * amperes))
+        if not measured:
             raise LogUseless(reasons[0] if reasons else "it has no battery's voltage and current")
-        times = given[0][0]
-        return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in given)])
+        times = measured[0][0]
+        return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in measured)])
 
 
 def _sorted(rows: Iterable[tuple[float, ...]] | Points, columns: int) -> Points:
@@ -159,7 +159,7 @@ def item_begun(text: str) -> Current | None:
 
 def version_name(flight_sw_version: int) -> str:
     """As in 4.7.0-dev."""
-    return str(Version.said(flight_sw_version) or "")
+    return str(Version.of_flight_sw(flight_sw_version) or "")
 
 
 @dataclass(frozen=True)

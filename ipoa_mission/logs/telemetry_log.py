@@ -166,9 +166,9 @@ def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
 
 def growing(stamps: Sequence[float]) -> Vector:
     """Return increasing stamps from the first; those over 60 s off get their neighbors' median."""
-    given = np.asarray(stamps, float)
-    around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
-    since = np.where(np.abs(given - around) > 60.0, around, given)
+    raw = np.asarray(stamps, float)
+    around = np.median(sliding_window_view(np.pad(raw, 2, mode="edge"), 5), axis=1)
+    since = np.where(np.abs(raw - around) > 60.0, around, raw)
     return np.asarray(np.maximum.accumulate(since - since[0]) + 1e-9 * np.arange(len(since)))
 
 
@@ -187,7 +187,7 @@ class PX4Event(IntEnum):
 @dataclass
 class _Gathered:
     transfers: Transfers = field(default_factory=Transfers)
-    said: list[tuple[int, Message]] = field(default_factory=list)
+    messages: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
     ordered: bool | None = None
@@ -280,7 +280,7 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
             if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not gathered.changes:  # else an echo
                 _note_arming(gathered, number, text.startswith(ARMING_TEXTS))
             if autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
-                gathered.said.append((number, begun))
+                gathered.messages.append((number, begun))
         case AutopilotVersion(_, version):
             gathered.version = version_name(version)
         case Attitude() | BatteryStatus() | SystemStatus():
@@ -288,13 +288,13 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
         case ParamValue():
             message = replace(message, param_value=parameter_value(message, autopilot))
     if isinstance(message, Position | Reached | Current | HomePosition | ParamValue | Text):
-        gathered.said.append((number, message))
+        gathered.messages.append((number, message))
     _note_transfer(gathered, number, message, by_vehicle=True)
 
 
 def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicle: bool) -> None:
     if (items := gathered.transfers.note(message, by_vehicle)) is not None:
-        gathered.said.append((number, Held(items)))
+        gathered.messages.append((number, Held(items)))
 
 
 def _is_armed(gathered: _Gathered) -> bool:
@@ -317,11 +317,11 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
         gathered.changes.clear()
     gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
-        gathered.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
+        gathered.messages.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
 
 
 def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
-    gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
+    gathered.messages += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
     gathered.changes.clear()
 
 
@@ -329,10 +329,10 @@ def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
     known_at = stamps[[number for number, _ in gathered.times]] if gathered.times else np.empty(0)
     clock = unwrapped(known_at, np.array([time for _, time in gathered.times]))
     times = vehicle_times(stamps, known_at, clock)
-    placed = [(float(times[n]), message) for n, message in gathered.said if isinstance(message, Position)]
+    placed = [(float(times[n]), message) for n, message in gathered.messages if isinstance(message, Position)]
     rows = [(time, p.latitude_deg, p.longitude_deg, p.altitude, p.height, *p.velocity) for time, p in placed]
     fixes = Fixes.of(np.array(rows).reshape(-1, 8))
-    events = tuple((float(times[n]), message) for n, message in gathered.said if not isinstance(message, Position))
+    events = tuple((float(times[n]), message) for n, message in gathered.messages if not isinstance(message, Position))
     remarks = () if len(clock) else (NO_CLOCK,)
     return Log(autopilot, fixes, events, gathered.version, remarks, _measured(gathered, times))
 

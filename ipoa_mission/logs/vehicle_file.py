@@ -70,17 +70,17 @@ def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehic
     if len(text) > MAX_BYTES:
         raise TooLarge(f"expected a vehicle.toml of at most {MAX_BYTES} bytes", place=path)
     try:
-        found = tomllib.loads(text.decode())
+        table = tomllib.loads(text.decode())
     except (ValueError, RecursionError) as error:
         raise WrongFormat(f"expected TOML: {error}", place=path) from error
     known = {"autopilot", *PLAIN, *QUANTITIES}
-    for key in found.keys() - known:
+    for key in table.keys() - known:
         raise BadInput(f"expected one of {', '.join(sorted(known))}", place=f"{path}: {key}")
-    return _vehicle(path, found, autopilot)
+    return _vehicle(path, table, autopilot)
 
 
-def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
-    name = found.get("autopilot")
+def _vehicle(path: Path, table: dict[str, Any], autopilot: Autopilot | None) -> LearnedVehicle:
+    name = table.get("autopilot")
     known = {each.name: each for each in registered()}
     if name not in known:
         names = " or ".join(f'"{each}"' for each in sorted(known))
@@ -88,25 +88,25 @@ def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> 
     flies = known[name]
     if autopilot not in (None, flies):
         raise BadInput(f"expected a vehicle with {autopilot}, not with {name}", code="other-autopilot", place=path)
-    plain: dict[str, Any] = {key: found.get(key, default) for key, default in PLAIN.items()}
+    plain: dict[str, Any] = {key: table.get(key, default) for key, default in PLAIN.items()}
     for key, value in plain.items():
         if type(value) is not (kind := type(PLAIN[key])):
             raise BadInput(f"expected {kind.__name__}, not {value!s:.40}", place=f"{path}: {key}")
-    numbers = {key: _learned(path, key, found[key]) for key in QUANTITIES if key in found}
+    numbers = {key: _learned(path, key, table[key]) for key in QUANTITIES if key in table}
     return LearnedVehicle(flies, **plain).with_numbers(numbers)
 
 
-def _learned(path: Path, name: str, given: Any) -> Learned:
+def _learned(path: Path, name: str, numbers: Any) -> Learned:
     keys = [field.name for field in fields(Learned)]
-    if not isinstance(given, dict) or given.keys() != set(keys):
+    if not isinstance(numbers, dict) or numbers.keys() != set(keys):
         raise BadInput(f"expected {', '.join(keys)}", place=f"{path}: {name}")
     _, most, is_positive = QUANTITIES[name]
     least = 0.0 if is_positive else -most
     for key in keys:
-        value = given[key]
+        value = numbers[key]
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         if not is_number or not least <= value <= most or (key == "value" and is_positive and value <= 0):
             raise BadInput(f"expected a number up to {most:g}, not {value!s:.40}", place=f"{path}: {name}.{key}")
-    if not given["low"] <= given["value"] <= given["high"]:
+    if not numbers["low"] <= numbers["value"] <= numbers["high"]:
         raise BadInput("expected low, value and high in this order", place=f"{path}: {name}")
-    return Learned(*(float(given[key]) for key in keys))
+    return Learned(*(float(numbers[key]) for key in keys))

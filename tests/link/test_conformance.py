@@ -73,7 +73,7 @@ def test_a_flight_as_forecast_is_not_disturbed(family: Autopilot) -> None:
 def test_one_that_deviates_holds_and_the_watching_ends(family: Autopilot, caplog: pytest.LogCaptureFixture) -> None:
     vehicle, said = begun(family, elsewhere(family))
     told = list[Deviation]()
-    vehicle.conformance.tell = told.append
+    vehicle.conformance.report = told.append
     record = vehicle.watch()
     assert [one.kind for one in record.deviations] in ([DeviationKind.OUTSIDE], [DeviationKind.PASSED])
     assert tuple(told) == record.deviations

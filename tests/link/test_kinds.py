@@ -144,7 +144,7 @@ def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: o
     channel.turning = after, other
     with pytest.raises(NotFlown):
         fly_all(vehicle)
-    assert vehicle.state.other == VehicleKind(*other)
+    assert vehicle.state.other_kind == VehicleKind(*other)
     assert {type(one) for one in channel.said_since} <= {Heartbeat}
 
 

@@ -97,9 +97,11 @@ def test_a_read_back_agrees_that_one_of_the_versions_gives() -> None:
 
 def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> None:
     assert Version.parsed(" v1.18.0-beta1 ") == Version(1, 18, 0, "beta")
-    assert Version.said(0x04060200) == Version(4, 6, 2, "dev")
-    assert Version.said(0) is None
-    assert all(Version.said(one.number) == one for one in (Version(4, 6, 2), Version(1, 18, 0, "rc")))
+    assert Version.of_flight_sw(0x04060200) == Version(4, 6, 2, "dev")
+    assert Version.of_flight_sw(0) is None
+    assert all(
+        Version.of_flight_sw(version.number) == version for version in (Version(4, 6, 2), Version(1, 18, 0, "rc"))
+    )
     for words in ("", "1", "latest", "1.2.3.4", "1.18-gold", "1.9999"):
         with refuses("unknown-version", "", "4.6", "1.18.0-beta1", kind=BadInput):
             Version.parsed(words)
