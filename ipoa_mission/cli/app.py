@@ -97,16 +97,16 @@ HEADINGS: dict[str, tuple[str | Callable[..., None], ...]] = {
 
 def _verbs() -> dict[str, tuple[Callable[..., None], ...]]:
     """Return the verbs by heading; those of other packages are the last."""
-    found = {entry.name: entry for entry in entry_points(group="ipoa_mission.verbs")}
+    plug_ins = {entry.name: entry for entry in entry_points(group="ipoa_mission.verbs")}
     verbs = {
         heading: tuple(
-            found.pop(verb).load() if isinstance(verb, str) else verb
+            plug_ins.pop(verb).load() if isinstance(verb, str) else verb
             for verb in listed
-            if not isinstance(verb, str) or verb in found
+            if not isinstance(verb, str) or verb in plug_ins
         )
         for heading, listed in HEADINGS.items()
     }
-    return verbs | {"More": (*verbs["More"], *(found[name].load() for name in sorted(found)))}
+    return verbs | {"More": (*verbs["More"], *(plug_ins[name].load() for name in sorted(plug_ins)))}
 
 
 VERBS = _verbs()
@@ -117,13 +117,13 @@ for heading, verbs in VERBS.items():
 
 def command() -> Any:
     """Return the command line; flags without a value show none in the help."""
-    whole = typer.main.get_command(app)
-    for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
-        helps = one.get_help_option(typer.Context(one))
-        for option in (*one.params, *([] if helps is None else [helps])):
+    line = typer.main.get_command(app)
+    for verb in (line, *line.commands.values()):  # type: ignore[attr-defined]
+        helps = verb.get_help_option(typer.Context(verb))
+        for option in (*verb.params, *([] if helps is None else [helps])):
             if getattr(option, "is_flag", False) and option.metavar is None:
                 option.metavar = ""
-    return whole
+    return line
 
 
 def _take_shell(words: list[str]) -> None:

@@ -13,7 +13,7 @@ from ipoa_mission.checks.unsafe import strictly
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission
 from ipoa_mission.cli.output import notes
-from ipoa_mission.cli.reading import read_given
+from ipoa_mission.cli.reading import read_requested
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity
@@ -29,13 +29,13 @@ if TYPE_CHECKING:
 
 def missions_in(paths: Iterable[Path]) -> list[Path]:
     """List the mission files, each once, also of folders. Raises BadInput."""
-    found: dict[Path, None] = {}
+    missions: dict[Path, None] = {}
     for path in paths:
-        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in MISSIONS) if path.is_dir() else [path]
+        inside = sorted(f for f in path.rglob("*") if f.suffix.lower() in MISSIONS) if path.is_dir() else [path]
         if not inside:
             raise Unreadable("no .plan or .waypoints file in this folder", place=path)
-        found |= dict.fromkeys(map(expect_mission, inside))
-    return list(found)
+        missions |= dict.fromkeys(map(expect_mission, inside))
+    return list(missions)
 
 
 @dataclass(frozen=True)
@@ -104,16 +104,16 @@ class CheckedFile:
         if self.forecast is None:
             return f"{self.file}: not checked"
         mission, errors = self.forecast.given, self.errors
-        what = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
+        severities = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
         items = counted(len(mission.items), "item")
-        return f"{self.file}: {what}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
+        return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
 def check_file(file: Path, how: CheckOptions) -> CheckedFile:
-    given = read_given(file, how.flown_by, world=how.world)
-    forecast = Forecast(given.mission, how.world)
+    requested = read_requested(file, how.flown_by, world=how.world)
+    forecast = Forecast(requested.mission, how.world)
     world = forecast.scenario
-    findings = strictly(check_forecast(forecast, how.ignore, given.findings), how.anyway)
+    findings = strictly(check_forecast(forecast, how.ignore, requested.findings), how.anyway)
     guarantee = None if world is None else guarantee_if_flown(forecast)
     contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
     if how.contingencies and guarantee is not None:
@@ -121,13 +121,13 @@ def check_file(file: Path, how: CheckOptions) -> CheckedFile:
 
         contingencies = forecast.cached(Contingencies).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
-    remarks = tuple(remark for remark in given.remarks if remark not in messages)
+    remarks = tuple(remark for remark in requested.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
     return CheckedFile(file, findings, remarks, forecast, guarantee, contingencies)
 
 
-def counted(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+def counted(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def wind_words(wind: "Wind") -> list[str]:
@@ -141,8 +141,8 @@ def clearance_words(guarantee: "ClearanceGuarantee | None") -> list[str]:
     return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(guarantee.confidence)}"]
 
 
-def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
-    codes = sorted({finding.code for findings in found.values() for finding in findings})
+def sarif(by_file: Mapping[Path, Sequence[Finding]]) -> str:
+    codes = sorted({finding.code for findings in by_file.values() for finding in findings})
     rules = [
         {"id": code, "shortDescription": {"text": RULES[code].means}, "help": {"text": RULES[code].do}}
         for code in codes
@@ -162,7 +162,7 @@ def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
                 }
             ],
         }
-        for file, findings in found.items()
+        for file, findings in by_file.items()
         for finding in findings
     ]
     driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}

@@ -19,7 +19,7 @@ from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
-    from ipoa_mission.cli.reading import Given
+    from ipoa_mission.cli.reading import RequestedMission
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
@@ -57,32 +57,32 @@ def check(
     expect_world_of(contingencies, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
     how = CheckOptions(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), contingencies, anyway)
-    found, wrong = [], None
+    checked, wrong = [], None
     for path in paths:
         try:
-            found.append(check_file(path, how))
+            checked.append(check_file(path, how))
         except BadInput as error:
             wrong = error
-            found.append(CheckedFile(path, (unreadable(error),)))
+            checked.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
-            print_lines(*found[-1].lines())
-            if found[-1].contingencies is not None:
+            print_lines(*checked[-1].lines())
+            if checked[-1].contingencies is not None:
                 from ipoa_mission.cli.contingency_output import print_contingencies
 
-                print_contingencies(*found[-1].contingencies)
-            print_lines(found[-1].counts())
+                print_contingencies(*checked[-1].contingencies)
+            print_lines(checked[-1].counts())
     if sarif is not None:
-        write_atomically(sarif, sarif_log({one.file: one.findings for one in found}))
+        write_atomically(sarif, sarif_log({each.file: each.findings for each in checked}))
     if is_one and wrong:
         raise wrong
-    errors = sum(one.errors for one in found)
+    errors = sum(each.errors for each in checked)
     if as_json and is_one:
-        print_json(found[0].as_json())
+        print_json(checked[0].as_json())
     elif as_json:
-        print_json({"ok": not errors, "files": [{"file": str(one.file)} | one.as_json() for one in found]})
+        print_json({"ok": not errors, "files": [{"file": str(each.file)} | each.as_json() for each in checked]})
     elif not is_one:
-        warnings = sum(len(one.findings) for one in found) - errors
-        print_lines(f"{counted(len(found), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
+        warnings = sum(len(each.findings) for each in checked) - errors
+        print_lines(f"{counted(len(checked), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 
@@ -104,16 +104,16 @@ def estimate(
     from ipoa_mission.checks.firmware_check import check_version
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unsafe import refuse_errors, refuse_unread
-    from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.cli.reading import read_requested, read_world
     from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.unread import unread_as_json
 
     world = read_world(scenario, flown_by.air, ignore)
     refuse_unread(world)
-    given = read_given(file, flown_by, world=world)
-    forecast = Forecast(given.mission, world, flown_by.air)
-    if wrong := refusals(given.mission):
+    requested = read_requested(file, flown_by, world=world)
+    forecast = Forecast(requested.mission, world, flown_by.air)
+    if wrong := refusals(requested.mission):
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     asked = forecast.given
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
@@ -122,7 +122,7 @@ def estimate(
         from ipoa_mission.forecast.contingency.energy_budget import budget_of
 
         budget = budget_of(forecast)
-    remarks = remarks_on(given, forecast)
+    remarks = remarks_on(requested, forecast)
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
@@ -162,7 +162,7 @@ def estimate(
     )
 
 
-def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
+def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str, ...]:
     """Return the remarks of `estimate` and `show`. Raises MissionError."""
     from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
@@ -170,15 +170,15 @@ def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
     prediction, world, asked = forecast.estimate, forecast.scenario, forecast.given
     version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
     unmeasured = (finding.message for finding in version)
-    refused = (finding.message for finding in check_firmware(given.mission) if finding.severity is Severity.ERROR)
+    refused = (finding.message for finding in check_firmware(requested.mission) if finding.severity is Severity.ERROR)
     of_world = () if world is None else world.remarks
-    planned = _planned_otherwise(given, prediction)
-    return tuple(dict.fromkeys((*given.remarks, *unmeasured, *refused, *of_world, *prediction.remarks, *planned)))
+    planned = _planned_otherwise(requested, prediction)
+    return tuple(dict.fromkeys((*requested.remarks, *unmeasured, *refused, *of_world, *prediction.remarks, *planned)))
 
 
-def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:
-    if given.planned is not None and abs(given.planned[1] - estimate.total_s) > EQUAL_TIME_S:
-        about, planned_s = given.planned
+def _planned_otherwise(requested: "RequestedMission", estimate: "Estimate") -> Iterator[str]:
+    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > EQUAL_TIME_S:
+        about, planned_s = requested.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
         yield f"{about} has {planned_s:.1f} s for it: {why}"
 

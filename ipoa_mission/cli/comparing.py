@@ -27,7 +27,7 @@ class _Row:
     number: int
     flight: "LoggedFlight"
     record: "FlightRecord"
-    held: "ComparedFlight | None"
+    compared: "ComparedFlight | None"
     clearance: "FlownClearance | None"
 
 
@@ -85,29 +85,29 @@ def compare(
         raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
     if picture is not None:
         expect_free([picture], force, ask=not as_json)
-    given, air = flown_by.parameters, flown_by.air
+    parameters, air = flown_by.parameters, flown_by.air
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
     world = read_world(scenario, air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
-    assumed = Assumptions(given, learned, air or CALM, version)
+    assumed = Assumptions(parameters, learned, air or CALM, version)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        held = compare_logged(flight, mission, assumed) if flight.in_mission else None
-        record = flight.record() if held is None else held.record
-        flown_mission = None if held is None else held.forecast.mission
+        compared = compare_logged(flight, mission, assumed) if flight.in_mission else None
+        record = flight.record() if compared is None else compared.record
+        flown_mission = None if compared is None else compared.forecast.mission
         clearance = None if world is None else flown_clearance(record, world, flown_mission)
-        rows.append(_Row(n, flight, record, held, clearance))
-    if picture is not None and rows[0].held is not None:
-        _draw(rows[0].held, picture, (file or log).stem)
-    landed = (words for row in rows if row.held for words in landed_elsewhere(row.held.forecast, row.record))
+        rows.append(_Row(n, flight, record, compared, clearance))
+    if picture is not None and rows[0].compared is not None:
+        _draw(rows[0].compared, picture, (file or log).stem)
+    landed = (words for row in rows if row.compared for words in landed_elsewhere(row.compared.forecast, row.record))
     remarks = [*beside, *flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
-    useless = all(row.held is None and row.clearance is None for row in rows)
+    useless = all(row.compared is None and row.clearance is None for row in rows)
     error = LogUseless(f"{_useless(rows, log)}", hint="compare FILE LOG with the flown mission", place=log)
-    drawn = [] if picture is None or rows[0].held is None else [str(picture)]
+    drawn = [] if picture is None or rows[0].compared is None else [str(picture)]
     if not as_json:
         _report(rows, title, remarks if beyond is None else [*remarks, beyond])
         print_lines(*(f"written: {path}" for path in drawn))
@@ -115,7 +115,7 @@ def compare(
         flights = [_as_json(row) for row in rows]
         about = {"autopilot": flown.autopilot.name, "version": flown.version, "model": beyond, "written": drawn}
         about["remarks"] = [*remarks, *_flights_remarks(rows)]
-        print_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
+        print_json({**next(entry for entry in flights if entry.get("legs") or world), **about, "flights": flights})
     if useless:
         raise error
     if any(row.clearance is not None and not row.clearance.kept for row in rows):
@@ -123,16 +123,16 @@ def compare(
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
-    from ipoa_mission.cli.reading import read_given
+    from ipoa_mission.cli.reading import read_requested
 
     states = may_differ and file.suffix.lower() == ".plan"
-    given = read_given(file, FlownByOptions(), None if states else autopilot)
-    mission = given.mission
+    requested = read_requested(file, FlownByOptions(), None if states else autopilot)
+    mission = requested.mission
     if mission.autopilot is not autopilot:
         words = f"expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}"
         hint = f"--autopilot {autopilot}, if that is what was flown"
         raise BadInput(words, hint=hint, code="other-autopilot", place=file)
-    return mission, given.remarks
+    return mission, requested.remarks
 
 
 def _no_mission(log: Path) -> str:
@@ -153,7 +153,7 @@ def _useless(rows: list[_Row], log: Path) -> str:
 
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
     several = len(rows) > 1
-    alone = [row for row in rows if row.held is None and row.flight.in_mission]
+    alone = [row for row in rows if row.compared is None and row.flight.in_mission]
     remarks = [f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate" for row in alone]
     if world is not None:
         remarks += list(world.remarks)
@@ -164,10 +164,10 @@ def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]
 def _flights_remarks(rows: list[_Row]) -> Iterator[str]:
     for row in rows:
         which = f"flight {row.number}: " if len(rows) > 1 else ""
-        yield from (f"{which}{words}" for words in (row.held.remarks if row.held else ()))
+        yield from (f"{which}{words}" for words in (row.compared.remarks if row.compared else ()))
 
 
-def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
+def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
     from ipoa_mission.report.compare import flown_track
 
     try:
@@ -176,9 +176,9 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
         hint = "pip install 'ipoa-mission[pictures]'"
         words = "--picture needs matplotlib, which is not installed"
         raise MissionError(words, hint=hint, code="package-missing") from None
-    flown_path = flown_track(one.forecast.mission, one.record)
+    flown_path = flown_track(compared.forecast.mission, compared.record)
     points = None if flown_path is None else flown_path.points
-    write_picture(draw_comparison(one.comparison, one.forecast.estimate.track.points, points, title), picture)
+    write_picture(draw_comparison(compared.comparison, compared.forecast.estimate.track.points, points, title), picture)
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
@@ -187,7 +187,7 @@ def _as_json(row: _Row) -> dict[str, Any]:
         "armed_s": round(row.flight.armed_s, 3),
         "in_mission": row.flight.in_mission,
     }
-    about |= {"flown_s": _known(row.record.total_s)} if row.held is None else _held_as_json(row.held)
+    about |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
     if row.clearance is not None:
         about["clearance"] = _clearance_as_json(row.clearance)
     return about
@@ -204,39 +204,39 @@ def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
     }
 
 
-def _held_as_json(one: "ComparedFlight") -> dict[str, Any]:
-    held = one.comparison
+def _compared_as_json(compared: "ComparedFlight") -> dict[str, Any]:
+    times = compared.comparison
     return {
-        **picked(one.record, "completed", "why_not"),
-        "estimated_s": round(held.estimated_total_s, 3),
-        "flown_s": _known(held.flown_total_s),
-        "route_error": _known(held.route_error),
-        "total_error": _known(held.total_error),
+        **picked(compared.record, "completed", "why_not"),
+        "estimated_s": round(times.estimated_total_s, 3),
+        "flown_s": _known(times.flown_total_s),
+        "route_error": _known(times.route_error),
+        "total_error": _known(times.total_error),
         "legs": [
-            picked(leg, "seq", "estimated_s", "flown_s") | {"done_s": round(leg.flown_done_s, 3)} for leg in held.legs
+            picked(leg, "seq", "estimated_s", "flown_s") | {"done_s": round(leg.flown_done_s, 3)} for leg in times.legs
         ],
-        "parameters": one.parameters,
-        "remarks": list(one.remarks),
+        "parameters": compared.parameters,
+        "remarks": list(compared.remarks),
     }
 
 
 def _report(rows: list[_Row], title: str, remarks: list[str]) -> None:
-    several = len(rows) > 1 or rows[0].held is None
+    several = len(rows) > 1 or rows[0].compared is None
     if several:
         columns = ["flight", "armed at\ns", "items", "estimated\ns", "flown\ns", "total", "route", "clearance\nm", ""]
         print_table(title, columns, [_cells(row) for row in rows])
     for row in rows:
-        if row.held is not None:
-            _tell_held(row.held, f"flight {row.number}" if several else title)
+        if row.compared is not None:
+            _print_compared(row.compared, f"flight {row.number}" if several else title)
         if row.clearance is not None:
             print_lines(f"flight {row.number}: {row.clearance.words()}" if several else row.clearance.words())
-        if several and row.held is not None:
+        if several and row.compared is not None:
             print_lines("")
     print_lines(*notes(remarks))
 
 
-def _tell_held(one: "ComparedFlight", title: str) -> None:
-    comparison = one.comparison
+def _print_compared(compared: "ComparedFlight", title: str) -> None:
+    comparison = compared.comparison
     rows = [
         (
             str(leg.seq),
@@ -247,24 +247,24 @@ def _tell_held(one: "ComparedFlight", title: str) -> None:
         for leg in comparison.legs
     ]
     print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
-    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
+    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(compared)}")
     if math.isfinite(comparison.route_error):
         print_lines(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
-    if one.parameters:
-        print_lines("parameters: " + ", ".join(f"{name} {value:g}" for name, value in one.parameters.items()))
-    print_lines(*notes(one.remarks))
+    if compared.parameters:
+        print_lines("parameters: " + ", ".join(f"{name} {value:g}" for name, value in compared.parameters.items()))
+    print_lines(*notes(compared.remarks))
 
 
 def _cells(row: _Row) -> tuple[str, ...]:
     clearance = "" if row.clearance is None else f"{down(row.clearance.least.distance):.2f}"
     about = (str(row.number), f"{row.flight.armed_s:.1f}")
-    if row.held is None:
+    if row.compared is None:
         how = "" if row.flight.in_mission else "not in a mission"
         return (*about, "", "", _seconds(row.record.total_s), "", "", clearance, how)
-    held = row.held.comparison
-    errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (held.total_error, held.route_error))
-    items = f"{len(row.record.item_reached_s)} of {len(row.held.forecast.mission.items)}"
-    times = (f"{held.estimated_total_s:.1f}", _seconds(held.flown_total_s))
+    totals = row.compared.comparison
+    errors = (f"{error:+.1%}" if math.isfinite(error) else "" for error in (totals.total_error, totals.route_error))
+    items = f"{len(row.record.item_reached_s)} of {len(row.compared.forecast.mission.items)}"
+    times = (f"{totals.estimated_total_s:.1f}", _seconds(totals.flown_total_s))
     return (*about, items, *times, *errors, clearance, "")
 
 
@@ -272,9 +272,9 @@ def _seconds(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else ""
 
 
-def _flown(one: "ComparedFlight") -> str:
-    total = one.comparison.flown_total_s
-    return f"{total:.1f} s" if math.isfinite(total) else f"not completed: {one.record.why_not}"
+def _flown(compared: "ComparedFlight") -> str:
+    total = compared.comparison.flown_total_s
+    return f"{total:.1f} s" if math.isfinite(total) else f"not completed: {compared.record.why_not}"
 
 
 def _known(value: float) -> float | None:

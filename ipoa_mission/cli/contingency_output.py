@@ -19,7 +19,7 @@ def contingencies_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fai
     """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
     if not rows:
         return {"endings": None, "failsafes": None}
-    return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(one) for one in failsafes]}
+    return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(failsafe) for failsafe in failsafes]}
 
 
 def _row(row: ContingencyRow) -> dict[str, Any]:
@@ -61,8 +61,7 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
     causes = ["cause", "parameter", "ending"]
-    settings = (f"{one.parameter} = {one.value:g}" if one.parameter else "" for one in failsafes)
-    decided = [(one.cause, setting, str(one.action)) for one, setting in zip(failsafes, settings, strict=True)]
+    decided = [(f.cause, f"{f.parameter} = {f.value:g}" if f.parameter else "", str(f.action)) for f in failsafes]
     if decided:
         print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
     many, grades = len(rows), Counter(row.grade for row in rows)

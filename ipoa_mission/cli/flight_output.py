@@ -29,8 +29,8 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
         "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
-        **({"deviations": [one.as_json() for one in record.deviations]} if record.deviations else {}),
-        **({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {}),
+        **({"deviations": [deviation.as_json() for deviation in record.deviations]} if record.deviations else {}),
+        **({"battery": [_reserve_as_json(reserve) for reserve in reserves]} if reserves else {}),
     }
 
 

@@ -112,7 +112,7 @@ def upload(
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.checks.unsafe import refuse_errors
-    from ipoa_mission.cli.reading import read_given
+    from ipoa_mission.cli.reading import read_requested
     from ipoa_mission.flight.procedure import upload_mission
     from ipoa_mission.mission.mission_io import read_mission_file
     from ipoa_mission.rules import expect_ignorable
@@ -122,12 +122,12 @@ def upload(
     read_mission_file(file, autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
-        given = read_given(file, flown_by, None if states else vehicle.autopilot)
+        requested = read_requested(file, flown_by, None if states else vehicle.autopilot)
         if not on_link.anyway:
-            refuse_errors([finding for finding in given.findings if finding.code not in ignored])
-        mission = given.mission
+            refuse_errors([finding for finding in requested.findings if finding.code not in ignored])
+        mission = requested.mission
         sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=showing_stage)
-        remarks = (*given.remarks, *sent)
+        remarks = (*requested.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}
@@ -298,6 +298,6 @@ def _report(
 def _in_words(row: Mapping[str, object]) -> str:
     armed = ", armed" if row["armed"] else ""
     contested = ", and another vehicle has the same system id" if row["contested"] else ""
-    other = "" if row["flown"] else ": nothing was changed on it"
+    unchanged = "" if row["flown"] else ": nothing was changed on it"
     version = f" {row['firmware_version']}" if row["firmware_version"] else ""
-    return f"system {row['system']}: {row['kind']}{version}{armed}{contested}{other}"
+    return f"system {row['system']}: {row['kind']}{version}{armed}{contested}{unchanged}"

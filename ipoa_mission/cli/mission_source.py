@@ -12,7 +12,7 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.output import progress_bar
-from ipoa_mission.cli.reading import read_given
+from ipoa_mission.cli.reading import read_requested
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.flight.flight_parts import plan_for_batteries
 from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
@@ -66,14 +66,14 @@ def read_job(
     source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
 ) -> Job:
     """Read a mission file; `autopilot` is the default. Raises BadInput, Unsafe."""
-    given = read_given(source, flown_by, autopilot)
-    forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
-    warnings = refuse_errors(check(forecast, ignore, given.findings))
+    requested = read_requested(source, flown_by, autopilot)
+    forecast, mission = Forecast(requested.mission, wind=flown_by.air), requested.mission
+    warnings = refuse_errors(check(forecast, ignore, requested.findings))
     refuse_unsound(mission)
     timed = forecast.estimate
     of = source, len(mission.items), mission.autopilot
     log.info("%s: %d items for %s, estimated %.1f s%s", *of, timed.total_s, timed.besides)
-    return Job(source.stem, forecast, (*given.remarks, *(finding.message for finding in warnings)), ignore=ignore)
+    return Job(source.stem, forecast, (*requested.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 
 
 def planned(flight: Flight) -> Job:

@@ -156,20 +156,20 @@ JsonOption: TypeAlias = Annotated[
 ]
 
 
-def read_wind_option(given: str | None) -> "Wind | None":
+def read_wind_option(text: str | None) -> "Wind | None":
     """Return a wind `SPEED@FROM` [m/s], [deg]. Raises BadInput."""
     from ipoa_mission.wind import Wind
 
-    if given is None:
+    if text is None:
         return None
-    one, _, other = given.partition("@")
+    speed_text, _, from_text = text.partition("@")
     try:
-        speed, from_deg = float(one), float(other)
+        speed, from_deg = float(speed_text), float(from_text)
         if not (0 <= speed < math.inf and abs(from_deg) <= 360):
             raise ValueError
     except ValueError:
         words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
-        raise BadInput(words, place=f"--wind {given}") from None
+        raise BadInput(words, place=f"--wind {text}") from None
     return Wind(speed, from_deg)
 
 

@@ -92,8 +92,8 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
 
 
 def _columns() -> int:
-    told = os.environ.get("COLUMNS", "")
-    return int(told) if told.isdecimal() and 20 <= int(told) <= 1000 else DEFAULT_WIDTH
+    width = os.environ.get("COLUMNS", "")
+    return int(width) if width.isdecimal() and 20 <= int(width) <= 1000 else DEFAULT_WIDTH
 
 
 def print_error(error: MissionError, as_json: bool = False) -> None:
@@ -134,19 +134,19 @@ def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[flo
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    what = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}", markup=False))
+    bar = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[words]}", markup=False))
     when = (TimeElapsedColumn(), TextColumn("·"), TimeRemainingColumn(), TextColumn("left"))
-    with Progress(*what, *when, console=Console(stderr=True), transient=True) as progress:
+    with Progress(*bar, *when, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(words, total=1.0, words="")
         yield lambda fraction, words: progress.update(task, completed=fraction, words=shown(words))
 
 
 def _print_once(task: str) -> Callable[[float, str], None]:
-    said: list[str] = []
+    printed: list[str] = []
 
     def say(_fraction: float, words: str) -> None:
-        if words and not said:
-            said.append(words)
+        if words and not printed:
+            printed.append(words)
             print(f"{task}: {shown(words)}", file=sys.stderr, flush=True)
 
     return say

@@ -75,11 +75,11 @@ def grouped(verb: Callable[..., None]) -> Callable[..., None]:
             parameters.append(parameter)
 
     @wraps(verb)
-    def called(**given: Any) -> None:
+    def called(**values: Any) -> None:
         for name, kinds in groups.items():
-            made = [kind(**{f.name: given.pop(f.name) for f in fields(kind) if f.name in given}) for kind in kinds]
-            given[name] = made if kinds == planners() else made[0]
-        verb(**given)
+            made = [kind(**{f.name: values.pop(f.name) for f in fields(kind) if f.name in values}) for kind in kinds]
+            values[name] = made if kinds == planners() else made[0]
+        verb(**values)
 
     named = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in parameters]
     called.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]

@@ -32,7 +32,7 @@ def plan(
         typer.Argument(
             metavar="[SCENARIO]",
             callback=lambda path: None if path is None else expect_scenario(path),
-            help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {one.option}' for one in planners())}.",
+            help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {p.option}' for p in planners())}.",
         ),
     ] = None,
     ignore: IgnoreOption = None,

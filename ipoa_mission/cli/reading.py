@@ -21,7 +21,7 @@ SHOWN = 6
 
 
 @dataclass(frozen=True)
-class Given:
+class RequestedMission:
     """The mission on the requested vehicle; `planned`: the NAME.json written with it, and its time [s]."""
 
     mission: Mission
@@ -30,12 +30,12 @@ class Given:
     planned: tuple[str, float] | None = None
 
 
-def read_given(
+def read_requested(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
-) -> Given:
+) -> RequestedMission:
     """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s. Raises BadInput."""
     series = None if flown_by.version is None else flown_by.version.series
-    with_this_version = [one for one in registered() if series in one.tables.series]
+    with_this_version = [each for each in registered() if series in each.tables.series]
     otherwise = None if world is None else world.vehicle.autopilot
     if len(with_this_version) == 1:
         (otherwise,) = with_this_version
@@ -44,7 +44,7 @@ def read_given(
     mission, remarks = read.mission, tuple(finding.message for finding in findings)
     remarks += taken_for(read)
     if flown_by.version is not None:
-        others = [one for one in with_this_version if one is not mission.autopilot]
+        others = [each for each in with_this_version if each is not mission.autopilot]
         try:
             mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
         except BadInput as error:
@@ -57,13 +57,13 @@ def read_given(
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     remarks += flown_by.parameter_remarks
-    return Given(mission.with_parameters(flown_by.parameters), findings, remarks, read.planned)
+    return RequestedMission(mission.with_parameters(flown_by.parameters), findings, remarks, read.planned)
 
 
 def _two_readers(world: "Scenario") -> Iterator[Finding]:
     from ipoa_mission.maps.second_reader import differences
 
-    for file in dict.fromkeys(one.file for one in world.maps):
+    for file in dict.fromkeys(each.file for each in world.maps):
         yield from differences(file)
 
 

@@ -50,8 +50,8 @@ class RealVehicle:
                     job = read_job(self.source, self.flown_by, vehicle.autopilot, job.ignore)
                 vehicle.conformance.on_deviation = on_vehicle.on_deviation
                 if self.as_json:
-                    vehicle.conformance.report = lambda one: print_json(
-                        {"event": "deviation"} | one.as_json(), indent=None
+                    vehicle.conformance.report = lambda deviation: print_json(
+                        {"event": "deviation"} | deviation.as_json(), indent=None
                     )
                 on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
                 job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), begin)

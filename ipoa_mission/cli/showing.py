@@ -41,7 +41,7 @@ def show(
     from ipoa_mission.checks.unsafe import refuse_unread
     from ipoa_mission.cli.check_files import counted
     from ipoa_mission.cli.checking import remarks_on
-    from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.cli.reading import read_requested, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.exports.table import rows_of, shown
@@ -53,8 +53,8 @@ def show(
         raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
     world = read_world(scenario, flown_by.air, ignore)
     refuse_unread(world)
-    given = read_given(file, flown_by, world=world)
-    forecast = Forecast(given.mission, world, flown_by.air)
+    requested = read_requested(file, flown_by, world=world)
+    forecast = Forecast(requested.mission, world, flown_by.air)
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
@@ -74,7 +74,7 @@ def show(
     except MissionError as error:
         total = f"no time: {error}"
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
-    remarks = remarks_on(given, forecast) if done else (*given.remarks, *errors, *of_world)
+    remarks = remarks_on(requested, forecast) if done else (*requested.remarks, *errors, *of_world)
     if as_json:
         items = [asdict(row) | {"done_s": done.get(row.seq)} for row in rows]
         unread = unread_as_json(() if world is None else world.unread)
@@ -154,7 +154,7 @@ def export(
     suffix = target.suffix.lower() if form is None else f".{form.lower()}"
     if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
         if form is not None:
-            words = f"expected {', '.join(one[1:] for one in suffixes)}, not {form!r}"
+            words = f"expected {', '.join(suffix[1:] for suffix in suffixes)}, not {form!r}"
             raise OptionConflict(words, place="--format")
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
     is_mission = suffix in MISSIONS

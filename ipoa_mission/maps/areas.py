@@ -110,8 +110,8 @@ def _restrictions(tags: Mapping[str, str]) -> set[str]:
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
     tags, place = feature.tags, feature.name.removeprefix(f"{path}: ")
-    for what, value in limits.not_understood:
-        yield Unread(path.name, what, place, value)
+    for subject, value in limits.not_understood:
+        yield Unread(path.name, subject, place, value)
     if "restriction" in tags and not is_named:
         yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, tags["restriction"])
     if (kind := tags.get("type", tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):
@@ -134,8 +134,8 @@ def _above_sea(
             remarks.append(f"{name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({how})")
         except BadInput:
             geoid = -107.0 if side == "upper" else 86.0  # extremes of EGM96 and EGM2008
-            what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
-            unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), stated))
+            subject = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
+            unknown.append(Unread(path.name, subject, name.removeprefix(f"{path}: "), stated))
         ends[side] = VerticalLimit(limit.height - geoid, "AMSL")
     return replace(limits, lower=ends["lower"], upper=ends["upper"]), unknown
 

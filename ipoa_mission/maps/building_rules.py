@@ -132,5 +132,5 @@ def reach_of(
         width = math.hypot(width, *lengths)
     if width is not None:
         return width / 2, None
-    what = "a radius" if is_point else "a half width"
-    return usual, f"{size.kind}(s) without a width, given {what} of {usual:.2g} m"
+    dimension = "a radius" if is_point else "a half width"
+    return usual, f"{size.kind}(s) without a width, given {dimension} of {usual:.2g} m"

@@ -159,7 +159,7 @@ class VerticalLimit:
 
 
 class NotUnderstood(NamedTuple):
-    what: str
+    subject: str
     value: str
 
 

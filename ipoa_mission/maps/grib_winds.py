@@ -82,9 +82,9 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
             members[height, datum, time].add(member)
     most = max(map(len, members.values()), default=0)
     if fewer := {key: len(numbers) for key, numbers in members.items() if len(numbers) < most}:
-        what = f"members: {most} at some levels and times, fewer at {len(fewer)} of {len(members)}"
+        subject = f"members: {most} at some levels and times, fewer at {len(fewer)} of {len(members)}"
         (height, _, time), count = next(iter(fewer.items()))
-        winds.note(what, f"{height:g} m, {time}", count)
+        winds.note(subject, f"{height:g} m, {time}", count)
     for (height, datum), rows in levels.items():
         components = np.array([row[1:] for row in rows], float).reshape(-1, 2)
         winds.samples.append(WindSamples(height, datum, components, np.array([row[0] for row in rows])))

@@ -70,13 +70,13 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
             elif re.search(r"wind|gust", " ".join([str(variable.name), *_descriptions(variable)]).lower()):
                 winds.note("variable that may be a wind", str(variable.name), next(iter(_descriptions(variable)), ""))
         pairs = (Component.EAST, Component.NORTH), (Component.SPEED, Component.FROM), (Component.SPEED, Component.TO)
-        for component, other in pairs:
+        for component, partner in pairs:
             for name, first in [*parts[component].items()]:
-                if (second := _partner(first, parts[other].values())) is None:
+                if (second := _partner(first, parts[partner].values())) is None:
                     continue
-                del parts[component][name], parts[other][str(second.name)]
+                del parts[component][name], parts[partner][str(second.name)]
                 for height, datum, pair in _levels(first, second, winds):
-                    winds.samples.append(_samples(height, datum, pair, winds, other))
+                    winds.samples.append(_samples(height, datum, pair, winds, partner))
         for group in _groups(path):
             winds.note("group of variables", group)
         alone = {
@@ -86,9 +86,9 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
         }
         for component, variables in parts.items():
             for name, variable in variables.items():
-                what = alone.get(component, "direction of a wind without its speed")
+                subject = alone.get(component, "direction of a wind without its speed")
                 may_limit = component in (Component.EAST, Component.NORTH) or not winds.samples
-                winds.note(what, name, next(iter(_descriptions(variable)), ""), may_limit)
+                winds.note(subject, name, next(iter(_descriptions(variable)), ""), may_limit)
     return winds
 
 
@@ -133,9 +133,9 @@ def _descriptions(variable: Any) -> list[str]:
 
 def _partner(first: Any, others: Iterable[Any]) -> Any | None:
     """Return the other component on the same axes."""
-    alike = [other for other in others if other.dims == first.dims and set(other.coords) == set(first.coords)]
+    alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
     name = str(first.name)
-    return max(alike, key=lambda other: SequenceMatcher(None, name, str(other.name)).ratio(), default=None)
+    return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
 
 
 @dataclass(frozen=True)
@@ -164,8 +164,8 @@ def _levels(east: Any, north: Any, winds: ForecastWinds) -> Iterator[tuple[float
     known = [heights for heights in axes or single if heights.values is not None]
     if not known:
         level = verticals[0].coordinate if verticals else None
-        what = "wind at no height" if level is None else f"wind at {level.name}, which is no height"
-        winds.note(what, name, "" if level is None else level.attrs.get("units", ""))
+        subject = "wind at no height" if level is None else f"wind at {level.name}, which is no height"
+        winds.note(subject, name, "" if level is None else level.attrs.get("units", ""))
         return
     heights = min(known, key=lambda heights: heights.datum is Datum.UNKNOWN)
     if heights.has_no_unit:

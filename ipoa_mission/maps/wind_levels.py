@@ -53,8 +53,8 @@ class ForecastWinds:
     samples: list[WindSamples] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
 
-    def note(self, what: str, where: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
-        self.unread.append(Unread(self.path.name, what, where, str(example), count, may_limit))
+    def note(self, subject: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
+        self.unread.append(Unread(self.path.name, subject, place, str(example), count, may_limit))
 
 
 @dataclass(frozen=True)

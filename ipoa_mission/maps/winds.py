@@ -93,8 +93,8 @@ def _flown_levels(heights: list[float], notes: ForecastWinds) -> list[float]:
         notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
     kept = above[: sum(height < HIGHEST for height in above) + 1]
     if len(kept) < len(above):
-        what = f"wind more than {kept[-1]:g} m above home"
-        notes.note(what, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
+        subject = f"wind more than {kept[-1]:g} m above home"
+        notes.note(subject, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
     return kept
 
 
@@ -112,8 +112,8 @@ def _winds_at_time(
         words = f"expected a wind at home, but there is none at the nearest point, {height:g} m up"
         raise NothingThere(words, place=notes.path)
     if gaps := len(winds) - len(known):
-        what = f"wind of a member or time: {len(known)} others count"
-        notes.note(what, f"{height:g} m up", "missing", count=gaps)
+        subject = f"wind of a member or time: {len(known)} others count"
+        notes.note(subject, f"{height:g} m up", "missing", count=gaps)
     if (strongest := np.abs(known).max()) > 150.0:  # [m/s], at a height without jet streams
         words = f"expected winds, not {strongest:g} m/s, {height:g} m up"
         raise BadInput(words, code="winds-absurd", place=notes.path)

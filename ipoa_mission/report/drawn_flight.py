@@ -114,20 +114,20 @@ def outline_around(points: Points, distance: float) -> list[Points]:
 
 def find_dangers(predicted: SampledTrack, scenario: Scenario) -> list[Danger]:
     """Return where the path, a cut corner or the return comes too close; ground only where the path meets it."""
-    found, required = [], scenario.limits.obstacle_distance
+    dangers, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(predicted.points)
     if falls_short(nearest.distance, required):
         how = "runs into" if nearest.distance < 0 else f"comes within {down(nearest.distance):.2f} m of"
         where = _where(predicted.times[nearest.leg], nearest.place)
         words = f"the path as predicted {how} {nearest.what} {where}; {up(required):.2f} m are required"
-        found.append(Danger(words, nearest.distance < scenario.vehicle.radius))
+        dangers.append(Danger(words, nearest.distance < scenario.vehicle.radius))
     height = predicted.points[:, 2] - predicted.ground
     away = np.hypot(*(predicted.points[:, :2] - predicted.points[0, :2]).T) > LANDING_RADIUS
     lowest = int(np.argmin(np.where(away, height, np.inf)))
     if away[lowest] and height[lowest] < 0:
         where = _where(predicted.times[lowest], predicted.points[lowest])
-        found.append(Danger(f"the path as predicted runs into the ground {where}", True))
-    return found
+        dangers.append(Danger(f"the path as predicted runs into the ground {where}", True))
+    return dangers
 
 
 def _where(time: float, place: Sequence[float] | Vector) -> str:
