@@ -6,6 +6,6 @@ from pathlib import Path
 REPOSITORY = Path(__file__).parents[1]
 
 
-def command_line(told: str | None) -> ArgumentParser:
+def command_line(docstring: str | None) -> ArgumentParser:
     """Return a parser with a tool's docstring as its help, and no option but `--help`."""
-    return ArgumentParser(description=told, formatter_class=RawDescriptionHelpFormatter)
+    return ArgumentParser(description=docstring, formatter_class=RawDescriptionHelpFormatter)

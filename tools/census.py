@@ -65,7 +65,7 @@ def small_files() -> Iterator[str]:
 @cache
 def importers() -> dict[str, set[str]]:
     modules = {name_of(path) for path in trees()}
-    found: dict[str, set[str]] = defaultdict(set)
+    by_module: dict[str, set[str]] = defaultdict(set)
     for path in trees():
         for node in nodes(path):
             names: set[str] = set()
@@ -74,8 +74,8 @@ def importers() -> dict[str, set[str]]:
             elif isinstance(node, ast.ImportFrom) and node.module:
                 names = {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
             for name in names & modules - {name_of(path)}:
-                found[name].add(name_of(path))
-    return found
+                by_module[name].add(name_of(path))
+    return by_module
 
 
 def single_importers() -> Iterator[str]:
@@ -90,8 +90,8 @@ def arrows() -> Iterator[str]:
 
 def mutual_pairs() -> Iterator[str]:
     """Return the pairs of top folders that import each other."""
-    found = {tuple(arrow.split(" -> ")) for arrow in arrows()}
-    yield from sorted(f"{a} <-> {b}" for a, b in found if a < b and (b, a) in found)
+    pairs = {tuple(arrow.split(" -> ")) for arrow in arrows()}
+    yield from sorted(f"{a} <-> {b}" for a, b in pairs if a < b and (b, a) in pairs)
 
 
 def _folder(module: str) -> str:
@@ -104,9 +104,9 @@ def constants() -> Iterator[str]:
         for node in tree.body:
             if isinstance(node, ast.Assign | ast.AnnAssign):
                 targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-                for one in (each for target in targets for each in ast.walk(target)):
-                    if isinstance(one, ast.Name) and one.id.strip("_").isupper():
-                        yield f"{name_of(path)}:{one.lineno} {one.id}"
+                for name in (each for target in targets for each in ast.walk(target)):
+                    if isinstance(name, ast.Name) and name.id.strip("_").isupper():
+                        yield f"{name_of(path)}:{name.lineno} {name.id}"
 
 
 def adverb_constants() -> Iterator[str]:
@@ -117,47 +117,47 @@ def many_parameters() -> Iterator[str]:
     for path in trees():
         for node in nodes(path):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
-                given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
-                if len([one for one in given if one.arg not in ("self", "cls")]) >= MANY_PARAMETERS:
+                parameters = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                if len({each.arg for each in parameters} - {"self", "cls"}) >= MANY_PARAMETERS:
                     yield f"{name_of(path)}:{node.lineno} {node.name}"
 
 
 @cache
 def prose() -> list[tuple[str, str]]:
     """Return each docstring, comment, message and page of the docs with its place."""
-    return [*comments(), *messages(), *((_page(one), one.read_text(encoding="utf-8")) for one in docs())]
+    return [*comments(), *messages(), *((_page(page), page.read_text(encoding="utf-8")) for page in docs())]
 
 
 @cache
 def comments() -> list[tuple[str, str]]:
-    found = []
+    texts = []
     for path in trees():
-        found += [(f"{name_of(path)}:{one.lineno}", inspect.cleandoc(one.value)) for one in _docstrings(path)]
+        texts += [(f"{name_of(path)}:{text.lineno}", inspect.cleandoc(text.value)) for text in _docstrings(path)]
         for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
             if token.type == tokenize.COMMENT:
-                found.append((f"{name_of(path)}:{token.start[0]}", token.string.lstrip("#: ")))
-    return found
+                texts.append((f"{name_of(path)}:{token.start[0]}", token.string.lstrip("#: ")))
+    return texts
 
 
 @cache
 def messages() -> list[tuple[str, str]]:
     """Return the strings of three words or more that are no docstrings."""
-    found = []
+    texts = []
     for path in trees():
-        docstrings = {id(one) for one in _docstrings(path)}
+        docstrings = {id(constant) for constant in _docstrings(path)}
         for node in nodes(path):
             text = node.value if isinstance(node, ast.Constant) and id(node) not in docstrings else None
             if isinstance(text, str) and isinstance(node, ast.Constant) and len(text.split()) > 2:
-                found.append((f"{name_of(path)}:{node.lineno}", text))
-    return found
+                texts.append((f"{name_of(path)}:{node.lineno}", text))
+    return texts
 
 
 def _docstrings(path: Path) -> Iterator[Any]:
     """Return the constants that document a module, class, function or, below an assignment, a name."""
     for node in nodes(path):
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            constants = (one.value for one in node.body if isinstance(one, ast.Expr))
-            yield from (one for one in constants if isinstance(one, ast.Constant) and isinstance(one.value, str))
+            values = (each.value for each in node.body if isinstance(each, ast.Expr))
+            yield from (each for each in values if isinstance(each, ast.Constant) and isinstance(each.value, str))
 
 
 def _page(path: Path) -> str:
@@ -171,9 +171,9 @@ def docs() -> list[Path]:
 
 @cache
 def sentences() -> list[tuple[str, str]]:
-    split = ((place, one) for place, text in prose() for one in SENTENCE.split(CODE.sub(" X ", text)))
-    found = ((place, " ".join(one.split())) for place, one in split)
-    return [(place, words) for place, words in found if words and not words.startswith("|")]
+    split = ((place, sentence) for place, text in prose() for sentence in SENTENCE.split(CODE.sub(" X ", text)))
+    pairs = ((place, " ".join(sentence.split())) for place, sentence in split)
+    return [(place, words) for place, words in pairs if words and not words.startswith("|")]
 
 
 def dialect() -> Iterator[str]:
@@ -210,9 +210,9 @@ COUNTS: dict[str, Callable[[], Iterator[str]]] = {
 def main(arguments: list[str]) -> int:
     parser = command_line(__doc__)
     parser.add_argument("--where", choices=sorted(COUNTS), help="print the places of this count")
-    given = parser.parse_args(arguments)
-    if given.where:
-        for place, times in Counter(COUNTS[given.where]()).items():
+    options = parser.parse_args(arguments)
+    if options.where:
+        for place, times in Counter(COUNTS[options.where]()).items():
             print(place if times == 1 else f"{place} ({times})")
         return 0
     for name, count in COUNTS.items():

@@ -95,7 +95,7 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
 
 
 def outputs(scenario: Scenario) -> Outputs:
-    found: Outputs = {}
+    digests: Outputs = {}
     try:
         with tempfile.TemporaryDirectory() as folder:
             if "survey" not in scenario.added:
@@ -106,23 +106,23 @@ def outputs(scenario: Scenario) -> Outputs:
                 files, forecasts = survey.write(folder), list(survey.flights)
             for path in files:
                 text = path.read_bytes()
-                found[path.name] = _both(json.loads(text)) if path.suffix == ".json" else (_digest(text), "")
+                digests[path.name] = _both(json.loads(text)) if path.suffix == ".json" else (_digest(text), "")
     except MissionError as error:
-        return found | {"error": _refusal(error)}
+        return digests | {"error": _refusal(error)}
     for n, forecast in enumerate(forecasts):
-        found |= _of_mission(forecast, f"flight {n}")
-    return found
+        digests |= _of_mission(forecast, f"flight {n}")
+    return digests
 
 
 def _of_mission(forecast: Forecast, name: str) -> Outputs:
-    found: Outputs = {}
+    digests: Outputs = {}
     try:
-        found[f"{name}: estimate"] = _both(estimate_as_json(forecast.estimate))
+        digests[f"{name}: estimate"] = _both(estimate_as_json(forecast.estimate))
         findings = check_mission(forecast.mission, forecast.scenario)
-        found[f"{name}: checks"] = _both(findings_as_json(findings))
+        digests[f"{name}: checks"] = _both(findings_as_json(findings))
     except MissionError as error:
-        found[f"{name}: error"] = _refusal(error)
-    return found
+        digests[f"{name}: error"] = _refusal(error)
+    return digests
 
 
 def _refusal(error: MissionError) -> tuple[str, str]:
@@ -134,9 +134,9 @@ def _both(tree: Any) -> tuple[str, str]:
 
     def data_of(value: Any) -> Any:
         if isinstance(value, dict):
-            return {key: data_of(one) for key, one in value.items() if key != "version"}
+            return {key: data_of(child) for key, child in value.items() if key != "version"}
         if isinstance(value, list | tuple):
-            return [data_of(one) for one in value]
+            return [data_of(child) for child in value]
         if isinstance(value, str) and " " in value:
             prose.append(value)
             return ""
@@ -150,14 +150,14 @@ def _digest(text: bytes) -> str:
 
 
 def differences(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
-    told = []
+    lines = []
     for case, name in sorted({(one, name) for side in (old, new) for one in side for name in side[one]}):
         before, after = (tuple(side.get(case, {}).get(name, ())) for side in (old, new))
         if before != after:
             how = "words only" if before[:1] == after[:1] else "data"
             how = how if before and after else "is new" if after else "gone"
-            told.append(f"{case}: {name}: {how}")
-    return told
+            lines.append(f"{case}: {name}: {how}")
+    return lines
 
 
 def main() -> None:
@@ -165,19 +165,19 @@ def main() -> None:
     where = parser.add_mutually_exclusive_group(required=True)
     where.add_argument("--write", type=Path, metavar="FILE", help="write the manifest")
     where.add_argument("--against", type=Path, metavar="FILE", help="compare with a manifest")
-    given = parser.parse_args()
-    old = json.loads(given.against.read_text(encoding="utf-8")) if given.against else {}
+    options = parser.parse_args()
+    old = json.loads(options.against.read_text(encoding="utf-8")) if options.against else {}
     begun, files = time.monotonic(), [*MISSIONS.glob("*.plan"), *MISSIONS.glob("*.waypoints")]
-    found: dict[str, Any] = {path.name: _of_mission(Forecast(read_mission(path)), "file") for path in files}
+    manifest: dict[str, Any] = {path.name: _of_mission(Forecast(read_mission(path)), "file") for path in files}
     for n, (name, scenario) in enumerate(cases()):
-        found[name] = outputs(scenario)
+        manifest[name] = outputs(scenario)
         print(f"\r{n + 1} scenarios, {time.monotonic() - begun:.0f} s, {name:40.40}", end="", file=sys.stderr)
     print(file=sys.stderr)
-    if given.write:
-        sys.exit(given.write.write_text(json.dumps(found, indent=1, sort_keys=True), encoding="utf-8") and 0)
-    told = differences(old, json.loads(json.dumps(found)))
-    print(*told, f"{sum(map(len, found.values()))} outputs compared, {len(told)} differ", sep="\n")
-    sys.exit(any(not one.endswith("words only") for one in told))
+    if options.write:
+        sys.exit(options.write.write_text(json.dumps(manifest, indent=1, sort_keys=True), encoding="utf-8") and 0)
+    lines = differences(old, json.loads(json.dumps(manifest)))
+    print(*lines, f"{sum(map(len, manifest.values()))} outputs compared, {len(lines)} differ", sep="\n")
+    sys.exit(any(not line.endswith("words only") for line in lines))
 
 
 if __name__ == "__main__":

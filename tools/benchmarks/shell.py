@@ -64,26 +64,26 @@ def main() -> None:
     with (
         tempfile.TemporaryDirectory() as name,
         checked_out(wanted.against, Path(name)) as other,
-        checked_out("HEAD", Path(name)) as this,
+        checked_out("HEAD", Path(name)) as new,
     ):
         costs: dict[tuple[str, Path], list[Cost]] = {}
-        for tree in track((other, this), "installing"):
+        for tree in track((other, new), "installing"):
             subprocess.run([sys.executable, "-m", "venv", tree / ".venv"], check=True)
             install: list[str | Path] = [tree / ".venv/bin/python", "-m", "pip", "install", "--quiet", "."]
             costs["pip install .", tree] = [cost(install, tree)]
             cost([*install[:-1], "rasterio"], tree)  # the elevation model of oldtown
-        runs = list(product(range(wanted.rounds + 1), VERBS.items(), (other, this)))
+        runs = list(product(range(wanted.rounds + 1), VERBS.items(), (other, new)))
         for number, (verb, arguments), tree in track(runs, "running"):
             used = cost([tree / ".venv/bin/ipoa-mission", *arguments], tree)
             if number:
                 costs.setdefault((verb, tree), []).append(used)
-        imports = [cost([this / ".venv/bin/python", "-c", "import numpy"], this).cpu for _ in range(wanted.rounds + 1)]
+        imports = [cost([new / ".venv/bin/python", "-c", "import numpy"], new).cpu for _ in range(wanted.rounds + 1)]
         numpy = median(imports[1:])
         print(f"`import numpy` takes {numpy:.3f} s of CPU")
         print(f"{'':18}{wanted.against[:10]:>12}{'HEAD':>12}{'ratio':>8}{'imports':>9}{'memory':>8}")
         for verb in ("pip install .", *VERBS):
-            then, now = (median(used.cpu for used in costs[verb, tree]) for tree in (other, this))
-            memory = costs[verb, this][-1].memory / costs[verb, other][-1].memory
+            then, now = (median(used.cpu for used in costs[verb, tree]) for tree in (other, new))
+            memory = costs[verb, new][-1].memory / costs[verb, other][-1].memory
             print(f"{verb:18}{then:10.2f} s{now:10.2f} s{now / then:8.2f}{now / numpy:9.1f}{memory:8.2f}")
 
 

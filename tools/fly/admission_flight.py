@@ -140,9 +140,9 @@ class Watch:
             raise Broken(NOT_COMPLETED, f"not down after {since:.0f} s{item}")
 
 
-def beside(way: Points, place: Points) -> float:
+def beside(path: Points, place: Points) -> float:
     """Return the distance of a place (3,) from a polyline (n, 3) [m]."""
-    start, along = way[:-1], np.diff(way, axis=0)
+    start, along = path[:-1], np.diff(path, axis=0)
     squared = np.maximum(np.sum(along**2, axis=1), 1e-9)
     share = np.clip(np.sum((place - start) * along, axis=1) / squared, 0.0, 1.0)
     return float(np.linalg.norm(place - start - share[:, None] * along, axis=1).min())
@@ -223,18 +223,20 @@ def _write(folder: Path, record: FlightRecord, track: Points, **outcome: Any) ->
 def judged(folder: Path, scenario: Scenario) -> Row:
     stem, number = folder.name.split("__")
     name, autopilot = stem.rsplit("-", 1)
-    told: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+    flight: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
     plan = hashlib.sha256((folder / "mission.plan").read_bytes()).hexdigest()[:12]
-    row = Row(name, autopilot, int(number), told["version"], told["outcome"], told["why"], plan, truth=told["truth"])
-    row = replace(row, astray=round(told["astray"], 2))
-    version = None if told["version"] == "None" else Version.parsed(told["version"])
+    row = Row(
+        name, autopilot, int(number), flight["version"], flight["outcome"], flight["why"], plan, truth=flight["truth"]
+    )
+    row = replace(row, astray=round(flight["astray"], 2))
+    version = None if flight["version"] == "None" else Version.parsed(flight["version"])
     mission = replace(read_mission(folder / "mission.plan", autopilot_named(autopilot)), firmware_version=version)
-    done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
+    done = {item["seq"]: float(item["done_s"]) for item in flight["items"]}
     if done:
-        way = _on_the_way(folder, mission, sorted(done.values()), told["outcome"] == COMPLETED)
+        flown = _on_the_way(folder, mission, sorted(done.values()), flight["outcome"] == COMPLETED)
         safety = scenario.safety.model_copy(update={"confidence": LEVEL})
-        row = _with_distances(row, way, Forecast(mission, scenario.model_copy(update={"safety": safety})))
-    if told["outcome"] != COMPLETED:
+        row = _with_distances(row, flown, Forecast(mission, scenario.model_copy(update={"safety": safety})))
+    if flight["outcome"] != COMPLETED:
         return row
     expected = Forecast(landing_on(mission.assuming(scenario.vehicle.autopilot_parameters()), 0.0)).estimate
     items = [item for item in expected.items if item.seq in done]
@@ -244,7 +246,7 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     return replace(
         row, estimated_route_s=round(last.done_s, 2), flown_route_s=round(done[last.seq], 2),
         estimated_s=round(end.done_s, 2), low_s=round(end.low_s, 2), high_s=round(end.high_s, 2),
-        flown_s=round(told["flown_s"], 2), items=len(items), inside=inside,
+        flown_s=round(flight["flown_s"], 2), items=len(items), inside=inside,
     )  # fmt: skip
 
 
@@ -254,15 +256,15 @@ def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed:
     return LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + mission.home.altitude)
 
 
-def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
+def _with_distances(row: Row, flown: Points, forecast: Forecast) -> Row:
     air = forecast.world.airspace
-    found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
-    held = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in found]
-    if not held or len(way) < 2:
+    clearances = {"obstacles": air.obstacle_clearance(flown), "ground": air.terrain_clearance(flown)}
+    limits = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in clearances]
+    if not limits or len(flown) < 2:
         return row
-    surplus = min(found[kept.limit].distance - kept.required for kept in held)
-    least = min(held, key=lambda kept: found[kept.limit].distance - kept.guaranteed)
-    nearest = found[least.limit]
+    surplus = min(clearances[kept.limit].distance - kept.required for kept in limits)
+    least = min(limits, key=lambda kept: clearances[kept.limit].distance - kept.guaranteed)
+    nearest = clearances[least.limit]
     return replace(
         row, required=round(least.required, 3), kept_99=round(least.guaranteed, 3), to=nearest.what,
         least=round(float(nearest.distance), 3), surplus=round(float(surplus), 3),

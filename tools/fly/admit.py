@@ -114,42 +114,42 @@ def link_of(link: str, autopilot: Autopilot, instance: int) -> str:
     return re.sub(r"\d+$", lambda port: str(int(port[0]) + PORT_STEP[autopilot] * instance), link)
 
 
-def scenario_files(given: argparse.Namespace) -> dict[str, Path]:
-    folders = ((sorted(one.glob("*.toml")) if one.is_dir() else [one]) for one in given.scenarios)
+def scenario_files(options: argparse.Namespace) -> dict[str, Path]:
+    folders = ((sorted(file.glob("*.toml")) if file.is_dir() else [file]) for file in options.scenarios)
     return {path.stem: path for path in chain(shipped(), *folders)}
 
 
-def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
+def tasks(options: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
     """Yield the flights in order; None while only a refusal could add one. `rows` grows meanwhile."""
     done = {(row.scene, row.flight) for row in rows}
     begun = sum(row.outcome != REFUSED for row in rows)
-    fixed = ((name, path, -1) for name, path in scenario_files(given).items())
-    random = ((scene_name(number, given.seed), None, number) for number in count())
+    fixed = ((name, path, -1) for name, path in scenario_files(options).items())
+    random = ((scene_name(number, options.seed), None, number) for number in count())
     refused = sum(row.outcome == REFUSED for row in rows)
-    for (name, path, number), flight in ((one, n) for one in chain(fixed, random) for n in range(given.times)):
+    for (name, path, number), flight in ((case, n) for case in chain(fixed, random) for n in range(options.times)):
         if (name, flight) in done:
             continue
-        while begun - (sum(row.outcome == REFUSED for row in rows) - refused) >= given.count:
+        while begun - (sum(row.outcome == REFUSED for row in rows) - refused) >= options.count:
             yield None
         begun += 1
         yield Task(name, flight, path, number)
 
 
-def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) -> None:
+def fly_all(options: argparse.Namespace, work: Work, rows: list[Row], path: Path) -> None:
     instances = multiprocessing.Manager().Queue()
-    for instance in range(given.jobs):
-        instances.put(given.instance + instance)
+    for instance in range(options.jobs):
+        instances.put(options.instance + instance)
     under_way: set[Future[Row]] = set()
-    to_fly = tasks(given, rows)
-    with ProcessPoolExecutor(given.jobs, initializer=_begin, initargs=(instances,)) as pool:
+    to_fly = tasks(options, rows)
+    with ProcessPoolExecutor(options.jobs, initializer=_begin, initargs=(instances,)) as pool:
         while True:
-            while len(under_way) < given.jobs and (task := next(to_fly)) is not None:
+            while len(under_way) < options.jobs and (task := next(to_fly)) is not None:
                 under_way.add(pool.submit(one_flight, task, work))
             if not under_way:
                 return
             ended, under_way = wait(under_way, return_when=FIRST_COMPLETED)
-            for one in ended:
-                rows.append(one.result())
+            for future in ended:
+                rows.append(future.result())
                 write_rows(path, rows)
                 print(words(rows[-1]), flush=True)
 
@@ -173,10 +173,10 @@ def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
     off = np.array([abs(row.route_off) for row in completed])
     median, worst = (float(np.median(off)), float(off.max())) if len(off) else (math.nan, math.nan)
     slow = [row for row in completed if abs(row.route_off) > ROUTE_WORST]
-    away, broken_off = ([row for row in flown if row.outcome == one] for one in (FLEW_AWAY, NOT_COMPLETED))
+    away, broken_off = ([row for row in flown if row.outcome == outcome] for outcome in (FLEW_AWAY, NOT_COMPLETED))
     total = sum(row.outcome == REFUSED for row in rows)
     allowed = math.floor((1.0 - KEPT_BY) * len(flown) + 1e-9)
-    found = [
+    criteria = [
         (len(flown) >= asked, f"{len(flown)} of {asked} flights flown, {total} scenes refused", []),
         (not away, f"{len(away)} flew away", away),
         (not broken_off, f"{len(broken_off)} were not completed", broken_off),
@@ -185,10 +185,10 @@ def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
         (median <= ROUTE_MEDIAN, f"to the last waypoint {100 * median:.2f} % off in the median", []),
         (worst <= ROUTE_WORST, f"to the last waypoint {100 * worst:.1f} % off at worst", slow),
     ]
-    told = [f"{'ok ' if holds else 'NO '} {said}" for holds, said, _ in found]
+    lines = [f"{'ok ' if holds else 'NO '} {words_of}" for holds, words_of, _ in criteria]
     lost = [row for row in rows if row.outcome == NOT_FLOWN]
-    named = dict.fromkeys(words(row) for some in (*(rows for *_, rows in found), lost) for row in some)
-    return all(holds for holds, *_ in found), [*told, *(f"    {one}" for one in named)]
+    named = dict.fromkeys(words(row) for some in (*(rows for *_, rows in criteria), lost) for row in some)
+    return all(holds for holds, *_ in criteria), [*lines, *(f"    {outcome}" for outcome in named)]
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -209,20 +209,20 @@ def write_rows(path: Path, rows: list[Row]) -> None:
     write_atomically(path, text.getvalue())
 
 
-def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
+def version_on(options: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
     home = read_scenario(shipped()[0]).frame.home
-    start = given.start and simulator.words(given.start, home)
-    link = link_of(given.sitl, autopilot, given.instance)
+    start = options.start and simulator.words(options.start, home)
+    link = link_of(options.sitl, autopilot, options.instance)
     with simulation(start, simulator.folder) if start else nullcontext(), connected(link) as vehicle:
         if vehicle.autopilot is not autopilot:
             raise MissionError(f"expected {autopilot} on {link}, not {vehicle.autopilot}")
         return vehicle.firmware_version()
 
 
-def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]) -> list[Row]:
-    named, new = scenario_files(given), list[Row]()
+def judge_again(options: argparse.Namespace, autopilot: Autopilot, rows: list[Row]) -> list[Row]:
+    named, new = scenario_files(options), list[Row]()
     for row in rows:
-        folder = given.out / f"{row.scene}-{row.autopilot}__{row.flight}"
+        folder = options.out / f"{row.scene}-{row.autopilot}__{row.flight}"
         if row.outcome in FLOWN:
             path = named.get(row.scene, folder / f"{row.scene}-{row.autopilot}.toml")
             row = judged(folder, as_flown_by(path, autopilot))
@@ -233,7 +233,7 @@ def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]
 
 def main(arguments: list[str]) -> int:
     parser = command_line(__doc__)
-    parser.add_argument("--autopilot", required=True, choices=[str(one) for one in PORT_STEP])
+    parser.add_argument("--autopilot", required=True, choices=[str(each) for each in PORT_STEP])
     parser.add_argument("--sitl", metavar="URL", help="the link of instance 0")
     parser.add_argument("--out", required=True, type=Path)
     parser.add_argument("--start", metavar="COMMAND", help="starts a simulator for one flight")
@@ -245,27 +245,27 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--jobs", type=int, default=1, help="simulators at once, each with its instance number")
     parser.add_argument("--instance", type=int, default=0, help="the first instance number")
     parser.add_argument("--judge", action="store_true", help="fly nothing")
-    given = parser.parse_args(arguments)
-    if not given.judge and given.sitl is None:
+    options = parser.parse_args(arguments)
+    if not options.judge and options.sitl is None:
         parser.error("--sitl: expected the link of a simulator, like udpin:127.0.0.1:14540")
-    if given.jobs > 1 and given.start is None:
+    if options.jobs > 1 and options.start is None:
         parser.error("--jobs: expected with --start, which starts each simulator")
-    autopilot = autopilot_named(given.autopilot)
-    given.out.mkdir(parents=True, exist_ok=True)
-    rows = read_rows(path := given.out / "admission.csv")
-    if given.judge:
-        rows = judge_again(given, autopilot, rows)
+    autopilot = autopilot_named(options.autopilot)
+    options.out.mkdir(parents=True, exist_ok=True)
+    rows = read_rows(path := options.out / "admission.csv")
+    if options.judge:
+        rows = judge_again(options, autopilot, rows)
         write_rows(path, rows)
     else:
-        simulator = Simulator(given.sitl, given.instance, given.out / "work", given.start, given.logs)
-        version = version_on(given, autopilot, simulator)
+        simulator = Simulator(options.sitl, options.instance, options.out / "work", options.start, options.logs)
+        version = version_on(options, autopilot, simulator)
         print(f"{autopilot.model} {version}", flush=True)
-        if other := {row.version for row in rows if row.outcome != REFUSED} - {str(version)}:
-            parser.error(f"{path} has flights of {', '.join(sorted(other))}, and {version} is on the link")
-        fly_all(given, Work(autopilot, given.out, given.seed, version, simulator), rows, path)
-    is_measured, told = verdict(rows, given.count)
+        if versions_before := {row.version for row in rows if row.outcome != REFUSED} - {str(version)}:
+            parser.error(f"{path} has flights of {', '.join(sorted(versions_before))}, and {version} is on the link")
+        fly_all(options, Work(autopilot, options.out, options.seed, version, simulator), rows, path)
+    is_measured, lines = verdict(rows, options.count)
     versions = ", ".join(sorted({row.version for row in rows if row.outcome != REFUSED}))
-    print("\n".join([*told, f"{autopilot.model} {versions}: {'measured' if is_measured else 'not measured'}"]))
+    print("\n".join([*lines, f"{autopilot.model} {versions}: {'measured' if is_measured else 'not measured'}"]))
     return 0 if is_measured else 1
 
 

@@ -143,7 +143,7 @@ def _scatter(
     chosen: list[tuple[float, float]] = []
     for _ in range(60 * many):
         spot = float(rng.uniform(west, east)), float(rng.uniform(south, north))
-        if all(math.dist(spot, other) >= apart for other in [*chosen, *clear]):
+        if all(math.dist(spot, near) >= apart for near in [*chosen, *clear]):
             chosen.append(spot)
         if len(chosen) == many:
             break

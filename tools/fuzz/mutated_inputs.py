@@ -62,7 +62,7 @@ def main() -> int:
     print(f"| reader | changes | {' | '.join(outcomes)} |")
     for suffix in KINDS:
         row = [counts[suffix, outcome] for outcome in outcomes]
-        print(f"| `{suffix}` | {sum(row):,} | {' | '.join(f'{one:,}' for one in row)} |")
+        print(f"| `{suffix}` | {sum(row):,} | {' | '.join(f'{number:,}' for number in row)} |")
     return 1 if any(count for (_, outcome), count in counts.items() if outcome == "lost") else 0
 
 

@@ -44,7 +44,7 @@ class Flown:
 
 def _told(flight: LoggedFlight) -> dict[str, Any]:
     record = flight.record(flight.mission)
-    path = np.array([(one.time_s, one.latitude_deg * 1e5, one.longitude_deg * 1e5, one.height) for one in record.path])
+    path = np.array([(at.time_s, at.latitude_deg * 1e5, at.longitude_deg * 1e5, at.height) for at in record.path])
     return {
         "path": path.reshape(-1, 4), "items": record.item_reached_s, "total": record.total_s, "done": record.completed,
         "mission": flight.mission and repr(flight.mission.items), "parameters": dict(flight.parameters),
@@ -52,24 +52,24 @@ def _told(flight: LoggedFlight) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
+def _alike(before: dict[str, Any], after: dict[str, Any]) -> bool:
     """Return whether two flights agree: times to 0.5 s, places to about 3 m."""
-    same = all(one[key] == other[key] for key in ("mission", "parameters", "in mission", "done"))
-    same = same and one["items"].keys() == other["items"].keys() and abs(one["total"] - other["total"]) < 0.5
-    same = same and all(abs(one["items"][seq] - time) < 0.5 for seq, time in other["items"].items())
-    if not same or len(one["path"]) < 2 or len(other["path"]) < 2:
-        return same and len(one["path"]) == len(other["path"])
-    at = np.arange(one["path"][0, 0], one["path"][-1, 0], 1.0)
-    ways = [
-        np.column_stack([np.interp(at, way[:, 0], axis) for axis in way[:, 1:].T])
-        for way in (one["path"], other["path"])
+    same = all(before[key] == after[key] for key in ("mission", "parameters", "in mission", "done"))
+    same = same and before["items"].keys() == after["items"].keys() and abs(before["total"] - after["total"]) < 0.5
+    same = same and all(abs(before["items"][seq] - time) < 0.5 for seq, time in after["items"].items())
+    if not same or len(before["path"]) < 2 or len(after["path"]) < 2:
+        return same and len(before["path"]) == len(after["path"])
+    at = np.arange(before["path"][0, 0], before["path"][-1, 0], 1.0)
+    paths = [
+        np.column_stack([np.interp(at, path[:, 0], axis) for axis in path[:, 1:].T])
+        for path in (before["path"], after["path"])
     ]
-    return bool((np.abs(ways[0] - ways[1]) < 3.0).all())
+    return bool((np.abs(paths[0] - paths[1]) < 3.0).all())
 
 
 def read_log(path: Path) -> Reading:
     log = read_flights(path)
-    unknown = [f"flight {n}: no mission" for n, one in enumerate(log.flights) if one.in_mission and one.mission is None]
+    unknown = [f"flight {n}: no mission" for n, f in enumerate(log.flights) if f.in_mission and f.mission is None]
     return Reading(Flown(log.flights), frozenset([*log.remarks, *unknown]))  # `compare` and `learn` report the latter
 
 
@@ -80,7 +80,7 @@ def _bytes(name: str) -> bytes:
 
 @cache
 def _records(name: str) -> list[bytes]:
-    return [round(one.unix_s * 1e6).to_bytes(8, "big") + one.frame for one in read_tlog(LOGS / name)]
+    return [round(record.unix_s * 1e6).to_bytes(8, "big") + record.frame for record in read_tlog(LOGS / name)]
 
 
 def changed(suffix: str, chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:

@@ -81,14 +81,14 @@ def _item(command: int, numbers: list[float], frame: int = 3) -> dict[str, Any]:
 
 def objects(node: Any) -> list[dict[str, Any]]:
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-    return [*([node] if isinstance(node, dict) else []), *(one for value in inner for one in objects(value))]
+    return [*([node] if isinstance(node, dict) else []), *(child for value in inner for child in objects(value))]
 
 
 # --- changes of a plan: the same in another form, or less of it
 
 
 def rename(document: dict[str, Any], chance: random.Random) -> None:
-    of = chance.choice([one for one in objects(document) if one])
+    of = chance.choice([node for node in objects(document) if node])
     key = chance.choice(list(of))
     others = [*OTHER_KEYS.get(key, []), key.lower(), key.upper(), f"{key}s", f"_{key}"]
     new = chance.choice(others)
@@ -98,17 +98,17 @@ def rename(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def drop(document: dict[str, Any], chance: random.Random) -> None:
-    of = chance.choice([one for one in objects(document) if one])
+    of = chance.choice([node for node in objects(document) if node])
     del of[chance.choice(list(of))]
 
 
 def reorder(document: dict[str, Any], chance: random.Random) -> None:
     """Write keys in another order, or move an item."""
-    for one in objects(document):
-        pairs = list(one.items())
+    for node in objects(document):
+        pairs = list(node.items())
         chance.shuffle(pairs)
-        one.clear()
-        one.update(pairs)
+        node.clear()
+        node.update(pairs)
     if chance.random() < 0.4:
         items = document["mission"]["items"]
         items.insert(0, items.pop(chance.randrange(1, len(items))))
@@ -121,9 +121,9 @@ def wrap(document: dict[str, Any], chance: random.Random) -> None:
             names = ("latitude", "longitude", "altitude")
             rally["points"] = [dict(zip(names, point, strict=True)) for point in rally["points"]]
         case 1:
-            fence["circles"] = [one["circle"] | {"inclusion": one["inclusion"]} for one in fence["circles"]]
+            fence["circles"] = [circle["circle"] | {"inclusion": circle["inclusion"]} for circle in fence["circles"]]
         case 2:
-            fence["polygons"] = [{"path": one["polygon"], "inclusion": True} for one in fence["polygons"]]
+            fence["polygons"] = [{"path": polygon["polygon"], "inclusion": True} for polygon in fence["polygons"]]
         case 3:
             document["mission"][FENCE] = document.pop(FENCE)
         case 4:
@@ -155,7 +155,7 @@ def convert(document: dict[str, Any], chance: random.Random) -> None:
         case 3:
             chance.choice([document[FENCE], document[RALLY], *document[FENCE]["polygons"]])["units"] = "ft"
         case _:
-            numbers = [one for one in objects(document) if any(isinstance(v, float | int) for v in one.values())]
+            numbers = [node for node in objects(document) if any(isinstance(v, float | int) for v in node.values())]
             of = chance.choice(numbers)
             key = chance.choice([key for key, value in of.items() if isinstance(value, float | int)])
             of[key] = str(of[key])
@@ -199,8 +199,8 @@ def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
 def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
     items = plan(chance)["mission"]["items"]
     rows = [[0, 1, 0, 16, 0, 0, 0, 0, *HOME, 1]]
-    for n, one in enumerate(items, 1):
-        rows.append([n, 0, one["frame"], one["command"], *(v or 0 for v in one["params"]), 1])
+    for n, item in enumerate(items, 1):
+        rows.append([n, 0, item["frame"], item["command"], *(v or 0 for v in item["params"]), 1])
     lines = ["QGC WPL 110", *("\t".join(map(str, row)) for row in rows)]
     before, after = "\n".join(lines) + "\n", list(lines)
     at = chance.randrange(1, len(lines))
@@ -227,8 +227,8 @@ def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
         case "rename":
             after[0] = chance.choice(["QGC WPL 120", "QGC WPL 100", "WPL 110", "QGC  WPL 110"])
         case "home":
-            n, other = chance.choice([(2, "3"), (2, "10"), (3, "0"), (3, "22")])
-            after[1] = "\t".join(other if m == n else field for m, field in enumerate(after[1].split("\t")))
+            n, frame = chance.choice([(2, "3"), (2, "10"), (3, "0"), (3, "22")])
+            after[1] = "\t".join(frame if m == n else field for m, field in enumerate(after[1].split("\t")))
         case _:
             return change, before, torn(before, chance)
     return change, before, "\n".join(after) + "\n"
@@ -309,4 +309,4 @@ def read_parameter_text(path: Path) -> Reading:
     read = read_parameter_file(path)
     flies = firmware_of(read.parameters)
     values = read.parameters if flies is None else flies.parameter_table.by_old_names(read.parameters)
-    return Reading({n: round(v, 3) for n, v in values.items()}, frozenset(one.words for one in read.unread))
+    return Reading({n: round(v, 3) for n, v in values.items()}, frozenset(thing.words for thing in read.unread))

@@ -53,7 +53,7 @@ def read_model(path: Path) -> Reading:
     elif path.suffix == ".asc":
         path.with_suffix(".prj").write_text(rasterio.CRS.from_epsg(4326).to_wkt())
     grid, remarks = local_grid(path, ElevationRules(), LocalFrame(HOME), *AREA)
-    words = frozenset(one for one in remarks if "ground every" not in one and "ground at home" not in one)
+    words = frozenset(remark for remark in remarks if "ground every" not in remark and "ground at home" not in remark)
     return Reading(Ground(grid.height(SPOTS)), words, lambda was, now: bool((now.heights >= was.heights - NEAR).all()))
 
 

@@ -17,7 +17,7 @@ class Reading:
     `covers(before, after)` returns whether `after` obstructs at least as much; None: not applicable.
     """
 
-    said: Any
+    content: Any
     words: frozenset[str]
     covers: Callable[[Any, Any], bool] | None = None
 
@@ -30,8 +30,8 @@ def judge(path: Path, before: str | bytes, after: str | bytes, read: Callable[[P
         now = read(path)
     except (BadInput, MissionError):
         return "named"
-    if now.said == was.said:
+    if now.content == was.content:
         return "same"
     if now.words - was.words:
         return "named"
-    return "more cautious" if was.covers is not None and was.covers(was.said, now.said) else "lost"
+    return "more cautious" if was.covers is not None and was.covers(was.content, now.content) else "lost"

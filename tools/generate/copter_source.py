@@ -46,12 +46,12 @@ def facts(source: Source) -> dict[str, Any]:
 
 
 def _by_command(function: str) -> dict[str, str]:
-    found: dict[str, str] = {}
+    code_by_command: dict[str, str] = {}
     for labels, code in cases(body(function, "switch (cmd.id)")):
         for label in labels:
             if label.startswith("MAV_CMD_") and "UNSUPPORTED" not in code.partition("break")[0]:
-                found[label.removeprefix("MAV_CMD_")] = code
-    return found
+                code_by_command[label.removeprefix("MAV_CMD_")] = code
+    return code_by_command
 
 
 def _types(header: str) -> dict[str, str]:

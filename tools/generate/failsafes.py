@@ -44,7 +44,7 @@ NOTES = {
 
 
 def page() -> str:
-    return "\n".join((HEAD, *(_of(one) for one in registered() if one.failsafe_rules)))
+    return "\n".join((HEAD, *(_of(autopilot) for autopilot in registered() if autopilot.failsafe_rules)))
 
 
 def _of(autopilot: Autopilot) -> str:

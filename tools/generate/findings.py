@@ -20,7 +20,7 @@ Made from the code by `python -m tools.generate.findings`. `check` prints the co
 
 
 def page() -> str:
-    rows = (f"| `{code}` | {one.means} | {one.do} | {'' if one.crash else 'yes'} |" for code, one in RULES.items())
+    rows = (f"| `{code}` | {rule.means} | {rule.do} | {'' if rule.crash else 'yes'} |" for code, rule in RULES.items())
     return HEAD + "\n".join(rows) + "\n"
 
 

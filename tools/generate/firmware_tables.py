@@ -41,14 +41,14 @@ def main() -> None:
     parser.add_argument("git", type=Path)
     parser.add_argument("ref")
     parser.add_argument("--write", action="store_true")
-    given = parser.parse_args()
-    one = table(given.firmware, Source(given.git, given.ref))
-    if not given.write:
-        print(json.dumps(one, indent=1))
+    options = parser.parse_args()
+    facts = table(options.firmware, Source(options.git, options.ref))
+    if not options.write:
+        print(json.dumps(facts, indent=1))
         return
-    path = given.firmware.tables.path
+    path = options.firmware.tables.path
     tables = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    tables[given.version] = one
+    tables[options.version] = facts
     ordered = {name: tables[name] for name in sorted(tables, key=lambda v: [*map(int, v.split("."))])}
     path.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
 

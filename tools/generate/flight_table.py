@@ -44,8 +44,8 @@ class Row:
 
 
 def compare(flight: Recorded) -> Row:
-    found = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
-    done = {item.seq: item.done_s for item in found.items}
+    predicted = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
+    done = {item.seq: item.done_s for item in predicted.items}
     main = flight.runs[0]
     return Row(
         flight,
@@ -53,9 +53,9 @@ def compare(flight: Recorded) -> Row:
         done[flight.last] - done[flight.first],
         _quoted(flight.mission, flight.last) - _quoted(flight.mission, flight.first),
         (float(np.mean([run[flight.first] for run in flight.runs])), done[flight.first]),
-        (flight.end_s - main[flight.last], found.total_s - done[flight.last]),
-        _miss(flight, found),
-        _kept(flight, found),
+        (flight.end_s - main[flight.last], predicted.total_s - done[flight.last]),
+        _miss(flight, predicted),
+        _kept(flight, predicted),
     )
 
 
@@ -63,21 +63,19 @@ def _quoted(mission: Mission, items: int) -> float:
     return qgroundcontrol_time(replace(mission, items=mission.items[:items]))
 
 
-def _miss(flight: Recorded, found: Estimate) -> float:
+def _miss(flight: Recorded, predicted: Estimate) -> float:
     """Return the 95th percentile of the lateral distance from the predicted path [m]."""
-    trace, done = flight.trace, {item.seq: item.done_s for item in found.items}
+    trace, done = flight.trace, {item.seq: item.done_s for item in predicted.items}
     inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
     flown = LocalFrame(flight.mission.home).to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)
-    track = found.track
+    track = predicted.track
     meant = track.points[(track.times >= done[flight.first] - 1) & (track.times <= done[flight.last] + 1)]
     return float(np.quantile([beside(meant[:, :2], place) for place in flown[:, :2]], 0.95))
 
 
-def _kept(flight: Recorded, found: Estimate) -> float:
+def _kept(flight: Recorded, predicted: Estimate) -> float:
     runs = flight.runs
-    return float(
-        np.mean([one.low_s <= run[one.seq] <= one.high_s for one in found.items for run in runs if one.seq in run])
-    )
+    return float(np.mean([i.low_s <= run[i.seq] <= i.high_s for i in predicted.items for run in runs if i.seq in run]))
 
 
 def table(rows: list[Row]) -> str:
@@ -157,7 +155,7 @@ def landing_table() -> str:
 
 
 def tables() -> str:
-    parts = [f"### {name}\n\n{table([compare(one) for one in read_flights(each)])}" for each, name in NAMES.items()]
+    parts = [f"### {name}\n\n{table([*map(compare, read_flights(each))])}" for each, name in NAMES.items()]
     parts += [f"### {name} in wind\n\n{wind_table(autopilot)}" for autopilot, name in NAMES.items()]
     return "\n\n".join([*parts, f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}"])
 

@@ -20,8 +20,8 @@ def facts(source: Source) -> dict[str, Any]:
     parse, answer = (body(text, f"MavlinkMissionManager::{name}(") for name in _FUNCTIONS)
     placed, plain = (_taken(code, own) for code in _switches(parse, "mavlink_mission_item->command"))
     elsewhere = re.findall(r"nav_cmd == MAV_CMD_(NAV_\w+)", body(text, _HANDLER).partition("check_failed = true")[0])
-    told = _taken(_switches(answer, "mission_item->nav_cmd")[-1], own)
-    rows = {name: _placed_row(code, told.get(name, "")) for name, code in placed.items() if name not in elsewhere}
+    read_back = _taken(_switches(answer, "mission_item->nav_cmd")[-1], own)
+    rows = {name: _placed_row(code, read_back.get(name, "")) for name, code in placed.items() if name not in elsewhere}
     flown = re.findall(
         r"!= (NAV_CMD_\w+)", body(source.text(FEASIBLE), "FeasibilityChecker::checkMissionItemValidity(")
     )

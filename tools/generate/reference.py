@@ -18,7 +18,7 @@ its parameters, errors and example here; in a checkout use `help(ipoa_mission.NA
 
 def page() -> str:
     public = ((name, getattr(ipoa_mission, name)) for name in ipoa_mission.__all__)
-    return HEAD + "\n".join(f"::: {one.__module__}.{name}" for name, one in public) + "\n"
+    return HEAD + "\n".join(f"::: {item.__module__}.{name}" for name, item in public) + "\n"
 
 
 if __name__ == "__main__":

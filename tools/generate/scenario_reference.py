@@ -23,7 +23,7 @@ HEADING = re.compile(r"^##? (.*\[\w+\].*)$", re.MULTILINE)
 def refreshed(text: str) -> str:
     schema = Scenario.model_json_schema()
     tables = {"Scenario": schema, **schema["$defs"]}
-    return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(found[2], tables)}{found[3]}", text)
+    return TABLE.sub(lambda match: f"{match[1]}{table_of_keys(match[2], tables)}{match[3]}", text)
 
 
 def table_of_keys(name: str, tables: dict[str, Any]) -> str:
@@ -31,13 +31,13 @@ def table_of_keys(name: str, tables: dict[str, Any]) -> str:
     position = tables["Horizontal"]["properties"].keys()  # of obstacles: as of a place
     inherited = position if name.endswith("Section") and position <= section["properties"].keys() else ()
     rows = ["| key | value | left out | meaning |", "|---|---|---|---|"]
-    for key, said in section["properties"].items():
-        if "const" in said or key in inherited:  # a `kind`, which the heading has
+    for key, schema in section["properties"].items():
+        if "const" in schema or key in inherited:  # a `kind`, which the heading has
             continue
-        meaning = said.get("description") or tables[said["$ref"].rsplit("/", 1)[-1]]["description"]
-        left_out = "needed" if key in section.get("required", ()) else shown(said.get("default"))
+        meaning = schema.get("description") or tables[schema["$ref"].rsplit("/", 1)[-1]]["description"]
+        left_out = "needed" if key in section.get("required", ()) else shown(schema.get("default"))
         linked = f"[`{key}`]({links[key]})" if key in links else f"`{key}`"
-        cells = (linked, value(said, tables), left_out, " ".join(meaning.split()))
+        cells = (linked, value(schema, tables), left_out, " ".join(meaning.split()))
         rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(rows) + "\n"
 
@@ -52,8 +52,8 @@ def sections() -> dict[str, str]:
     }
 
 
-def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
-    match said:
+def value(schema: dict[str, Any], tables: dict[str, Any]) -> str:
+    match schema:
         case {"$ref": str(ref)}:
             target = tables[ref.rsplit("/", 1)[-1]]
             return value(target, tables) if "enum" in target else "a table"
@@ -72,14 +72,14 @@ def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
         case {"type": "string", "format": "path"}:
             return "a file"
         case {"type": "string"}:
-            return "a word" if "pattern" in said else "a text"
+            return "a word" if "pattern" in schema else "a text"
         case {"type": "boolean"}:
             return "true or false"
         case {"type": "object"}:
             return "a table"
     limits = {"exclusiveMinimum": "> ", "minimum": "≥ ", "exclusiveMaximum": "< ", "maximum": "≤ "}
-    words = [sign + f"{said[limit]:.4g}" for limit, sign in limits.items() if limit in said]
-    return " ".join(["a whole number" if said["type"] == "integer" else "a number", ", ".join(words)]).strip()
+    words = [sign + f"{schema[limit]:.4g}" for limit, sign in limits.items() if limit in schema]
+    return " ".join(["a whole number" if schema["type"] == "integer" else "a number", ", ".join(words)]).strip()
 
 
 def shown(default: Any) -> str:

@@ -33,15 +33,15 @@ class Step:
 
 def steps(text: str) -> list[Step]:
     """Return the commands of the `console` blocks, in order."""
-    found: list[Step] = []
+    listed: list[Step] = []
     for block in re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
             command, _, rest = part.partition("\n")
             if here := re.search(r"<<'(\w+)'", command):
                 body, _, rest = rest.partition(f"\n{here[1]}\n")
                 command = f"{command}\n{body}\n{here[1]}"
-            found.append(Step(command, tuple(rest.splitlines())))
-    return found
+            listed.append(Step(command, tuple(rest.splitlines())))
+    return listed
 
 
 def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable).parent) -> list[list[str]]:
@@ -56,13 +56,13 @@ def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable)
     script = "exec 2>&1\n" + "".join(f"{command}\necho '{MARK}'\n" for command in commands)
     script += "jobs -p | xargs -r kill\n"
     path = os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"]))
-    given = {"PATH": path, "COLUMNS": "80", "NO_COLOR": "1", "XDG_STATE_HOME": str(folder)}
+    environment = {"PATH": path, "COLUMNS": "80", "NO_COLOR": "1", "XDG_STATE_HOME": str(folder)}
     command = ["bash", "-c", script.replace(PORT, port)]
     ended = subprocess.run(
-        command, cwd=folder, env=os.environ | given, capture_output=True, text=True, check=False, timeout=900
+        command, cwd=folder, env=os.environ | environment, capture_output=True, text=True, check=False, timeout=900
     )
-    said = ended.stdout.replace(port, PORT).split(f"{MARK}\n")
-    return [part.splitlines() for part in said[:-1]]
+    parts = ended.stdout.replace(port, PORT).split(f"{MARK}\n")
+    return [part.splitlines() for part in parts[:-1]]
 
 
 def words(line: str) -> str:

@@ -42,21 +42,21 @@ class Flag:
 
 
 def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
-    given = signature(grouped(verb)).parameters.values()
-    return tuple(_flag(one.annotation, one.default) for one in given)
+    parameters = signature(grouped(verb)).parameters.values()
+    return tuple(_flag(parameter.annotation, parameter.default) for parameter in parameters)
 
 
 def _flag(hint: Any, default: Any) -> Flag:
     kind, info = get_args(hint)
     is_option = isinstance(info, OptionInfo)
     name = ", ".join((info.default, *info.param_decls)) if is_option else str(info.metavar)
-    choices = [one for part in (get_args(kind) or (kind,)) if isinstance(part, type) for one in _choices(part)]
+    choices = [choice for part in (get_args(kind) or (kind,)) if isinstance(part, type) for choice in _choices(part)]
     value = " or ".join(choices) or (str(info.metavar or "") if is_option else "")
     return Flag(name, value, _shown(default), str(info.help), is_option)
 
 
 def _choices(kind: type) -> list[str]:
-    return [str(one) for one in kind] if issubclass(kind, StrEnum) else []
+    return [str(member) for member in kind] if issubclass(kind, StrEnum) else []
 
 
 def _shown(default: Any) -> str:
@@ -68,12 +68,12 @@ def _shown(default: Any) -> str:
 
 
 def rows() -> dict[Flag, list[str]]:
-    found: dict[Flag, list[str]] = {}
+    takers: dict[Flag, list[str]] = {}
     for name, verb in by_name().items():
         for flag in flags(verb):
             if flag.is_option:
-                found.setdefault(flag, []).append(name)
-    return dict(sorted(found.items(), key=lambda row: row[0].name))
+                takers.setdefault(flag, []).append(name)
+    return dict(sorted(takers.items(), key=lambda row: row[0].name))
 
 
 def by_name() -> dict[str, Callable[..., None]]:
@@ -88,10 +88,10 @@ def page() -> str:
         for verb in verbs:
             arguments = [flag for flag in flags(verb) if not flag.is_option]
             parts += [f"### {names[verb]}\n", _about(grouped(verb).__doc__ or "")]
-            parts += ["".join(f"* `{one.name}`: {one.words}\n" for one in arguments)] if arguments else []
+            parts += ["".join(f"* `{flag.name}`: {flag.words}\n" for flag in arguments)] if arguments else []
     cells = (
-        f"| `{one.name}` | {one.value} | {one.words} | {one.default} | {', '.join(takers)} |"
-        for one, takers in rows().items()
+        f"| `{flag.name}` | {flag.value} | {flag.words} | {flag.default} | {', '.join(takers)} |"
+        for flag, takers in rows().items()
     )
     return "\n".join(parts) + "\n" + FLAGS + "\n".join(cells) + "\n"
 
