@@ -31,40 +31,40 @@ class CutLink:
                 self._close()
             elif self._door is None:
                 self._door = socket.create_server(("127.0.0.1", self.port))
-            self._carry([one for one in (self._far, self._near, self._door) if one is not None])
+            self._carry([end for end in (self._far, self._near, self._door) if end is not None])
         self._close()
         self._far.close()
 
     def _carry(self, ends: list[socket.socket]) -> None:
-        for one in select.select(ends, [], [], LOOK_S)[0]:
-            if one is self._door:
-                self._near, _ = one.accept()
+        for end in select.select(ends, [], [], LOOK_S)[0]:
+            if end is self._door:
+                self._near, _ = end.accept()
                 continue
-            other = self._near if one is self._far else self._far
+            opposite = self._near if end is self._far else self._far
             try:
-                data = one.recv(65536)
+                data = end.recv(65536)
             except ConnectionError:  # whoever is done closes it, at any time
                 data = b""
             if not data:
-                self._leave(one)
-            elif other is not None:
+                self._leave(end)
+            elif opposite is not None:
                 try:
-                    other.sendall(data)
+                    opposite.sendall(data)
                 except ConnectionError:
-                    self._leave(other)
+                    self._leave(opposite)
 
-    def _leave(self, one: socket.socket) -> None:
+    def _leave(self, end: socket.socket) -> None:
         """Drop a closed end; without the vehicle, stop."""
-        if one is self._far:
+        if end is self._far:
             self._over.set()
-        elif one is self._near:
-            one.close()
+        elif end is self._near:
+            end.close()
             self._near = None
 
     def _close(self) -> None:
-        for one in (self._near, self._door):
-            if one is not None:
-                one.close()
+        for end in (self._near, self._door):
+            if end is not None:
+                end.close()
         self._near = self._door = None
 
     def end(self) -> None:

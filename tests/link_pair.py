@@ -44,12 +44,12 @@ class Fate:
 
 class Vehicle:
     def __init__(self, autopilot: Autopilot, nak_at: int | None = None) -> None:
-        self.said: list[tuple[Message, Target]] = []
+        self.outbox: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
         self.transfers = MissionService(
             mock_profile(autopilot, PX4_117.get(autopilot)),
             lambda: HOME,
-            lambda message, to: self.said.append((message, to)),
+            lambda message, to: self.outbox.append((message, to)),
             self.changed.append,
             nak_at,
         )
@@ -61,16 +61,16 @@ class Vehicle:
         return self.take(source)
 
     def wait(self, until: float, source: Target = CLIENT) -> list[tuple[float, Message]]:
-        said: list[tuple[float, Message]] = []
+        sent: list[tuple[float, Message]] = []
         while self.transfers.deadline <= until:
             moment = self.transfers.deadline
             self.transfers.tick(moment)
-            said += [(moment, message) for message in self.take(source)]
-        return said
+            sent += [(moment, message) for message in self.take(source)]
+        return sent
 
     def take(self, source: Target = CLIENT) -> list[Message]:
-        said, self.said = self.said, []
-        return [message for message, to in said if to == source]
+        sent, self.outbox = self.outbox, []
+        return [message for message, to in sent if to == source]
 
     def holds(self, kind: int = MissionType.MISSION) -> tuple[Item, ...]:
         return self.transfers.listed(kind)

@@ -18,7 +18,7 @@ from tests.quick_link import hurry
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 
-def held(vehicle: MavsdkVehicle) -> int:
+def stored_count(vehicle: MavsdkVehicle) -> int:
     """Count the items of its mission; after a cancel PX4 waits for 5 s."""
     for _ in range(3):
         try:
@@ -30,11 +30,11 @@ def held(vehicle: MavsdkVehicle) -> int:
 
 def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     """Try a mission that cannot be flown, and one that is cancelled."""
-    told: dict[str, object] = {}
+    results: dict[str, object] = {}
     try:
         vehicle.upload(Mission(HOME, (takeoff(HOME, 1.0),), Autopilot.PX4), checked=False)
     except Unflyable as error:
-        told["unflyable"] = str(error)
+        results["unflyable"] = str(error)
     many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]
     spell = vehicle._mavsdk_item
 
@@ -47,9 +47,9 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     try:
         vehicle.upload(Mission(HOME, (takeoff(HOME, 20.0), *many), Autopilot.PX4))
     except Cancelled as cancelled:
-        told["cancelled_as_told"] = held(vehicle) == (1 if "keeps" in str(cancelled) else len(many) + 1)
+        results["cancelled_as_told"] = stored_count(vehicle) == (1 if "keeps" in str(cancelled) else len(many) + 1)
     vehicle._mavsdk_item = spell  # type: ignore[method-assign]
-    return told
+    return results
 
 
 def main(url: str) -> None:
@@ -60,7 +60,7 @@ def main(url: str) -> None:
     fence, rally = (FenceCircle((47.4, 8.5), 500.0),), (Geodetic(47.4005, 8.5, 25.0),)
     with connect(url) as vehicle:
         assert isinstance(vehicle, MavsdkVehicle)
-        told = spoil(vehicle) if vehicle.autopilot is Autopilot.PX4 else {}
+        results = spoil(vehicle) if vehicle.autopilot is Autopilot.PX4 else {}
         items = (takeoff(HOME, 20.0), *legs, return_to_launch())
         sent = Mission(HOME, items, vehicle.autopilot, fence=fence, rally=rally)
         vehicle.upload(sent)
@@ -76,7 +76,7 @@ def main(url: str) -> None:
             "reached": sorted(record.item_reached_s),
             "completed": record.completed,
             "samples": len(record.path),
-            **told,
+            **results,
         }
     sys.stdout.write("RESULT " + json.dumps(result) + "\n")
 

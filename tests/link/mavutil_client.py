@@ -56,7 +56,7 @@ def main(port: str, path: str, rally_path: str) -> None:
         fence.add(mavutil.mavlink.MAVLink_mission_item_int_message(*vertex))
     rally = mavwp.MissionItemProtocol_Rally(link.target_system, link.target_component)
     rally.load(rally_path)
-    results = [send(link, one) for one in (loader, fence, rally)]
+    results = [send(link, each) for each in (loader, fence, rally)]
     commands = [read(link, kind) for kind in (0, 1, 2)]
     was_set = mavparm.MAVParmDict().mavset(link, "WPNAV_SPEED", 600.0)
     link.arducopter_arm()
@@ -70,9 +70,9 @@ def main(port: str, path: str, rally_path: str) -> None:
         if heard.get_type() == "MISSION_ITEM_REACHED":
             reached.append(heard.seq)
     link.close()
-    told = {"results": results, "parameters": len(parameters), "commands": commands, "reached": reached, "set": was_set}
-    told["silent"] = silent
-    sys.stdout.write(json.dumps(told) + "\n")
+    done = {"results": results, "parameters": len(parameters), "commands": commands, "reached": reached, "set": was_set}
+    done["silent"] = silent
+    sys.stdout.write(json.dumps(done) + "\n")
 
 
 main(*sys.argv[1:4])

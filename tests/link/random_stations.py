@@ -114,8 +114,8 @@ class World:
 
     def _advance(self, speakers: list[Speaker]) -> None:
         moments = [self._air[0][0] if self._air else math.inf, self.mock.deadline]
-        for one in speakers:
-            moments.append(one.begins_s if one.exchange is None else min(one.exchange.deadline, one.ends_s))
+        for each in speakers:
+            moments.append(each.begins_s if each.exchange is None else min(each.exchange.deadline, each.ends_s))
         self.now = max(self.now, min(moments))
 
     def _land(self, speakers: list[Speaker]) -> None:
@@ -162,9 +162,9 @@ class World:
 
     def _launch_answers(self, speakers: list[Speaker]) -> None:
         for message, target in self.mock.outgoing():
-            for one in speakers:
-                if target in (EVERYONE, one.name):
-                    self._launch(None, one, message)
+            for speaker in speakers:
+                if target in (EVERYONE, speaker.name):
+                    self._launch(None, speaker, message)
 
     def _launch(self, source: Target | None, speaker: Speaker, message: Message) -> None:
         radio, chance = speaker.radio, self.chance.random
@@ -181,8 +181,8 @@ class World:
         return named not in (0, self.ours_is)
 
     def _look(self) -> None:
-        held = self.mock.transfers.listed(MissionType.MISSION)
-        if compare(self.sent, held, self.mock.profile.autopilot) is None:
+        stored = self.mock.transfers.listed(MissionType.MISSION)
+        if compare(self.sent, stored, self.mock.profile.autopilot) is None:
             self.changed_s, self.was_told = None, False
             self.ours_is = self.mock.transfers.list_id(MissionType.MISSION)
         elif self.changed_s is None:

@@ -24,7 +24,7 @@ TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176,
 
 
 class Scripted:
-    """Obeys, except for a test's changes; `told` has its orders."""
+    """Obeys, except for a test's changes; `commands` has its orders."""
 
     def __init__(self, autopilot: Autopilot, first: int = 1) -> None:
         self.autopilot = autopilot
@@ -33,7 +33,7 @@ class Scripted:
         self.ready_s, self.streams = 0.0, True
         self.landed: int | None = ON_GROUND  # None: it does not tell
         self.refuses: dict[int, tuple[int, str]] = {}
-        self.told: list[tuple[int, ...]] = []
+        self.commands: list[tuple[int, ...]] = []
         self.state = VehicleState(autopilot)
         self.now = 0.0
 
@@ -64,10 +64,10 @@ class Scripted:
         placed = self.now >= self.ready_s
         position = Position(self.now, 47.4 * placed, 8.5 * placed, 400.0, self.height)
         ready = PREARM_CHECK * placed
-        told: list[Message] = [beat, position, Current(self.current)]
+        messages: list[Message] = [beat, position, Current(self.current)]
         if self.landed is not None:
-            told.append(ExtendedState(self.landed))
-        return [*told, SystemStatus(PREARM_CHECK, PREARM_CHECK, ready)]
+            messages.append(ExtendedState(self.landed))
+        return [*messages, SystemStatus(PREARM_CHECK, PREARM_CHECK, ready)]
 
     def answer(self, message: Message) -> list[Message]:
         if isinstance(message, SetCurrent):
@@ -76,7 +76,7 @@ class Scripted:
             return []
         number, params = message.command, message.params
         if number != STREAM:
-            self.told.append((number, *(int(p) for p in params[:3])))
+            self.commands.append((number, *(int(p) for p in params[:3])))
         if number == ARM and params[0] == 0.0:
             self.armed = False
             return [CommandAck(ARM, 0)]

@@ -21,12 +21,12 @@ def lead_by(dialogue: Dialogue[T], answer: Callable[[Message], Sequence[Message]
     """Answer each message, 0.2 s apart; in silence time passes to the next deadline."""
     exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
     while not exchange.finished:
-        said = exchange.outgoing()
-        for message in said:
-            for one in answer(message):
+        requests = exchange.outgoing()
+        for message in requests:
+            for answered in answer(message):
                 now += 0.2
-                exchange.receive(one, now)
-        if not said:
+                exchange.receive(answered, now)
+        if not requests:
             now = max(now, exchange.deadline)
             exchange.tick(now)
     return exchange

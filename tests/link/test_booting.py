@@ -67,26 +67,26 @@ class Told:
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_one_that_refuses_to_be_armed_until_it_has_a_position_is_flown(autopilot: Autopilot) -> None:
-    booting, told = Booting(autopilot), Told()
+    booting, conversation = Booting(autopilot), Told()
     with met(booting) as vehicle:
-        record = fly_mission(vehicle, suited(vehicle, MISSION), stages=told.stage)
+        record = fly_mission(vehicle, suited(vehicle, MISSION), stages=conversation.stage)
     assert record.completed
     assert len(booting.armings_s) > 1
     assert booting.armings_s[-2] < PLACED_S[autopilot] <= booting.armings_s[-1] < PLACED_S[autopilot] + 10.0
     reason = "Arm: Need Position Estimate" if autopilot is ARDUPILOT else "Arming denied: Resolve system health"
-    assert any(stage is Stage.START and f"not armed yet: {reason}" in words for stage, words in told.words)
+    assert any(stage is Stage.START and f"not armed yet: {reason}" in words for stage, words in conversation.words)
 
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_mission_that_is_replaced_while_it_is_waited_for_is_not_flown(autopilot: Autopilot) -> None:
     booting = Booting(autopilot)
-    other = replace(MISSION, autopilot=autopilot, items=(MISSION.items[0], *MISSION.items))
+    longer = replace(MISSION, autopilot=autopilot, items=(MISSION.items[0], *MISSION.items))
 
     @contextmanager
     def replaced_meanwhile(stage: Stage) -> Iterator[Progress]:
         def replace_once(_share: float, words: str) -> None:
             if stage is Stage.START and len(booting.armings_s) == 1 and words:
-                items, stranger = to_wire(other), Target(250, 190)
+                items, stranger = to_wire(longer), Target(250, 190)
                 booting.receive(Count(len(items)), stranger, vehicle.line.now())
                 for seq, item in enumerate(items):
                     booting.receive(ItemAt(seq, item), stranger, vehicle.line.now())
@@ -178,7 +178,7 @@ def test_the_reasons_of_the_firmware_s_sources_are_told_apart(autopilot: Autopil
     words = autopilot.protocol_profile.arming_words
     for begin in BEGINS[autopilot]:
         passing, staying = (
-            [begin + " ".join(one.split()) for one in listed[autopilot].split(";")] for listed in (PASSES, STAYS)
+            [begin + " ".join(reason.split()) for reason in listed[autopilot].split(";")] for listed in (PASSES, STAYS)
         )
         assert words.lasting("; ".join(passing)) == ()
         assert words.lasting("; ".join(staying)) == tuple(staying)

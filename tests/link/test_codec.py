@@ -57,8 +57,8 @@ def test_every_message_survives_the_wire(kind: type[m.Message]) -> None:
     assert heard is not None
     assert (heard.system, heard.component) == (245, 190)
     for field in dataclasses.fields(message):
-        told, sent = getattr(heard.message, field.name), getattr(message, field.name)
-        assert told == (sent if isinstance(sent, str | bytes | Item) else pytest.approx(sent, abs=1e-6)), field.name
+        received, sent = getattr(heard.message, field.name), getattr(message, field.name)
+        assert received == (sent if isinstance(sent, str | bytes | Item) else pytest.approx(sent, abs=1e-6)), field.name
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in UNKNOWN_THERE], ids=lambda kind: kind.__name__)
@@ -232,9 +232,9 @@ def test_pymavlink_accepts_our_signature_and_we_theirs() -> None:
     assert heard.get_type() == "MISSION_COUNT"
     theirs.signing.sign_outgoing = True
     frame = dialect.MAVLink_mission_ack_message(245, 190, 0, 0).pack(theirs)
-    told = ours.decode(frame)
-    assert told is not None
-    assert told.message == m.Ack(0)
+    decoded = ours.decode(frame)
+    assert decoded is not None
+    assert decoded.message == m.Ack(0)
 
 
 def test_strangers_replays_and_the_unsigned_are_not_heard() -> None:
@@ -289,7 +289,7 @@ FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "expected"),
     [
         ({"params": (0.0, 1e300, 0.0, 0.0)}, ("bad-input", "item 1: param2", "1e")),
         ({"altitude": -1e39}, ("bad-input", "item 1: altitude")),
@@ -300,10 +300,10 @@ FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
     ],
 )
 def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(
-    change: dict[str, object], told: tuple[str, ...]
+    change: dict[str, object], expected: tuple[str, ...]
 ) -> None:
     Upload((FINE, FINE), Autopilot.PX4)
-    with refuses(*told):
+    with refuses(*expected):
         Upload((FINE, dataclasses.replace(FINE, **change)), Autopilot.PX4)  # type: ignore[arg-type]
 
 

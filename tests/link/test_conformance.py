@@ -44,16 +44,16 @@ def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, 
     vehicle.conformance.compare(ConformanceMonitor(Forecast(forecast or flown)))
     vehicle.prepare()
     vehicle.start()
-    mock, said = far_end(line_of(vehicle)).autopilot, list[CommandLong]()
+    mock, commands = far_end(line_of(vehicle)).autopilot, list[CommandLong]()
     heard = mock.receive
 
     def receive(message: Message, source: Target, now: float) -> None:
         if isinstance(message, CommandLong):
-            said.append(message)
+            commands.append(message)
         heard(message, source, now)
 
     mock.receive = receive
-    return vehicle, said
+    return vehicle, commands
 
 
 def elsewhere(family: Autopilot) -> Mission:
@@ -71,78 +71,78 @@ def test_a_flight_as_forecast_is_not_disturbed(family: Autopilot) -> None:
 
 @pytest.mark.parametrize("family", registered())
 def test_one_that_deviates_holds_and_the_watching_ends(family: Autopilot, caplog: pytest.LogCaptureFixture) -> None:
-    vehicle, said = begun(family, elsewhere(family))
-    told = list[Deviation]()
-    vehicle.conformance.report = told.append
+    vehicle, commands = begun(family, elsewhere(family))
+    reported = list[Deviation]()
+    vehicle.conformance.report = reported.append
     record = vehicle.watch()
-    assert [one.kind for one in record.deviations] in ([DeviationKind.OUTSIDE], [DeviationKind.PASSED])
-    assert tuple(told) == record.deviations
+    assert [deviation.kind for deviation in record.deviations] in ([DeviationKind.OUTSIDE], [DeviationKind.PASSED])
+    assert tuple(reported) == record.deviations
     assert (record.completed, record.armed, record.in_air) == (False, True, True)
     assert record.failure == f"it holds, because {record.deviations[0]}"
     assert record.deviations[0].time_s == pytest.approx(record.path[-1].time_s, abs=3.0)
     assert vehicle.conformance.is_held
-    warned = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
+    warned = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
     assert warned[0] == f"{record.deviations[0]}; hold is ordered"
-    orders = [one for one in said if one.command in (Command.DO_PAUSE_CONTINUE, 176)]
+    orders = [command for command in commands if command.command in (Command.DO_PAUSE_CONTINUE, 176)]
     assert len(orders) == 1
-    assert Command.COMPONENT_ARM_DISARM not in {one.command for one in said}
+    assert Command.COMPONENT_ARM_DISARM not in {command.command for command in commands}
     aside = LocalFrame(HOME).local(Geodetic(record.path[-1].latitude_deg, record.path[-1].longitude_deg, 400.0))
     assert 60.0 < aside[0] < 60.0 + 65.0
 
 
 @pytest.mark.parametrize("family", registered())
 def test_one_that_deviates_returns_if_that_was_chosen(family: Autopilot) -> None:
-    vehicle, said = begun(family, elsewhere(family))
+    vehicle, commands = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = OnDeviation.RTL
     record = vehicle.watch()
     assert (record.completed, record.armed, record.in_air) == (False, False, False)
     assert record.failure == f"rtl was ordered, because {record.deviations[0]}"
-    assert Command.COMPONENT_ARM_DISARM not in {one.command for one in said}
+    assert Command.COMPONENT_ARM_DISARM not in {command.command for command in commands}
 
 
 @pytest.mark.parametrize("family", registered())
 def test_one_that_deviates_flies_on_if_only_a_report_was_chosen(family: Autopilot) -> None:
-    vehicle, said = begun(family, elsewhere(family))
+    vehicle, commands = begun(family, elsewhere(family))
     vehicle.conformance.on_deviation = OnDeviation.REPORT
     record = vehicle.watch()
     assert record.completed, record.why_not
-    assert {one.kind for one in record.deviations} == {DeviationKind.OUTSIDE, DeviationKind.PASSED}
+    assert {each.kind for each in record.deviations} == {DeviationKind.OUTSIDE, DeviationKind.PASSED}
     assert record.failure.startswith("item 2: ")
-    assert not {one.command for one in said} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
+    assert not {each.command for each in commands} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
 
 
 @pytest.mark.parametrize("family", registered())
 def test_who_watches_on_may_order_it_to_go_on(family: Autopilot) -> None:
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.ends_held = False
-    held = list[float]()
+    hold_times = list[float]()
 
     def overhear(message: Message) -> None:
         if isinstance(message, Position) and vehicle.conformance.is_held:
-            held.append(message.time_s)
-            if held[-1] - held[0] > 10.0:
+            hold_times.append(message.time_s)
+            if hold_times[-1] - hold_times[0] > 10.0:
                 vehicle.conformance.compare(None)
                 vehicle.order.go_on()
 
     vehicle.overhearing = overhear
     record = vehicle.watch()
-    assert held
+    assert hold_times
     assert record.completed, record.why_not
 
 
 @pytest.mark.parametrize("family", registered())
 def test_when_the_users_time_is_up_the_watching_ends_in_the_air(family: Autopilot) -> None:
-    vehicle, said = begun(family)
+    vehicle, commands = begun(family)
     vehicle.give_up_after(25.0)
     with refuses("time-up") as ended:
         vehicle.watch()
     assert "armed and in the air" in (ended.value.hint or "")
-    assert not {one.command for one in said} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
+    assert not {each.command for each in commands} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
 
 
 @pytest.mark.parametrize("family", registered())
 def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
-    vehicle, said = begun(family)
+    vehicle, commands = begun(family)
     compared = vehicle.conformance
     monitor = ConformanceMonitor(Forecast(elsewhere(family)))
     compared.compare(monitor)
@@ -154,7 +154,7 @@ def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
             list(compared.observe(Position(float(time), far.latitude_deg, far.longitude_deg, 420.0, 20.0), 0.0)) == []
         )
     assert compared.deviations == []
-    assert said == []
+    assert commands == []
 
 
 @pytest.mark.parametrize("family", registered())

@@ -46,7 +46,7 @@ class Talk:
         self.exchange = Exchange(dialogue, self.now, SPECIFIED)
 
     @property
-    def said(self) -> list[Message]:
+    def sent(self) -> list[Message]:
         return self.exchange.outgoing()
 
     def hear(self, *messages: Message) -> "Talk":
@@ -63,7 +63,7 @@ class Talk:
         return self
 
     def until(self, kind: type[Message]) -> "Talk":
-        while not any(isinstance(message, kind) for message in self.said):
+        while not any(isinstance(message, kind) for message in self.sent):
             self.now = max(self.now, self.exchange.deadline)
             self.exchange.tick(self.now)
         return self
@@ -78,9 +78,9 @@ def item(seq: int, kind: int = MissionType.MISSION) -> ItemAt:
 
 def test_an_upload_reads_like_the_sequence_diagram() -> None:
     talk = Talk(offer(ITEMS, 0))
-    assert talk.said == [Count(3)]
+    assert talk.sent == [Count(3)]
     for seq in range(3):
-        assert talk.hear(Request(seq, legacy=seq == 1)).said == [item(seq)]
+        assert talk.hear(Request(seq, legacy=seq == 1)).sent == [item(seq)]
     assert talk.hear(Ack(Result.ACCEPTED)).exchange.result == Result.ACCEPTED
 
 
@@ -92,15 +92,15 @@ def test_progress_is_told_item_by_item() -> None:
 
 def test_an_item_is_repeated_when_and_only_when_it_is_asked_for_again() -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1))
-    _ = talk.said
-    assert talk.wait(5.0).said == []
-    assert talk.hear(Request(1)).said == [item(1)]
+    _ = talk.sent
+    assert talk.wait(5.0).sent == []
+    assert talk.hear(Request(1)).sent == [item(1)]
 
 
 def test_a_late_duplicate_of_an_earlier_request_stays_unanswered() -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1))
-    _ = talk.said
-    assert talk.hear(Request(0)).said == []
+    _ = talk.sent
+    assert talk.hear(Request(0)).sent == []
 
 
 @pytest.mark.parametrize(
@@ -110,10 +110,10 @@ def test_a_late_duplicate_of_an_earlier_request_stays_unanswered() -> None:
 )
 def test_what_does_not_belong_changes_nothing(stray: Message) -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0))
-    _ = talk.said
-    assert talk.hear(stray).said == []
+    _ = talk.sent
+    assert talk.hear(stray).sent == []
     assert not talk.exchange.finished
-    assert talk.hear(Request(1)).said == [item(1)]
+    assert talk.hear(Request(1)).sent == [item(1)]
 
 
 def test_an_early_acknowledgement_is_no_success() -> None:
@@ -128,8 +128,8 @@ def test_silence_after_the_last_item_is_not_known_to_be_a_failure() -> None:
 
 def test_the_last_item_is_given_again_if_it_is_asked_for_again() -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1), Request(2))
-    _ = talk.said
-    assert talk.hear(Request(2)).said == [item(2)]
+    _ = talk.sent
+    assert talk.hear(Request(2)).sent == [item(2)]
     assert talk.hear(Ack(0)).exchange.result == Result.ACCEPTED
 
 
@@ -200,8 +200,8 @@ def test_a_rebuke_is_final_if_nothing_follows() -> None:
 
 def test_a_vehicle_gives_items_in_any_order() -> None:
     talk = Talk(offer(ITEMS, 0, Tell))
-    assert talk.said == [Count(3)]
-    assert talk.hear(Request(2), Request(0), Request(2)).said == [item(2), item(0), item(2)]
+    assert talk.sent == [Count(3)]
+    assert talk.hear(Request(2), Request(0), Request(2)).sent == [item(2), item(0), item(2)]
     assert talk.hear(Ack(0)).exchange.result == Result.ACCEPTED
 
 
@@ -214,22 +214,22 @@ def accept(seq: int, heard: ItemAt) -> int:
 
 def test_items_are_fetched_in_order_each_asked_for_until_it_comes() -> None:
     talk = Talk(fetch(2, 0, accept))
-    assert talk.said == [Request(0)]
-    assert talk.wait(0.6).said == [Request(0)]
-    assert talk.hear(item(0)).said == [Request(1)]
+    assert talk.sent == [Request(0)]
+    assert talk.wait(0.6).sent == [Request(0)]
+    assert talk.hear(item(0)).sent == [Request(1)]
     assert talk.hear(item(1)).exchange.result == Result.ACCEPTED
 
 
 def test_a_duplicate_of_an_item_is_ignored() -> None:
     talk = Talk(fetch(3, 0, accept)).hear(item(0))
-    _ = talk.said
-    assert talk.hear(item(0), item(2), item(1, MissionType.RALLY), Ack(0), BEAT).said == []
+    _ = talk.sent
+    assert talk.hear(item(0), item(2), item(1, MissionType.RALLY), Ack(0), BEAT).sent == []
 
 
 def test_a_fetcher_with_a_temper_rebukes_it() -> None:
     talk = Talk(fetch(3, 0, accept, RequestStyle(legacy=True, rebukes=True))).hear(item(0))
-    assert talk.said == [Request(0, legacy=True), Request(1, legacy=True)]
-    assert talk.hear(item(0)).said == [Ack(Result.INVALID_SEQUENCE)]
+    assert talk.sent == [Request(0, legacy=True), Request(1, legacy=True)]
+    assert talk.hear(item(0)).sent == [Ack(Result.INVALID_SEQUENCE)]
 
 
 def test_the_first_item_that_is_not_taken_ends_it() -> None:
@@ -258,31 +258,31 @@ def test_fetching_in_silence_says_how_far_it_came() -> None:
 
 def test_a_download_ends_with_our_acknowledgement() -> None:
     talk = Talk(download(0))
-    assert talk.said == [RequestList()]
-    assert talk.hear(Count(5, 1), Count(1)).said == [Request(0)]
-    assert talk.hear(item(0)).said == [Ack(Result.ACCEPTED)]
+    assert talk.sent == [RequestList()]
+    assert talk.hear(Count(5, 1), Count(1)).sent == [Request(0)]
+    assert talk.hear(item(0)).sent == [Ack(Result.ACCEPTED)]
     assert talk.exchange.result == ITEMS[:1]
 
 
 def test_a_list_that_the_vehicle_closed_is_opened_again_and_read_on() -> None:
     talk = Talk(download(0)).hear(Count(2), item(0))
-    _ = talk.said
+    _ = talk.sent
     talk.until(RequestList)
-    assert talk.hear(Count(2)).said[-1] == Request(1)
+    assert talk.hear(Count(2)).sent[-1] == Request(1)
     assert talk.hear(item(1)).exchange.result == ITEMS[:2]
 
 
 def test_another_list_in_between_is_read_from_its_beginning() -> None:
     talk = Talk(download(0)).hear(Count(2), item(0))
-    _ = talk.said
+    _ = talk.sent
     talk.until(RequestList)
-    assert talk.hear(Count(3)).said[-1] == Request(0)
+    assert talk.hear(Count(3)).sent[-1] == Request(0)
     assert talk.hear(item(0), item(1), item(2)).exchange.result == ITEMS
 
 
 def test_a_download_that_gets_no_further_is_given_up() -> None:
     talk = Talk(download(0)).hear(Count(2), item(0))
-    _ = talk.said
+    _ = talk.sent
     for _ in range(3):
         talk.until(RequestList).hear(Count(2))
     with refuses("no-answer", "", "1 of 2"):
@@ -305,7 +305,7 @@ def test_a_refused_list_is_an_error_with_words(conversation: Callable[[int], Any
 
 def test_clearing_is_asked_for_until_it_is_confirmed() -> None:
     talk = Talk(clear(255))
-    assert talk.wait(2.0).said == [ClearAll(255), ClearAll(255)]
+    assert talk.wait(2.0).sent == [ClearAll(255), ClearAll(255)]
     assert talk.hear(Ack(0, 255)).exchange.finished
 
 

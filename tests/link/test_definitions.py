@@ -18,11 +18,11 @@ def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(definitions, "_DIALECTS", [ardupilotmega])
     tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._BY_NAME]
     before = [dict(table) for table in tables]
-    new = {one.number: one for one in (*definitions._PX4_DEFINITIONS, *definitions._definitions(ardupilotmega))}
-    first: tuple[dict[Any, Any], ...] = (new, {one.name: one for one in new.values()})
-    for table, one in zip(tables, first, strict=True):
+    new = {each.number: each for each in (*definitions._PX4_DEFINITIONS, *definitions._definitions(ardupilotmega))}
+    first: tuple[dict[Any, Any], ...] = (new, {definition.name: definition for definition in new.values()})
+    for table, definitions_before in zip(tables, first, strict=True):
         table.clear()
-        table.update(one)
+        table.update(definitions_before)
     yield
     for table, whole in zip(tables, before, strict=True):
         table.clear()
@@ -38,22 +38,22 @@ def test_the_table_is_pymavlinks_with_what_the_stable_dialects_lack() -> None:
 @pytest.mark.usefixtures("_as_before")
 @pytest.mark.parametrize("dialect", ["storm32", storm32])
 def test_a_dialect_that_is_named_is_understood_and_spoken(dialect: str | ModuleType) -> None:
-    said = storm32.MAVLink_qshot_status_message(3, 7)
+    message = storm32.MAVLink_qshot_status_message(3, 7)
     with refuses("bad-input", "message"):
-        payload_of(said)
-    theirs = bytes(said.pack(storm32.MAVLink(None, srcSystem=9)))
+        payload_of(message)
+    theirs = bytes(message.pack(storm32.MAVLink(None, srcSystem=9)))
     assert frame_at(theirs, 0) is None
     definitions.add_dialect(dialect)
     assert frame_at(theirs, 0) == theirs
-    ours = Codec(9, 0).frame(*payload_of(said), 0.0)
-    assert as_pymavlink(ours).to_dict() == as_pymavlink(theirs).to_dict() == said.to_dict()
+    ours = Codec(9, 0).frame(*payload_of(message), 0.0)
+    assert as_pymavlink(ours).to_dict() == as_pymavlink(theirs).to_dict() == message.to_dict()
 
 
 def test_text_goes_there_and_back_as_pymavlink_has_it() -> None:
-    said = ardupilotmega.MAVLink_param_set_message(1, 1, b"RTL_ALT", 6500.0, 9)
-    assert Codec(255, 190).frame(*payload_of(said), 0.0) == bytes(said.pack(ardupilotmega.MAVLink(None, 255, 190)))
-    heard = as_pymavlink(bytes(said.pack(ardupilotmega.MAVLink(None, 255, 190))))
-    assert payload_of(heard) == payload_of(said)
+    built = ardupilotmega.MAVLink_param_set_message(1, 1, b"RTL_ALT", 6500.0, 9)
+    assert Codec(255, 190).frame(*payload_of(built), 0.0) == bytes(built.pack(ardupilotmega.MAVLink(None, 255, 190)))
+    heard = as_pymavlink(bytes(built.pack(ardupilotmega.MAVLink(None, 255, 190))))
+    assert payload_of(heard) == payload_of(built)
 
 
 @pytest.mark.usefixtures("_as_before")
@@ -61,12 +61,12 @@ def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
     with refuses("unknown-dialect", "dialect", "'martian'", kind=BadInput) as refused:
         definitions.add_dialect("martian")
     assert "common" in (refused.value.hint or "")
-    other = SimpleNamespace(
+    contradicting = SimpleNamespace(
         id=0, msgname="HEARTBEAT", crc_extra=1, ordered_fieldnames=["a"], fieldnames=["a"], fieldtypes=["uint8_t"],
         lengths=[1], unpacker=SimpleNamespace(format="<B"),
     )  # fmt: skip
     with refuses("bad-input", "dialect", "HEARTBEAT"):
-        definitions.add_dialect(SimpleNamespace(mavlink_map={0: other}))  # type: ignore[arg-type]
+        definitions.add_dialect(SimpleNamespace(mavlink_map={0: contradicting}))  # type: ignore[arg-type]
     with refuses("unknown-dialect", "message 65000", kind=BadInput):
         definitions.dialect_of(65_000)
 

@@ -33,9 +33,9 @@ def test_each_firmware_is_prepared_and_started_in_its_own_order() -> None:
         vehicle.hold(depart)
         assert vehicle.armed
         assert vehicle.mode == vehicle.autopilot.modes.mission
-    assert [told[0] for told in copter.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
-    assert [told[0] for told in px4.told] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
-    assert copter.told[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
+    assert [command[0] for command in copter.commands] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
+    assert [command[0] for command in px4.commands] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
+    assert copter.commands[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
 
 
 def test_items_done_at_once_may_stand_before_the_one_that_is_current() -> None:
@@ -56,12 +56,12 @@ def test_the_older_message_sets_the_item_where_the_command_is_unknown() -> None:
 
 def test_a_vehicle_without_a_position_is_waited_for() -> None:
     vehicle = Scripted(ARDUPILOT)
-    said: list[str] = []
+    warnings: list[str] = []
     vehicle.ready_s = 40.0
-    vehicle.hold(lambda departure: prepare(replace(departure, progress=lambda share, words: said.append(words))))
+    vehicle.hold(lambda departure: prepare(replace(departure, progress=lambda share, words: warnings.append(words))))
     assert 40.0 <= vehicle.now < 50.0
-    assert said
-    assert ARM not in [told[0] for told in vehicle.told]
+    assert warnings
+    assert ARM not in [command[0] for command in vehicle.commands]
 
 
 def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> None:
@@ -79,7 +79,7 @@ def test_what_waiting_does_not_mend_is_not_waited_for() -> None:
     with refuses("arming-refused", "", "PreArm: Hardware safety switch", kind=NotReady):
         vehicle.hold(prepare)
     assert vehicle.now < 20.0
-    assert ARM not in [told[0] for told in vehicle.told]
+    assert ARM not in [command[0] for command in vehicle.commands]
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -88,7 +88,7 @@ def test_an_armed_vehicle_is_left_alone(autopilot: Autopilot) -> None:
     vehicle.armed = True
     with refuses("not-on-ground", kind=NotReady):
         vehicle.hold(prepare)
-    assert vehicle.told == []
+    assert vehicle.commands == []
 
 
 def test_a_vehicle_that_does_not_stream_is_not_flown() -> None:
@@ -115,7 +115,7 @@ def test_an_arming_that_is_refused_for_good_is_an_error(words: str, times: int) 
     with refuses("command-refused", "", words) as refused:
         vehicle.hold(depart)
     assert not isinstance(refused.value, NotYet)
-    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * times
+    assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)] * times
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -127,7 +127,7 @@ def test_an_arming_that_is_refused_for_what_passes_may_be_tried_again(autopilot:
     with refuses("not-yet", "", reason) as refused:
         vehicle.hold(depart)
     assert refused.value.words == reason
-    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)]
+    assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)]
     vehicle.refuses.clear()
     vehicle.hold(prepare)
     vehicle.hold(depart)
@@ -142,7 +142,7 @@ def test_it_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> N
     until_s = vehicle.now + passes_s
     with refuses("not-ready", "", "Arm: Need Position Estimate"):
         vehicle.hold(lambda departure: depart_when_ready(departure, lambda: until_s - vehicle.now))
-    assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * tries
+    assert [command[:2] for command in vehicle.commands if command[0] == ARM] == [(ARM, 1)] * tries
     assert vehicle.now >= until_s
 
 
@@ -168,7 +168,7 @@ def test_what_is_no_multicopter_is_neither_prepared_nor_armed(mav_type: int) -> 
     told_by = vehicle.stream
 
     def stream() -> list[Message]:
-        return [replace(one, type=mav_type) if isinstance(one, Heartbeat) else one for one in told_by()]
+        return [replace(message, type=mav_type) if isinstance(message, Heartbeat) else message for message in told_by()]
 
     vehicle.stream = stream  # type: ignore[method-assign]
     with refuses("not-flown", "", "ArduPilot"):
@@ -176,10 +176,10 @@ def test_what_is_no_multicopter_is_neither_prepared_nor_armed(mav_type: int) -> 
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     vehicle.state.kind = VehicleKind(3, mav_type)
-    told = len(vehicle.told)
+    count = len(vehicle.commands)
     with pytest.raises(NotFlown):
         vehicle.hold(depart)
-    assert len(vehicle.told) == told
+    assert len(vehicle.commands) == count
 
 
 def test_time_that_is_up_before_it_is_ready_says_what_hinders() -> None:
@@ -223,7 +223,7 @@ def test_an_ardupilot_that_begins_with_a_waypoint_climbs_first() -> None:
     vehicle = Scripted(ARDUPILOT, first=4)
     vehicle.hold(prepare)
     vehicle.hold(depart, climb=20.0)
-    assert [told[0] for told in vehicle.told][-3:] == [ARM, TAKEOFF, START]
+    assert [command[0] for command in vehicle.commands][-3:] == [ARM, TAKEOFF, START]
     assert vehicle.height == 20.0
 
 
@@ -231,14 +231,14 @@ def test_an_arming_refused_without_a_reason_is_tried_again() -> None:
     vehicle = Scripted(PX4, first=0)
     vehicle.hold(prepare)
     vehicle.refuses[ARM] = (1, "")
-    told = vehicle.stream
+    stream = vehicle.stream
 
     def calmer() -> list[Message]:
-        if sum(number == ARM for number, *_ in vehicle.told) == 2:
+        if sum(number == ARM for number, *_ in vehicle.commands) == 2:
             vehicle.refuses.clear()
-        return told()
+        return stream()
 
     vehicle.stream = calmer  # type: ignore[method-assign]
     vehicle.hold(depart)
     assert vehicle.armed
-    assert [number for number, *_ in vehicle.told].count(ARM) == 3
+    assert [number for number, *_ in vehicle.commands].count(ARM) == 3

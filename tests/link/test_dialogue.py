@@ -30,22 +30,22 @@ def asking(item: bool = False) -> Dialogue[Message | None]:
 
 def run_until(exchange: Exchange[Any], now: float) -> list[tuple[float, Message]]:
     """Let time pass; return messages with times."""
-    said = [(0.0, message) for message in exchange.outgoing()]
+    sent = [(0.0, message) for message in exchange.outgoing()]
     while exchange.deadline <= now:
         moment = exchange.deadline
         exchange.tick(moment)
-        said += [(moment, message) for message in exchange.outgoing()]
-    return said
+        sent += [(moment, message) for message in exchange.outgoing()]
+    return sent
 
 
 def test_a_request_is_sent_at_once_and_again_after_the_specified_timeout() -> None:
-    said = run_until(Exchange(asking(), 0.0, Patience(adapt=False)), 3.1)
-    assert said == [(0.0, Count(3)), (1.5, Count(3)), (3.0, Count(3))]
+    sent = run_until(Exchange(asking(), 0.0, Patience(adapt=False)), 3.1)
+    assert sent == [(0.0, Count(3)), (1.5, Count(3)), (3.0, Count(3))]
 
 
 def test_an_item_has_the_shorter_timer() -> None:
-    said = run_until(Exchange(asking(item=True), 0.0, Patience(adapt=False)), 0.6)
-    assert [when for when, _ in said] == [0.0, 0.25, 0.5]
+    sent = run_until(Exchange(asking(item=True), 0.0, Patience(adapt=False)), 0.6)
+    assert [when for when, _ in sent] == [0.0, 0.25, 0.5]
 
 
 def test_silence_is_an_error() -> None:
@@ -59,18 +59,18 @@ def test_a_busy_vehicle_on_a_fast_link_keeps_the_specified_timeout() -> None:
     tempo = Tempo(SPECIFIED)
     tempo.sample(0.001)
     exchange = Exchange(asking(), 0.0, SPECIFIED, tempo)
-    said: list[float] = []
+    times: list[float] = []
 
     def wait() -> None:
         while not exchange.finished:
-            said.extend(exchange.deadline for _ in exchange.outgoing())
+            times.extend(exchange.deadline for _ in exchange.outgoing())
             exchange.receive(BEAT, exchange.deadline)
             exchange.tick(exchange.deadline)
 
     with pytest.raises(NoAnswer):
         wait()
     assert exchange.deadline == pytest.approx(SPECIFIED.silence_s, abs=SPECIFIED.answer_s)
-    assert SPECIFIED.alive_retries < len(said) < 30  # quickly at first, then at the specification's pace
+    assert SPECIFIED.alive_retries < len(times) < 30  # quickly at first, then at the specification's pace
 
 
 def test_who_is_heard_at_all_gets_more_patience() -> None:
@@ -122,10 +122,10 @@ def test_a_pause_ends_with_nothing_heard() -> None:
     heard: list[object] = []
 
     def pausing() -> Dialogue[None]:
-        one = yield Pause(2.0)
-        while one is not None:
-            heard.append(one)
-            one = yield None
+        answer = yield Pause(2.0)
+        while answer is not None:
+            heard.append(answer)
+            answer = yield None
         heard.append("over")
 
     exchange = Exchange(pausing(), 0.0, SPECIFIED)

@@ -21,7 +21,7 @@ def test_what_is_refused_after_the_arming_disarms_a_vehicle_on_the_ground() -> N
     vehicle.refuses[START] = (4, "Mode change to AUTO failed: requires position")
     with refuses("command-refused", "", "requires position") as refused:
         vehicle.hold(depart)
-    assert vehicle.told[-1] == (ARM, 0, 0, 0)
+    assert vehicle.commands[-1] == (ARM, 0, 0, 0)
     assert not vehicle.armed
     assert refused.value.hint == "the vehicle is disarmed, in GUIDED"
 
@@ -52,7 +52,7 @@ def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | Non
     vehicle.obey = into_the_air  # type: ignore[method-assign]
     with refuses("mission-not-begun", kind=NotReady):
         vehicle.hold(depart)
-    assert (ARM, 0, 0, 0) not in vehicle.told
+    assert (ARM, 0, 0, 0) not in vehicle.commands
     assert vehicle.armed
 
 
@@ -104,7 +104,7 @@ def test_ctrl_c_while_it_is_disarmed_leaves_it_at_that() -> None:
     vehicle.state.armed, vehicle.armed = False, False
     with pytest.raises(MissionError):
         vehicle.hold(depart, cancel_s=vehicle.now + late - 1.0)
-    assert (ARM, 0) not in [told[:2] for told in vehicle.told]
+    assert (ARM, 0) not in [command[:2] for command in vehicle.commands]
 
 
 def test_ctrl_c_between_arming_and_start_disarms() -> None:
@@ -132,7 +132,7 @@ def test_silent_vehicle_after_arming_is_ordered_to_disarm() -> None:
     vehicle.answer = until_armed  # type: ignore[method-assign]
     with pytest.raises(NoAnswer) as silence:
         vehicle.hold(depart)
-    told = [(one.command, one.params[0]) for one in lost if isinstance(one, CommandLong)]
-    assert list(dict.fromkeys(told)) == [(START, 0.0), (ARM, 0.0)]
-    assert told.count((ARM, 0.0)) == 3
+    commands = [(message.command, message.params[0]) for message in lost if isinstance(message, CommandLong)]
+    assert list(dict.fromkeys(commands)) == [(START, 0.0), (ARM, 0.0)]
+    assert commands.count((ARM, 0.0)) == 3
     assert silence.value.hint == "the vehicle is armed, on the ground, in GUIDED"

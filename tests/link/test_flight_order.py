@@ -39,9 +39,9 @@ def flying(name: str) -> tuple[Mission, Vehicle]:
 def later(vehicle: Vehicle, seconds: float) -> Position:
     until = vehicle.line.now() + seconds
     while vehicle.line.now() < until:
-        for one in vehicle.line.receive(until):
-            if one.message is not None:
-                vehicle.state.note(one.message)
+        for message in vehicle.line.receive(until):
+            if message.message is not None:
+                vehicle.state.note(message.message)
     assert vehicle.state.position is not None
     return vehicle.state.position
 
@@ -133,9 +133,9 @@ def answered(*answers: Message) -> Exchange[None]:
 
 
 def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
-    yes, no = (CommandAck(VehicleCommand.DO_SET_MODE, one) for one in (CommandResult.ACCEPTED, CommandResult.DENIED))
-    other = CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.DENIED)
-    exchange = answered(yes, other, no)
+    yes, no = (CommandAck(VehicleCommand.DO_SET_MODE, each) for each in (CommandResult.ACCEPTED, CommandResult.DENIED))
+    of_arming = CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.DENIED)
+    exchange = answered(yes, of_arming, no)
     with refuses("not-ready", "", "AUTO.RTL", "DENIED"):
         exchange.tick(SHOWN_S)
 

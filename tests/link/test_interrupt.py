@@ -85,7 +85,7 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
     upload = aboard(family, fast)[2]
     with each_instruction(lambda number: counted.__setitem__(0, number)):
         upload(new)
-    told = set()
+    outcomes = set()
     for moment in range(1, counted[0], counted[0] // MOMENTS):
         line, mock, upload = aboard(family, fast)
         upload(old)
@@ -96,16 +96,16 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
             words = str(cancelled)
         except KeyboardInterrupt:  # before the first message, or after the last
             words = "too late" if moment > counted[0] // 2 else "keeps"
-        held = mock.transfers.listed(MissionType.MISSION)
+        stored = mock.transfers.listed(MissionType.MISSION)
         expected = old if "keeps" in words else new
-        assert compare(expected, held, family) is None, (moment, words)
+        assert compare(expected, stored, family) is None, (moment, words)
         assert any(sign in words for sign in ("keeps", "too late", "was completed", "holds the whole new")), words
         over = line.channel.now() + 0.1
         while line.channel.now() < over:
             line.receive(over)
         assert mock.transfers.deadline > 1e9  # the vehicle waits for nothing more
-        told.add("keeps" in words)
-    assert told == {True, False}
+        outcomes.add("keeps" in words)
+    assert outcomes == {True, False}
 
 
 def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None:

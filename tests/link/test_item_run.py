@@ -52,7 +52,7 @@ def test_what_is_asked_in_a_row_is_what_the_codec_asks() -> None:
     for seq in range(4):
         assert frames.take(said_by(vehicle, ItemAt(seq, ITEMS[seq])))
         assert frames.reply(NOW) == plain.encode(Request(seq + 1), VEHICLE, NOW)
-    assert [len(one) for one in kept] == [PAYLOAD.itemsize] * 4
+    assert [len(payload) for payload in kept] == [PAYLOAD.itemsize] * 4
     assert first_difference(ITEMS[:4], pack_items(ITEMS[:4], 0), kept, Autopilot.PX4) is None
 
 
@@ -97,10 +97,10 @@ def test_with_a_key_only_signed_frames_count_and_each_once() -> None:
 
 
 class Counting(Loopback):
-    said = heard = 0
+    sent = heard = 0
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        self.said += 1
+        self.sent += 1
         super().send(data, peer)
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
@@ -120,14 +120,14 @@ def test_item_run_takes_one_frame_each_way_an_item(
     vehicle = meet(Line(channel, Codec(*US, Signer(key) if key else None)), options=ConnectionOptions(fast=False))
     items = items_of(autopilot, 300)
     monkeypatch.setattr(vehicle, "_overhear", reached.append)
-    said, heard = channel.said, channel.heard
+    sent, heard = channel.sent, channel.heard
     done: list[str] = []
     vehicle.upload_items(items, MissionType.MISSION, lambda share, words: done.append(words))
     assert compare(items, mock.transfers.listed(MissionType.MISSION), autopilot) is None
     assert done == [f"{n} of 300" for n in range(301)]
-    assert channel.said - said < 620
+    assert channel.sent - sent < 620
     assert channel.heard - heard < 700
-    assert sum(isinstance(one, Request | ItemAt) for one in reached) < 30
+    assert sum(isinstance(message, Request | ItemAt) for message in reached) < 30
 
 
 numbers = st.floats(width=32, allow_nan=True, allow_infinity=True)
@@ -170,8 +170,8 @@ def test_payloads_are_read_as_they_were_packed(some: list[Item]) -> None:
 
 def test_one_item_that_came_back_otherwise_is_found_among_many() -> None:
     packed = pack_items(ITEMS, MissionType.MISSION)
-    other = [*ITEMS[:4], replace(ITEMS[4], latitude_deg=ITEMS[4].latitude_deg + 1e-7), *ITEMS[5:]]
-    data = pack_items(other, MissionType.MISSION).tobytes()
+    changed = [*ITEMS[:4], replace(ITEMS[4], latitude_deg=ITEMS[4].latitude_deg + 1e-7), *ITEMS[5:]]
+    data = pack_items(changed, MissionType.MISSION).tobytes()
     stored: list[Item | bytes] = [data[n : n + PAYLOAD.itemsize] for n in range(0, len(data), PAYLOAD.itemsize)]
     difference = first_difference(ITEMS, packed, stored, Autopilot.PX4)
     assert difference is not None

@@ -41,10 +41,10 @@ CHANGES: dict[str, Callable[[Vehicle], object]] = {
 class Disguised(Mock):
     def __init__(self, family: Autopilot, firmware: int, mav_type: int) -> None:
         super().__init__(family, HOME)
-        self.told = firmware, mav_type
+        self.kind_sent = firmware, mav_type
 
     def outgoing(self) -> list[tuple[Message, Target]]:
-        firmware, mav_type = self.told
+        firmware, mav_type = self.kind_sent
         return [
             (replace(message, autopilot=firmware, type=mav_type) if isinstance(message, Heartbeat) else message, to)
             for message, to in super().outgoing()
@@ -56,30 +56,30 @@ class Overheard(Loopback):
 
     def __init__(self, far: Any) -> None:
         super().__init__(far)
-        self.said: list[Message] = []
+        self.sent: list[Message] = []
         self.turning: tuple[object, tuple[int, int]] | None = None
-        self.said_since: list[Message] = []  # since that was heard
+        self.sent_since: list[Message] = []  # since that was heard
         self._is_other = False
 
     def receive(self, until: float) -> list[tuple[bytes, Any]]:
         got = super().receive(until)
-        beats = [one for data, _ in got for one in _messages(data) if isinstance(one, Heartbeat)]
-        told = None if self.turning is None else self.turning[1]
-        self._is_other |= any((beat.autopilot, beat.type) == told for beat in beats)
+        beats = [message for data, _ in got for message in _messages(data) if isinstance(message, Heartbeat)]
+        kind = None if self.turning is None else self.turning[1]
+        self._is_other |= any((beat.autopilot, beat.type) == kind for beat in beats)
         return got
 
     def send(self, data: bytes, peer: Any) -> None:
-        said = _messages(data)
-        self.said += said
-        self.said_since += said if self._is_other else []
+        messages = _messages(data)
+        self.sent += messages
+        self.sent_since += messages if self._is_other else []
         super().send(data, peer)
-        if self.turning and any(self.turning[0] in (type(one), getattr(one, "command", None)) for one in said):
-            self.far.autopilot.told = self.turning[1]  # type: ignore[attr-defined]
+        if self.turning and any(self.turning[0] in (type(each), getattr(each, "command", None)) for each in messages):
+            self.far.autopilot.kind_sent = self.turning[1]  # type: ignore[attr-defined]
 
 
 def _messages(data: bytes) -> list[Message]:
     heard = [Codec(1, 1).decode(frame) for frame in frames(data)]
-    return [one.message for one in heard if one is not None and one.message is not None]
+    return [message.message for message in heard if message is not None and message.message is not None]
 
 
 def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
@@ -93,7 +93,7 @@ def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmwa
     line, channel = line_to(firmware, mav_type)
     with refuses("not-flown", "", "vehicle 1", str(VehicleKind(firmware, mav_type))):
         meet(line)
-    assert {type(message) for message in channel.said} == {Heartbeat}
+    assert {type(message) for message in channel.sent} == {Heartbeat}
 
 
 @pytest.mark.parametrize("verb", CHANGES)
@@ -102,10 +102,10 @@ def test_it_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str)
     line, channel = line_to(firmware, mav_type)
     vehicle = meet(line, options=ConnectionOptions(fast=False, reading=True))
     vehicle.download_items(0)
-    channel.said.clear()
+    channel.sent.clear()
     with refuses("not-flown"):
         CHANGES[verb](vehicle)
-    assert {type(message) for message in channel.said} <= {Heartbeat}
+    assert {type(message) for message in channel.sent} <= {Heartbeat}
 
 
 @pytest.mark.parametrize("mav_type", sorted(MULTICOPTERS))
@@ -119,8 +119,8 @@ def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> N
     line, channel = line_to(3, 2)
     vehicle = meet(line, options=ConnectionOptions(fast=False))
     vehicle.upload(MISSION)
-    for told in ((3, 1), (3, 2)):
-        channel.far.autopilot.told = told  # type: ignore[attr-defined]
+    for kind in ((3, 1), (3, 2)):
+        channel.far.autopilot.kind_sent = kind  # type: ignore[attr-defined]
         vehicle._hold(wait(3.0))
         with refuses("other-kind", "", "ArduPilot plane", "ArduPilot multicopter", kind=NotFlown):
             vehicle.upload(MISSION)
@@ -136,23 +136,23 @@ def fly_all(vehicle: Vehicle) -> None:
 
 
 @pytest.mark.parametrize("after", [Count, 224, 176, 400, 300])
-@pytest.mark.parametrize("other", [(3, 1), (12, 2)])
-def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: object, other: tuple[int, int]) -> None:
+@pytest.mark.parametrize("kind", [(3, 1), (12, 2)])
+def test_a_vehicle_that_changes_its_kind_in_flight_gets_only_heartbeats(after: object, kind: tuple[int, int]) -> None:
     """Nor is it disarmed."""
     line, channel = line_to(3, 2)
     vehicle = meet(line, options=ConnectionOptions(fast=False))
-    channel.turning = after, other
+    channel.turning = after, kind
     with pytest.raises(NotFlown):
         fly_all(vehicle)
-    assert vehicle.state.other_kind == VehicleKind(*other)
-    assert {type(one) for one in channel.said_since} <= {Heartbeat}
+    assert vehicle.state.other_kind == VehicleKind(*kind)
+    assert {type(message) for message in channel.sent_since} <= {Heartbeat}
 
 
 def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
     line, channel = line_to(3, 2)
     vehicle = meet(line, options=ConnectionOptions(fast=False))
     vehicle.state.armed = True
-    channel.far.autopilot.told = 8, 18  # type: ignore[attr-defined]
+    channel.far.autopilot.kind_sent = 8, 18  # type: ignore[attr-defined]
     vehicle._hold(wait(3.0))
     vehicle.upload(MISSION)
     assert (vehicle.state.kind, vehicle.state.armed) == (VehicleKind(3, 2), True)
@@ -161,16 +161,16 @@ def test_a_companion_with_the_autopilots_ids_changes_no_vehicle_state() -> None:
 def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:
     line, channel = line_to(3, 2)
     vehicle = meet(line)
-    channel.said.clear()
+    channel.sent.clear()
     for checked in (True, False):
         with refuses("other-vehicle", "", "plane", "multicopter", kind=BadInput):
             vehicle.upload(replace(MISSION, vehicle_type=1), checked=checked)
-    assert channel.said == []
+    assert channel.sent == []
 
 
 def test_a_scan_and_a_choice_among_several_name_the_kinds() -> None:
     line, _ = line_to(3, 10)
-    assert [str(one.kind) for one in scan(line)] == ["ArduPilot rover"]
+    assert [str(vehicle.kind) for vehicle in scan(line)] == ["ArduPilot rover"]
 
 
 def test_beside_a_plane_a_copter_is_chosen_by_its_id() -> None:

@@ -169,7 +169,7 @@ def flock(*systems: int) -> Line:
 
 
 def test_a_scan_finds_every_vehicle_on_the_link() -> None:
-    assert [(one.system, one.kind.autopilot) for one in scan(flock(3, 1, 7))] == [
+    assert [(vehicle.system, vehicle.kind.autopilot) for vehicle in scan(flock(3, 1, 7))] == [
         (1, Autopilot.ARDUPILOT),
         (3, Autopilot.PX4),
         (7, Autopilot.PX4),
@@ -182,11 +182,11 @@ def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     two._commander._find_message = lambda name: CommandResult.UNSUPPORTED  # knows the older order alone
     receive = three.receive
     three.receive = lambda message, *rest: None if isinstance(message, CommandLong) else receive(message, *rest)
-    found = [one.system for one in scan(line)]
+    systems = [vehicle.system for vehicle in scan(line)]
     begun = line.now()
-    told = versions_of(line, found)
-    assert found == [1, 2, 3]
-    assert told == {1: Autopilot.PX4.newest, 2: Autopilot.ARDUPILOT.newest}
+    versions = versions_of(line, systems)
+    assert systems == [1, 2, 3]
+    assert versions == {1: Autopilot.PX4.newest, 2: Autopilot.ARDUPILOT.newest}
     assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
     message = one._reporter.message
     one._reporter.message = lambda name: AutopilotVersion(0) if name == "AUTOPILOT_VERSION" else message(name)
@@ -202,9 +202,9 @@ def test_one_of_several_vehicles_is_chosen_by_its_system_id() -> None:
     line = flock(1, 2)
     vehicle = meet(line, system=2)
     vehicle.upload(suited(vehicle, MISSION))
-    held = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(line)._stations]
-    assert [len(items) for items in held] in ([0, 4], [0, 3], [3, 0], [4, 0])
-    assert held[0] == ()
+    stored = [station.autopilot.transfers.listed(MissionType.MISSION) for station in far_end(line)._stations]
+    assert [len(items) for items in stored] in ([0, 4], [0, 3], [3, 0], [4, 0])
+    assert stored[0] == ()
 
 
 def test_ardupilot_is_given_time_to_start_up() -> None:

@@ -114,13 +114,13 @@ def test_a_later_flight_begins_anew() -> None:
 
 
 def test_watching_ends_with_the_flight_and_tells_of_progress() -> None:
-    told: list[str] = []
+    reported: list[str] = []
     for items, last in ((LANDS, DISARMED), (HOLDS, Current(2, 3, 5))):
         logbook = noted(items, ARMING, armed())
-        exchange = Exchange(watch(logbook, lambda share, words: told.append(words)), 0.0, SPECIFIED)
+        exchange = Exchange(watch(logbook, lambda share, words: reported.append(words)), 0.0, SPECIFIED)
         for now, message in enumerate([at(1.0), Reached(0), armed(), last]):
             logbook.note(message)
             exchange.receive(message, float(now))
         assert exchange.finished
     done = [*((n, LANDS) for n in (0, 1)), *((n, HOLDS) for n in (0, 1, 2))]
-    assert told == [f"item {n} of {len(items)}" for n, items in done]
+    assert reported == [f"item {n} of {len(items)}" for n, items in done]

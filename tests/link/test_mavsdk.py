@@ -41,12 +41,12 @@ def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, ru
         )
     line = next((line for line in done.stdout.splitlines() if "RESULT " in line), None)
     assert line is not None, done.stdout + done.stderr
-    told = json.loads(line[line.index("RESULT ") + 7 :])
-    assert told.pop("samples") > 10
+    result = json.loads(line[line.index("RESULT ") + 7 :])
+    assert result.pop("samples") > 10
     if family is Autopilot.PX4:
-        assert "Mission rejected: Takeoff altitude too low!" in told.pop("unflyable")
-        assert told.pop("cancelled_as_told")
-    assert told == {
+        assert "Mission rejected: Takeoff altitude too low!" in result.pop("unflyable")
+        assert result.pop("cancelled_as_told")
+    assert result == {
         "autopilot": str(family),
         "items": 5,
         "fence_is_kept": True,
@@ -75,12 +75,12 @@ def test_our_upload_puts_a_mission_on_mavsdks_own_server(monkeypatch: pytest.Mon
             vehicle = meet(line, options=ConnectionOptions(reading=True))  # a generic vehicle
             vehicle._hold(upload.upload(upload.Upload(to_wire(Mission(HOME, items)), vehicle.autopilot)))
             assert server.stderr is not None
-            told = next(json.loads(words) for words in server.stderr if words.startswith("{"))
+            result = next(json.loads(words) for words in server.stderr if words.startswith("{"))
         finally:
             server.kill()
-    assert told["result"] == "SUCCESS"
-    assert [row[2] for row in told["items"]] == [item.command for item in items]
-    assert [row[5:7] for row in told["items"]] == [
+    assert result["result"] == "SUCCESS"
+    assert [row[2] for row in result["items"]] == [item.command for item in items]
+    assert [row[5:7] for row in result["items"]] == [
         [coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)] for item in items
     ]
-    assert [row[7] for row in told["items"]] == [item.altitude for item in items]
+    assert [row[7] for row in result["items"]] == [item.altitude for item in items]

@@ -29,8 +29,8 @@ def test_mavutil_and_mavwp_complete_a_session(run_mock: Callable[..., object], t
             check=False,
         )
         assert done.returncode == 0, done.stdout + done.stderr
-        told = json.loads(done.stdout.splitlines()[-1])
-        assert told == {
+        report = json.loads(done.stdout.splitlines()[-1])
+        assert report == {
             "results": [0, 0, 0],
             "parameters": len(running.mock.table.values),
             "commands": [[16, 22, 16, 20], [5001] * 3, [5100]],

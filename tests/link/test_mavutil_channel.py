@@ -64,7 +64,7 @@ def test_of_two_vehicles_on_a_link_only_the_one_that_is_asked_is_heard() -> None
     heard: list[Message] = []
     vehicle.overhearing = heard.append
     assert {message.get_srcSystem() for message in vehicle.messages(3.0)} == {2}
-    assert {one.autopilot for one in heard if isinstance(one, Heartbeat)} == {MavAutopilot.ARDUPILOT}
+    assert {message.autopilot for message in heard if isinstance(message, Heartbeat)} == {MavAutopilot.ARDUPILOT}
 
 
 def test_a_system_of_mavsdks_is_borrowed(monkeypatch: pytest.MonkeyPatch) -> None:

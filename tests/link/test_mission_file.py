@@ -69,12 +69,12 @@ def test_a_mission_goes_as_one_file_and_not_item_by_item() -> None:
     vehicle, mock = aboard(Faults())
     heard = heard_by(mock)
     sent = items_of(ARDUPILOT, 100)
-    told: list[tuple[float, str]] = []
-    vehicle.upload_items(sent, MissionType.MISSION, lambda share, words: told.append((share, words)))
+    stages: list[tuple[float, str]] = []
+    vehicle.upload_items(sent, MissionType.MISSION, lambda share, words: stages.append((share, words)))
     assert compare(sent, mock.transfers.listed(0), ARDUPILOT) is None
     assert not any(isinstance(message, ItemAt) for message in heard)
     assert sum(isinstance(message, FileTransfer) for message in heard) < 50
-    assert told[-1] == (1.0, "100 of 100")
+    assert stages[-1] == (1.0, "100 of 100")
 
 
 def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:
@@ -155,15 +155,15 @@ def test_an_aborted_file_upload_leaves_a_whole_mission_and_names_it(error: Missi
     vehicle.upload_items(old, MissionType.MISSION)
     until = line_of(vehicle).channel.now() + moment
     exchange = Exchange(upload_by_file(Upload(new, ARDUPILOT)), line_of(vehicle).channel.now(), SPECIFIED)
-    with pytest.raises(type(error)) as told:
+    with pytest.raises(type(error)) as caught:
         drive(exchange, line_of(vehicle), until, error)
-    held = mock.transfers.listed(0)
-    words = str(told.value)
+    stored = mock.transfers.listed(0)
+    words = str(caught.value)
     if isinstance(error, TimeUp) and moment > 2.0:
         assert "a whole mission, the old or the new one" in words
-        assert None in (compare(old, held, ARDUPILOT), compare(new, held, ARDUPILOT))
+        assert None in (compare(old, stored, ARDUPILOT), compare(new, stored, ARDUPILOT))
     else:
-        assert compare(old if "keeps the mission it had" in words else new, held, ARDUPILOT) is None
+        assert compare(old if "keeps the mission it had" in words else new, stored, ARDUPILOT) is None
         assert ("too late" in words) == (moment > 2.0)
 
 
@@ -256,10 +256,10 @@ def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:
             receive(message, source, now)
 
     mock.receive = deaf_at_first  # type: ignore[method-assign]
-    told = converse(
+    answers = converse(
         line_of(vehicle), Target(1, 1), list_checksum(MissionType.MISSION, counting(0, 2)), Tempo(SPECIFIED)
     )
-    assert told == file_checksum(pack_mission(()))
+    assert answers == file_checksum(pack_mission(()))
     assert len(set(numbers)) == 4
 
 
@@ -317,23 +317,23 @@ def service() -> FileService:
     return FileService(True, 3, lambda kind: (), lambda items: True)
 
 
-def ask(one: FileService, *questions: FileMessage, client: Target = CLIENT) -> FileMessage:
+def ask(service: FileService, *questions: FileMessage, client: Target = CLIENT) -> FileMessage:
     for question in questions:
-        (told,) = one.answers(question.pack(), client)
-    return unpack(told)
+        (answer,) = service.answers(question.pack(), client)
+    return unpack(answer)
 
 
 OPEN = FileMessage(0, Opcode.CREATE_FILE, data=MISSION_FILE.encode())
 
 
 def test_a_file_is_read_in_one_burst() -> None:
-    one = FileService(True, 30, lambda kind: items_of(ARDUPILOT, 30), lambda items: True)
-    ask(one, FileMessage(0, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()))
-    told = [unpack(part) for part in one.answers(FileMessage(2, Opcode.BURST_READ_FILE, size=80).pack(), CLIENT)]
-    assert b"".join(part.data for part in told) == pack_mission(items_of(ARDUPILOT, 30))
-    assert [part.sequence for part in told] == list(range(3, 3 + len(told)))
-    assert [part.ends_burst for part in told] == [False] * (len(told) - 1) + [True]
-    (end,) = one.answers(FileMessage(40, Opcode.BURST_READ_FILE, offset=10**6, size=80).pack(), CLIENT)
+    files = FileService(True, 30, lambda kind: items_of(ARDUPILOT, 30), lambda items: True)
+    ask(files, FileMessage(0, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()))
+    answers = [unpack(part) for part in files.answers(FileMessage(2, Opcode.BURST_READ_FILE, size=80).pack(), CLIENT)]
+    assert b"".join(part.data for part in answers) == pack_mission(items_of(ARDUPILOT, 30))
+    assert [part.sequence for part in answers] == list(range(3, 3 + len(answers)))
+    assert [part.ends_burst for part in answers] == [False] * (len(answers) - 1) + [True]
+    (end,) = files.answers(FileMessage(40, Opcode.BURST_READ_FILE, offset=10**6, size=80).pack(), CLIENT)
     assert unpack(end).data == bytes((FileError.END_OF_FILE,))
 
 
@@ -363,15 +363,15 @@ def test_a_broken_file_is_refused_at_its_close() -> None:
 
 
 def test_a_repeated_question_gets_its_answer_again_and_is_done_once() -> None:
-    one = service()
-    ask(one, OPEN, piece := FileMessage(2, Opcode.WRITE_FILE, data=pack_mission(())))
+    file_service = service()
+    ask(file_service, OPEN, piece := FileMessage(2, Opcode.WRITE_FILE, data=pack_mission(())))
     taken = FileMessage(4, Opcode.TERMINATE_SESSION)
-    assert ask(one, piece, taken, taken).opcode == Opcode.ACK
+    assert ask(file_service, piece, taken, taken).opcode == Opcode.ACK
 
 
 def test_a_flood_of_clients_does_not_grow_without_bound() -> None:
-    one = service()
+    file_service = service()
     for n in range(100):
-        ask(one, OPEN, client=Target(n, 1))
-    assert len(one._sessions) <= MOST_CLIENTS
+        ask(file_service, OPEN, client=Target(n, 1))
+    assert len(file_service._sessions) <= MOST_CLIENTS
     assert LONGEST_DATA == 239

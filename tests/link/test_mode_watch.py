@@ -66,9 +66,9 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
     assert record.completed
     assert told_s[0] - held_s[0] < SETTLED_S + 1.5
     assert vehicle.mode_change == ""
-    told = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
-    assert "`resume` or `rtl` orders it on" in told[0]
-    assert [words.split(":")[0] for words in told] == [
+    warnings = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert "`resume` or `rtl` orders it on" in warnings[0]
+    assert [words.split(":")[0] for words in warnings] == [
         "the vehicle has left its mission",
         "the vehicle goes on with its mission",
     ]
@@ -79,18 +79,18 @@ def test_a_vehicle_sent_home_ends_its_flight_with_that_mode(
     family: Autopilot, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle = flying(family)
-    told: list[str] = []
+    changes: list[str] = []
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 15.0 and not told:
-            told.append("")
+        if isinstance(message, Position) and message.height > 15.0 and not changes:
+            changes.append("")
             ordered_into(vehicle, family.modes.returning)
-        if vehicle.mode_change and len(told) == 1:
-            told.append(vehicle.mode_change)
+        if vehicle.mode_change and len(changes) == 1:
+            changes.append(vehicle.mode_change)
 
     vehicle.overhearing = overhear
     record = vehicle.watch()
-    assert "it returns home and lands" in told[1]
+    assert "it returns home and lands" in changes[1]
     assert "`resume`" not in caplog.text
     assert not record.completed
     assert f"in {family.modes.name(family.modes.returning)}" in record.why_not
@@ -121,12 +121,12 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
 ) -> None:
     vehicle, mode = flying(family), min(family.modes.lands)
     mock = far_end(line_of(vehicle)).autopilot
-    heard, said = mock.receive, list[Message]()
+    heard, messages = mock.receive, list[Message]()
 
     def receive(message: Message, source: Target, now: float) -> None:
         if isinstance(message, CommandLong) and message.command == VehicleCommand.DO_SET_MODE:
-            said.append(message)
-            if len(said) <= lost:
+            messages.append(message)
+            if len(messages) <= lost:
                 return
         heard(message, source, now)
 
@@ -140,7 +140,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     vehicle.overhearing = overhear
     record = vehicle.watch()
     assert record.completed is (lost == 99)
-    assert len(said) == min(lost + 1, ORDER_REPEATS)
+    assert len(messages) == min(lost + 1, ORDER_REPEATS)
     assert ("does not show it" in vehicle.order.words) is (lost == 99)
 
 
@@ -171,19 +171,19 @@ def test_a_watched_vehicle_holds_and_goes_on_when_ordered(family: Autopilot, cli
         if vehicle.order.is_paused or vehicle.state.custom_mode == family.modes.hold:
             places.append(message)
             paused.append(vehicle.order.is_paused)
-            if len(places) > 1 and message.time_s - places[0].time_s > 20.0 and not held:
-                held.append(message)
+            if len(places) > 1 and message.time_s - places[0].time_s > 20.0 and not resting:
+                resting.append(message)
                 vehicle.order.go_on()
 
-    held: list[Position] = []
+    resting: list[Position] = []
     vehicle.overhearing = overhear
     record = vehicle.watch()
     assert record.completed
     assert vehicle.order.words == ""
     assert all(paused) is (family.protocol_profile.pauses_in_mission and not climbs)
-    rested = next(one for one in places if one.time_s - places[0].time_s > 10.0)
-    assert abs(rested.height - held[0].height) < 1.0
-    assert abs(rested.latitude_deg - held[0].latitude_deg) * 111e3 < 1.0
+    rested = next(place for place in places if place.time_s - places[0].time_s > 10.0)
+    assert abs(rested.height - resting[0].height) < 1.0
+    assert abs(rested.latitude_deg - resting[0].latitude_deg) * 111e3 < 1.0
 
 
 @pytest.mark.parametrize("family", registered())

@@ -61,13 +61,13 @@ OTHERS: dict[str, Callable[[Mission], Mission]] = {
 }
 
 
-@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("replacement", OTHERS)
 @pytest.mark.parametrize("family", registered())
-def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, other: str) -> None:
+def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, replacement: str) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
-    replaced_by(vehicle, OTHERS[other](MISSION))
+    replaced_by(vehicle, OTHERS[replacement](MISSION))
     with refuses("replaced"):
         vehicle.start()
     assert not mock_of(vehicle).flight.armed
@@ -160,23 +160,23 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
     assert replaced_s[0] < refused_s[0] < told_s[0] <= refused_s[0] + CHECK_INTERVAL_S + 2.0
 
 
-@pytest.mark.parametrize("other", OTHERS)
+@pytest.mark.parametrize("replacement", OTHERS)
 @pytest.mark.parametrize("family", registered())
 def test_mission_replaced_in_flight_makes_the_flight_incomplete(
-    family: Autopilot, other: str, caplog: pytest.LogCaptureFixture
+    family: Autopilot, replacement: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
-    told: list[float] = []
+    times: list[float] = []
 
     def overhear(message: Message) -> None:
-        if isinstance(message, Position) and message.height > 5.0 and not told:
-            told.append(vehicle.line.now())
-            replaced_by(vehicle, OTHERS[other](MISSION))
-        if vehicle.changed and len(told) == 1:
-            told.append(vehicle.line.now())
+        if isinstance(message, Position) and message.height > 5.0 and not times:
+            times.append(vehicle.line.now())
+            replaced_by(vehicle, OTHERS[replacement](MISSION))
+        if vehicle.changed and len(times) == 1:
+            times.append(vehicle.line.now())
             raise Told
 
     vehicle.overhearing = overhear
@@ -185,8 +185,8 @@ def test_mission_replaced_in_flight_makes_the_flight_incomplete(
     record = vehicle.record()
     assert not record.completed
     assert "the mission on the vehicle is no longer ours: " in record.why_not
-    is_asked = family is ARDUPILOT and other == "as long"  # without an id its checksum is requested
-    assert told[1] - told[0] < (CHECK_INTERVAL_S + 2.0 if is_asked else 1.0)
+    is_asked = family is ARDUPILOT and replacement == "as long"  # without an id its checksum is requested
+    assert times[1] - times[0] < (CHECK_INTERVAL_S + 2.0 if is_asked else 1.0)
     assert caplog.text.count("no longer ours") == 1
 
 
@@ -261,7 +261,7 @@ def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> Onboard
 
 
 @pytest.mark.parametrize(
-    ("held", "said", "words"),
+    ("onboard", "current", "words"),
     [
         (onboard_list(PX4, 77), Current(0, 4, 2, 0, 77), ""),
         (onboard_list(PX4, 77), Current(0, 4, 2, 0, 78), "it has the id 78, and ours has 77"),
@@ -274,15 +274,15 @@ def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> Onboard
         (onboard_list(ARDUPILOT), Current(0), ""),  # an old one tells neither
     ],
 )
-def test_what_it_says_of_another_mission(held: OnboardList, said: Current, words: str) -> None:
-    held.note(said)
-    assert held.changed == words
-    assert held.is_confirmed_by(said) is (said.mission_id == 77)
-    assert not held.is_confirmed_by(None)
-    held.note(Current(0, 9, 2))
-    assert held.changed.startswith(words)
+def test_what_it_says_of_another_mission(onboard: OnboardList, current: Current, words: str) -> None:
+    onboard.note(current)
+    assert onboard.changed == words
+    assert onboard.is_confirmed_by(current) is (current.mission_id == 77)
+    assert not onboard.is_confirmed_by(None)
+    onboard.note(Current(0, 9, 2))
+    assert onboard.changed.startswith(words)
     with pytest.raises(ReplacedSince):
-        expect_unchanged([held])
+        expect_unchanged([onboard])
 
 
 def test_a_fence_is_not_what_the_current_mission_is_about() -> None:

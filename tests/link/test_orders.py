@@ -43,13 +43,13 @@ def lead(dialogue: Dialogue[T], *answers: Sequence[Message]) -> Exchange[T]:
 
 
 def said_by(dialogue: Dialogue[object], *answers: list[Message]) -> list[Message]:
-    exchange, now, said = Exchange(dialogue, 0.0, SPECIFIED), 0.0, []
+    exchange, now, sent = Exchange(dialogue, 0.0, SPECIFIED), 0.0, []
     for answer in answers:
-        said += exchange.outgoing()
+        sent += exchange.outgoing()
         for message in answer:
             now += 0.2
             exchange.receive(message, now)
-    return said + exchange.outgoing()
+    return sent + exchange.outgoing()
 
 
 def test_a_command_is_answered_with_its_result_and_words() -> None:
@@ -114,7 +114,7 @@ def test_parameters_are_read_by_name_and_integers_by_each_firmwares_coding() -> 
     bits = struct.unpack("<f", struct.pack("<i", 4001))[0]
     answers: list[list[Message]] = [[BEAT, value_of("A", bits, 6)], [value_of("B", 2.5)]]
     both = lead(orders.request_parameters([["A"], ["B"]], PX4), *answers).result
-    assert {name: one.param_value for name, one in both.items()} == {"A": 4001.0, "B": 2.5}
+    assert {name: value.param_value for name, value in both.items()} == {"A": 4001.0, "B": 2.5}
     as_it_is = lead(orders.request_parameters([["A"]], ARDUPILOT), [value_of("A", 7.0, 6)]).result
     assert as_it_is["A"].param_value == 7.0
     assert said_by(orders.request_parameters([["A"]], PX4)) == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID")]
@@ -125,7 +125,7 @@ def test_parameters_are_read_by_name_and_integers_by_each_firmwares_coding() -> 
 def test_a_parameter_with_several_names_has_the_first_one_answered() -> None:
     answers: list[list[Message]] = [[], [value_of("WPNAV_SPEED", 500.0)]]
     known = lead(orders.request_parameters([["WP_SPD", "WPNAV_SPEED"]], ARDUPILOT), *answers).result
-    assert {name: one.param_value for name, one in known.items()} == {"WPNAV_SPEED": 500.0}
+    assert {name: value.param_value for name, value in known.items()} == {"WPNAV_SPEED": 500.0}
 
 
 def test_a_parameter_that_does_not_exist_is_left_out() -> None:
@@ -159,8 +159,8 @@ def test_a_parameter_is_set_in_the_type_that_it_has_and_read_back() -> None:
     def bits(whole: int) -> float:
         return float(struct.unpack("<f", struct.pack("<i", whole))[0])
 
-    said = said_by(orders.set_parameter("A", 3.0, PX4), [value_of("A", bits(2), 6)])
-    assert said == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID"), ParamSet("A", bits(3), 6)]
+    sent = said_by(orders.set_parameter("A", 3.0, PX4), [value_of("A", bits(2), 6)])
+    assert sent == [ParamRequestRead("A"), ParamRequestRead("MAV_SYS_ID"), ParamSet("A", bits(3), 6)]
     with refuses("unknown-parameter", "", "parameter A", kind=NoAnswer):
         lead(
             orders.set_parameter("A", 3.0, PX4),

@@ -74,11 +74,11 @@ class Air(Loopback):
 class Heard(Station):
     def __init__(self, autopilot: Mock, system: int = 1) -> None:
         super().__init__(autopilot, system)
-        self.told: list[Message] = []
+        self.received: list[Message] = []
         receive = autopilot.receive
 
         def hear(message: Message, *where: Any) -> None:
-            self.told.append(message)
+            self.received.append(message)
             receive(message, *where)
 
         autopilot.receive = hear  # type: ignore[method-assign,assignment]
@@ -98,7 +98,7 @@ class Flight:
         self.vehicle.prepare()
         self.vehicle.start()
         self.words: list[str] = []
-        self.told_before = 0
+        self.received_before = 0
         self.at_loss: Callable[[], None] = lambda: None
         self.in_loss: Callable[[], None] = lambda: None
         self.on_return: Callable[[], None] = lambda: None
@@ -109,7 +109,7 @@ class Flight:
         def overhear(message: Message) -> None:
             if isinstance(message, Position) and message.height > at_m and air.ends_s < 0.0:
                 air.ends_s, air.breaks = air.now() + seconds, breaks
-                self.told_before = len(self.station.told)
+                self.received_before = len(self.station.received)
                 self.at_loss()
             if vehicle.mode_change:
                 self.on_return()
@@ -129,8 +129,8 @@ class Flight:
         self.station.autopilot.receive(order, Target(254, 190), self.air.now())
 
     def replaced_by(self, mock: Mock, system: int = 1) -> Heard:
-        other = self.air.far = Heard(mock, system)
-        return other
+        station = self.air.far = Heard(mock, system)
+        return station
 
 
 def is_order(message: Message) -> bool:
@@ -139,8 +139,8 @@ def is_order(message: Message) -> bool:
 
 def loaded(family: Autopilot, mission: Mission) -> Mock:
     mock = Mock(family, HOME)
-    other = meet(Line(Loopback(Station(mock)), Codec(245, 190)))
-    other.upload(suited(other, mission))
+    twin = meet(Line(Loopback(Station(mock)), Codec(245, 190)))
+    twin.upload(suited(twin, mission))
     return mock
 
 
@@ -154,13 +154,13 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     flight.in_loss = flight.vehicle.order.hold
     record = flight.lose(seconds, breaks)
     assert record.completed, record.why_not
-    assert not any(map(is_order, flight.station.told[flight.told_before :]))
+    assert not any(map(is_order, flight.station.received[flight.received_before :]))
     assert flight.vehicle.order.words.endswith("was not ordered: the link is lost")
-    told = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
-    assert told[0].startswith("the link is lost")
-    assert "without its ground station the vehicle continues" in told[0]
-    assert "it is the same vehicle, with the mission that was uploaded" in told[1]
-    assert len(told) == 2
+    warnings = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert warnings[0].startswith("the link is lost")
+    assert "without its ground station the vehicle continues" in warnings[0]
+    assert "it is the same vehicle, with the mission that was uploaded" in warnings[1]
+    assert len(warnings) == 2
     assert sum("link lost for" in words for words in flight.words) >= seconds - SILENT_S
     assert flight.vehicle.link_loss.seconds is None
     lost = [b.time_s - a.time_s for a, b in zip(record.path, record.path[1:], strict=False)]
@@ -184,9 +184,9 @@ def test_reconnect_reads_after_a_suspended_process_count_later(
     monkeypatch.setattr(flight.air, "receive", late)
     record = flight.lose(0.0)
     assert record.completed, record.why_not
-    told = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
-    assert told[0].startswith("the link is lost")
-    assert "it is the same vehicle" in told[1]
+    warnings = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert warnings[0].startswith("the link is lost")
+    assert "it is the same vehicle" in warnings[1]
 
 
 def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
@@ -239,11 +239,11 @@ def test_one_that_ended_its_mission_unheard_has_completed_it_if_it_says_so(monke
 @pytest.mark.parametrize("family", registered())
 def test_another_kind_in_its_place_is_told_nothing(family: Autopilot, monkeypatch: pytest.MonkeyPatch) -> None:
     flight, others = Flight(family, monkeypatch), list[Heard]()
-    other = next(one for one in registered() if one is not family)
-    flight.at_loss = lambda: others.append(flight.replaced_by(Mock(other, HOME)))
+    other_family = next(autopilot for autopilot in registered() if autopilot is not family)
+    flight.at_loss = lambda: others.append(flight.replaced_by(Mock(other_family, HOME)))
     with refuses("other-kind", "", "ArduPilot") as unlike:
         flight.lose(10.0)
-    assert {type(message) for message in others[0].told} <= {Heartbeat}
+    assert {type(message) for message in others[0].received} <= {Heartbeat}
     assert unlike.value.hint is not None
     assert "when last heard, the vehicle is armed and in the air" in unlike.value.hint
 
@@ -255,7 +255,7 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
     flight.in_loss = lambda: flight.vehicle.order.give(family.modes.returning)
     with refuses("not-the-same-vehicle", "", "vehicle 1"):
         flight.lose(10.0)
-    assert not any(map(is_order, others[0].told))
+    assert not any(map(is_order, others[0].received))
     assert not flight.vehicle.record().completed
 
 
@@ -276,7 +276,7 @@ def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkey
     flight.at_loss = lambda: others.append(flight.replaced_by(Mock(PX4, HOME), 7))
     with refuses("link-lost", "", "300", "vehicle 7", kind=NoAnswer):
         flight.lose(5.0)
-    assert {type(message) for message in others[0].told} <= {Heartbeat}
+    assert {type(message) for message in others[0].received} <= {Heartbeat}
     assert flight.air.now() > GIVE_UP_S
 
 

@@ -79,10 +79,10 @@ def test_a_vehicle_with_a_key_does_nothing_for_a_stranger_who_is_told_why(
     vehicle.state.booted = True
     mission, begun = replace(MISSION, autopilot=autopilot), line.now()
     order = partial(vehicle.parameters, ["A"]) if is_parameter else partial(vehicle.upload, mission, checked=False)
-    with refuses("signs-otherwise") as told:
+    with refuses("signs-otherwise") as caught:
         order()
-    assert "--key" in str(told.value.hint)
-    assert "mixture" not in str(told.value.hint)
+    assert "--key" in str(caught.value.hint)
+    assert "mixture" not in str(caught.value.hint)
     assert line.now() - begun < (15.0 if is_parameter else CAUSE_S + 1.0)
     assert far_end(line).autopilot.transfers.listed(MissionType.MISSION) == ()
 
@@ -133,11 +133,11 @@ def test_a_clock_that_was_set_back_is_told_once(tmp_path: Path, caplog: pytest.L
 
 def test_processes_that_sign_at_the_same_time_have_their_own_link_ids(tmp_path: Path) -> None:
     mark, judge = tmp_path / "timestamp", Codec(1, 1, Signer(KEY))
-    one, other = (Codec(245, 190, persistent_signer(KEY, mark)) for _ in range(2))
-    late = one.encode(Text(6, "late"), EVERYONE, NOW)
-    assert judge.decode(other.encode(Text(6, "early"), EVERYONE, NOW + 0.01)) is not None
+    first, second = (Codec(245, 190, persistent_signer(KEY, mark)) for _ in range(2))
+    late = first.encode(Text(6, "late"), EVERYONE, NOW)
+    assert judge.decode(second.encode(Text(6, "early"), EVERYONE, NOW + 0.01)) is not None
     assert judge.decode(late) is not None
-    one.signer.close()  # type: ignore[union-attr]
+    first.signer.close()  # type: ignore[union-attr]
     assert persistent_signer(KEY, mark).link_id == 0
 
 

@@ -65,14 +65,14 @@ def test_nobody_has_spoken_yet_and_so_nobody_is_answered() -> None:
 
 
 def test_one_connection_that_ends_leaves_the_others(served: TcpChannel) -> None:
-    with joined(served) as one, joined(served) as other:
-        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # closed by a reset
-        one.close()
+    with joined(served) as first, joined(served) as second:
+        first.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # closed by a reset
+        first.close()
         time.sleep(0.05)
         served.send(b"a", "no connection of ours")
         assert served.receive(served.now() + 0.2) == []
         served.send(b"b", None)
-        assert other.recv(10) == b"b"
+        assert second.recv(10) == b"b"
 
 
 def test_more_connections_than_are_served_are_closed(served: TcpChannel) -> None:

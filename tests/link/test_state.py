@@ -47,7 +47,7 @@ class Table:
     values: Mapping[str, float] = field(default_factory=dict)
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
-        names = [name for one in wanted for name in ((one,) if isinstance(one, str) else one)]
+        names = [name for entry in wanted for name in ((entry,) if isinstance(entry, str) else entry)]
         return {name: self.values[name] for name in names if name in self.values}
 
 
@@ -57,8 +57,8 @@ def test_a_parameter_is_compared_by_the_name_that_the_vehicle_uses() -> None:
     assert [str(other) for other in others] == ["WP_SPD is 5 on the vehicle, and the mission was made for 7.5"]
     assert missing == ("WP_JERK",)
     assert other_values(vehicle, {}) == ((), ())
-    ((other,), _) = other_values(Table(Autopilot.PX4, {"MPC_XY_CRUISE": math.nan}), {"MPC_XY_CRUISE": 5.0})
-    assert str(other) == "MPC_XY_CRUISE is nan on the vehicle, and the mission was made for 5"
+    ((value,), _) = other_values(Table(Autopilot.PX4, {"MPC_XY_CRUISE": math.nan}), {"MPC_XY_CRUISE": 5.0})
+    assert str(value) == "MPC_XY_CRUISE is nan on the vehicle, and the mission was made for 5"
 
 
 @pytest.mark.parametrize(("switch", "idle"), [(0.0, True), (1.0, False), (None, False)])

@@ -12,7 +12,7 @@ ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
 
 def words(autopilot: Autopilot, values: Parameters) -> str:
     def parameters(wanted: Any) -> Parameters:
-        names = {name for one in wanted for name in ((one,) if isinstance(one, str) else one)}
+        names = {name for entry in wanted for name in ((entry,) if isinstance(entry, str) else entry)}
         assert values.keys() <= names
         return values
 
@@ -21,7 +21,7 @@ def words(autopilot: Autopilot, values: Parameters) -> str:
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "values", "told"),
+    ("autopilot", "values", "expected"),
     [
         (ARDUPILOT, {"FS_GCS_ENABLE": 0}, "without its ground station the vehicle continues (FS_GCS_ENABLE 0)"),
         (ARDUPILOT, {"FS_GCS_ENABLE": 1}, "5 s without its ground station lead to rtl or land (FS_GCS_ENABLE 1)"),
@@ -54,8 +54,8 @@ def words(autopilot: Autopilot, values: Parameters) -> str:
         (PX4, {"COM_DL_LOSS_T": 20}, ""),
     ],
 )
-def test_it_is_told_by_the_values_that_the_vehicle_has(autopilot: Autopilot, values: Parameters, told: str) -> None:
-    assert words(autopilot, values) == told
+def test_it_is_told_by_the_values_that_the_vehicle_has(autopilot: Autopilot, values: Parameters, expected: str) -> None:
+    assert words(autopilot, values) == expected
 
 
 def test_nothing_is_told_where_nobody_knows() -> None:

@@ -75,7 +75,7 @@ def station(family: Autopilot = PX4, system: int = 1) -> Station:
     return Station(Mock(family, HOME), system)
 
 
-def held(net: Net, address: str) -> int:
+def stored_count(net: Net, address: str) -> int:
     return len(net.ends[address].autopilot.transfers.listed(MissionType.MISSION))
 
 
@@ -94,10 +94,10 @@ def is_exact(net: Net, address: str, family: Autopilot = PX4) -> bool:
 @pytest.mark.parametrize("system", [None, 1])
 def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None) -> None:
     net = Net(one=station(), other=station(ARDUPILOT))
-    with refuses("contested", "", "system id 1") as told:
+    with refuses("contested", "", "system id 1") as caught:
         meet(line_on(net), system)
-    assert "MAV_SYS_ID" in str(told.value.hint)
-    assert (held(net, "one"), held(net, "other")) == (0, 0)
+    assert "MAV_SYS_ID" in str(caught.value.hint)
+    assert (stored_count(net, "one"), stored_count(net, "other")) == (0, 0)
 
 
 def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
@@ -107,7 +107,7 @@ def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: p
     vehicle.upload(suited(vehicle, MISSION))
     assert line.contested(1)
     assert is_exact(net, "one")
-    assert held(net, "other") == 0
+    assert stored_count(net, "other") == 0
     before = net.ends["other"].autopilot.vehicle.mode
     vehicle.prepare()
     assert net.ends["one"].autopilot.vehicle.mode == PX4.modes.arming
@@ -209,10 +209,10 @@ def test_another_station_with_our_ids_does_not_hide_the_built_in_autopilot(famil
 @pytest.mark.parametrize("family", registered())
 def test_a_transfer_by_another_station_with_our_ids_does_not_break_ours(family: Autopilot) -> None:
     net = Net(one=station(family))
-    said = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
+    frames = [Codec(*US).encode(message, VEHICLE, 0.0) for message in (Count(2), Ack(Result.OPERATION_CANCELLED))]
 
     def disturb(now: float) -> list[tuple[bytes, Peer]]:
-        for frame in said:
+        for frame in frames:
             net.ends["one"].receive(frame, "twin", now)
         return []
 
@@ -226,11 +226,11 @@ def test_a_transfer_by_another_station_with_our_ids_does_not_break_ours(family: 
 
 @pytest.mark.parametrize("family", registered())
 def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
-    one = station(family)
+    single = station(family)
 
     def answers(message: Message, peer: Peer, now: float) -> list[Peer | None]:
-        one.receive(Codec(*US).encode(message, VEHICLE, 0.0), peer, now)
-        heard = [(Codec(*US).decode(frame), to) for frame, to in one.outgoing()]
+        single.receive(Codec(*US).encode(message, VEHICLE, 0.0), peer, now)
+        heard = [(Codec(*US).decode(frame), to) for frame, to in single.outgoing()]
         return [to for answer, to in heard if answer is not None and isinstance(answer.message, Request | Ack)]
 
     assert answers(Count(0), "us", 10.0) == ["us"]
@@ -241,13 +241,13 @@ def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopi
 
 
 def test_an_answer_reaches_both_stations_and_a_transfers_only_its_own() -> None:
-    one = station()
+    single = station()
     for peer in ("us", "twin"):
-        one.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
-    one.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
-    assert {peer for _, peer in one.outgoing()} == {"us", "twin"}
-    one.receive(Codec(*US).encode(Count(2), VEHICLE, 0.0), "us", 0.0)
-    assert {peer for _, peer in one.outgoing()} == {"us"}
+        single.receive(Codec(*US).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), peer, 0.0)
+    single.receive(Codec(*US).encode(Ping(1, 0), EVERYONE, 0.0), "us", 0.0)
+    assert {peer for _, peer in single.outgoing()} == {"us", "twin"}
+    single.receive(Codec(*US).encode(Count(2), VEHICLE, 0.0), "us", 0.0)
+    assert {peer for _, peer in single.outgoing()} == {"us"}
 
 
 # --- torn frames and an old protocol --------------------------------------------------------------------------------
@@ -290,7 +290,7 @@ def test_messages_to_others_and_unread_messages_are_logged_only(tmp_path: Path) 
     net = Net()
     net.strangers.append(lambda now: [(frame, "one") for frame in (theirs, unread, ours)])
     with Line(net, Codec(*US), tmp_path / "all.tlog") as line:
-        assert [one.message for one in line.receive(1.0)] == [Count(0)]
+        assert [message.message for message in line.receive(1.0)] == [Count(0)]
     logged = [record.frame for record in read_tlog(tmp_path / "all.tlog")]
     assert [frame for frame in logged if frame in (theirs, unread, ours)] == [theirs, unread, ours]
 
@@ -316,18 +316,18 @@ class OldOnly:
 
     def outgoing(self) -> list[tuple[bytes, Peer | None]]:
         if self._station:
-            told = [(frame, peer) for frame, peer in self._station.outgoing()]
-            return [(self._in_old_words(frame), peer) for frame, peer in told]
+            frames = [(frame, peer) for frame, peer in self._station.outgoing()]
+            return [(self._in_old_words(frame), peer) for frame, peer in frames]
         if not self._is_due:
             return []
         self._is_due = False
         beat = dialect.MAVLink_heartbeat_message(2, 12, 0, 0, 3, 3)
-        said = [beat]
+        messages = [beat]
         if self._tells_home:
-            said.append(
+            messages.append(
                 dialect.MAVLink_home_position_message(int(47.4e7), int(8.5e7), 400_000, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
             )
-        return [(one.pack(self._voice, force_mavlink1=True), None) for one in said]
+        return [(message.pack(self._voice, force_mavlink1=True), None) for message in messages]
 
     def _in_old_words(self, frame: bytes) -> bytes:
         (message,) = dialect.MAVLink(None).parse_buffer(frame) or [None]
@@ -345,9 +345,9 @@ def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: boo
     if tells_home:
         assert vehicle.home() is not None
     began = line.channel.now()
-    with refuses("speaks-mavlink1", "", "vehicle 1") as told:
+    with refuses("speaks-mavlink1", "", "vehicle 1") as caught:
         vehicle.upload(suited(vehicle, MISSION))
-    assert "MAV_PROTO_VER 2" in str(told.value.hint)
+    assert "MAV_PROTO_VER 2" in str(caught.value.hint)
     assert line.channel.now() - began <= CAUSE_S + 1.0
 
 

@@ -12,9 +12,9 @@ NEW = tuple(Item(16, 3, latitude_deg=46.0 + n / 100, longitude_deg=8.5, altitude
 ACCEPTED = Ack(Result.ACCEPTED)
 
 
-def held(*said: tuple[Message, bool]) -> list[Items]:
+def lists_in(*messages: tuple[Message, bool]) -> list[Items]:
     transfers = Transfers()
-    return [found for message, by_vehicle in said if (found := transfers.note(message, by_vehicle)) is not None]
+    return [items for message, by_vehicle in messages if (items := transfers.note(message, by_vehicle)) is not None]
 
 
 def sent(items: Items, by_vehicle: bool) -> list[tuple[Message, bool]]:
@@ -22,33 +22,33 @@ def sent(items: Items, by_vehicle: bool) -> list[tuple[Message, bool]]:
 
 
 def test_an_upload_counts_when_the_vehicle_has_accepted_it() -> None:
-    assert held(*sent(OLD, False)) == []
-    assert held(*sent(OLD, False), (ACCEPTED, True)) == [OLD]
-    assert held(*sent(OLD, False), (Ack(Result.ERROR), True)) == []
-    assert held(*sent(OLD, False)[:-1], (ACCEPTED, True)) == []
+    assert lists_in(*sent(OLD, False)) == []
+    assert lists_in(*sent(OLD, False), (ACCEPTED, True)) == [OLD]
+    assert lists_in(*sent(OLD, False), (Ack(Result.ERROR), True)) == []
+    assert lists_in(*sent(OLD, False)[:-1], (ACCEPTED, True)) == []
 
 
 def test_a_download_counts_when_the_last_item_is_there_in_any_order() -> None:
     count, *items = sent(OLD, True)
-    assert held(count, items[2], items[0], items[0], items[1]) == [OLD]
-    assert held((Count(0), True)) == [()]
+    assert lists_in(count, items[2], items[0], items[0], items[1]) == [OLD]
+    assert lists_in((Count(0), True)) == [()]
 
 
 def test_a_count_that_is_repeated_begins_nothing_anew() -> None:
     count, first, *rest = sent(OLD, False)
-    assert held(count, first, count, *rest, (ACCEPTED, True)) == [OLD]
+    assert lists_in(count, first, count, *rest, (ACCEPTED, True)) == [OLD]
 
 
 def test_lists_of_another_kind_are_not_the_mission() -> None:
     fence = [(Count(1, MissionType.FENCE), False), (ItemAt(0, OLD[0], MissionType.FENCE), False)]
-    assert held(*fence, (Ack(Result.ACCEPTED, MissionType.FENCE), True)) == []
+    assert lists_in(*fence, (Ack(Result.ACCEPTED, MissionType.FENCE), True)) == []
 
 
 def test_a_part_that_is_written_over_and_a_list_that_is_cleared() -> None:
     upload = [*sent(OLD, False), (ACCEPTED, True)]
     part = [(WritePartialList(1, 1), False), (ItemAt(1, NEW[1]), False), (ACCEPTED, True)]
-    assert held(*upload, *part) == [OLD, (OLD[0], NEW[1], OLD[2])]
-    assert held(*upload, (ClearAll(), False), (ACCEPTED, True)) == [OLD, ()]
+    assert lists_in(*upload, *part) == [OLD, (OLD[0], NEW[1], OLD[2])]
+    assert lists_in(*upload, (ClearAll(), False), (ACCEPTED, True)) == [OLD, ()]
 
 
 @pytest.mark.parametrize("written", [True, False])
@@ -56,19 +56,19 @@ def test_a_mission_that_goes_as_a_file(written: bool) -> None:
     data = pack_mission(OLD)
     pieces = [(at, data[at : at + 60]) for at in range(0, len(data), 60)]
     if written:
-        said = [(FileMessage(2, Opcode.CREATE_FILE, data=MISSION_FILE.encode()).pack(), False)]
-        said += [(FileMessage(4, Opcode.WRITE_FILE, offset=at, data=piece).pack(), False) for at, piece in pieces]
-        said += [(FileMessage(8, Opcode.ACK, request=Opcode.WRITE_FILE).pack(), True)]
-        said += [(FileMessage(9, Opcode.ACK, request=Opcode.TERMINATE_SESSION).pack(), True)]
-        assert held(*said[:-1]) == []
+        messages = [(FileMessage(2, Opcode.CREATE_FILE, data=MISSION_FILE.encode()).pack(), False)]
+        messages += [(FileMessage(4, Opcode.WRITE_FILE, offset=at, data=piece).pack(), False) for at, piece in pieces]
+        messages += [(FileMessage(8, Opcode.ACK, request=Opcode.WRITE_FILE).pack(), True)]
+        messages += [(FileMessage(9, Opcode.ACK, request=Opcode.TERMINATE_SESSION).pack(), True)]
+        assert lists_in(*messages[:-1]) == []
     else:
-        said = [(FileMessage(2, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()).pack(), False)]
-        said += [
+        messages = [(FileMessage(2, Opcode.OPEN_FILE_RO, data=MISSION_FILE.encode()).pack(), False)]
+        messages += [
             (FileMessage(4, Opcode.ACK, request=Opcode.READ_FILE, offset=at, data=piece).pack(), True)
             for at, piece in pieces
         ]
-    (found,) = held(*said)
-    assert [item.latitude_deg for item in found] == pytest.approx([item.latitude_deg for item in OLD])
+    (items,) = lists_in(*messages)
+    assert [item.latitude_deg for item in items] == pytest.approx([item.latitude_deg for item in OLD])
 
 
 def test_before_the_first_telemetry_the_clock_goes_as_fast_as_then() -> None:
@@ -91,5 +91,5 @@ def test_a_torn_stamp_is_between_its_neighbors() -> None:
 
 
 def test_an_item_from_the_side_that_was_to_get_it_is_none_of_the_list() -> None:
-    assert held(*sent(OLD, False), (ItemAt(1, NEW[1]), True), (ACCEPTED, True)) == [OLD]
-    assert held(*sent(OLD, False)[:-1], (ItemAt(2, NEW[2]), True), (ACCEPTED, True)) == []
+    assert lists_in(*sent(OLD, False), (ItemAt(1, NEW[1]), True), (ACCEPTED, True)) == [OLD]
+    assert lists_in(*sent(OLD, False)[:-1], (ItemAt(2, NEW[2]), True), (ACCEPTED, True)) == []

@@ -81,7 +81,7 @@ def test_another_station_that_uploads_is_waited_for() -> None:
 def test_a_lost_final_acknowledgement_is_settled_by_reading_back(autopilot: Autopilot) -> None:
     class Deaf(Air):
         def _launch(self, messages: list[Message], to_vehicle: bool) -> None:
-            super()._launch([one for one in messages if to_vehicle or not isinstance(one, Ack)], to_vehicle)
+            super()._launch([message for message in messages if to_vehicle or not isinstance(message, Ack)], to_vehicle)
 
     vehicle = Vehicle(autopilot)
     Deaf(vehicle).hold(upload(Upload(items_of(autopilot, 4), autopilot)))
@@ -102,12 +102,12 @@ def test_a_transfer_that_broke_off_begins_anew(autopilot: Autopilot) -> None:
 
 def test_what_reads_back_differently_is_an_error_that_names_it() -> None:
     items = items_of(PX4, 1)
-    other = items_of(PX4, 2)[1]
+    changed = items_of(PX4, 2)[1]
     offered = {
         Count: [[Request(0)], [Request(0)]],
         ItemAt: [[Ack(0)], [Ack(0)]],
         RequestList: [[Count(1)], [Count(1)]],
-        Request: [[ItemAt(0, other)], [ItemAt(0, other)]],
+        Request: [[ItemAt(0, changed)], [ItemAt(0, changed)]],
     }
     with refuses("read-back-differs", "", "item 0", "NAV_TAKEOFF"):
         lead(upload(Upload(items, PX4)), offered)  # type: ignore[arg-type]
@@ -188,10 +188,10 @@ def test_an_upload_cancelled_while_read_back_asks_which_mission_it_holds() -> No
 @pytest.mark.parametrize("error", [Cancelled("cancelled"), TimeUp("the time is up")], ids=["cancelled", "late"])
 def test_broken_off_while_the_verdict_is_awaited_the_new_mission_is_whole(error: MissionError) -> None:
     air = Air(Vehicle(PX4))
-    with refuses(error.code) as told:
+    with refuses(error.code) as caught:
         air.hold(upload(Upload(items_of(PX4, 4), PX4)), interrupts={1.0: error})
-    assert told.value.holds == "new"
-    assert told.value.hint == "its check of the mission was not awaited"
+    assert caught.value.holds == "new"
+    assert caught.value.hint == "its check of the mission was not awaited"
 
 
 @pytest.mark.parametrize(("autopilot", "hint"), [(PX4, "keeps the mission it had"), (ARDUPILOT, "a mixture")])

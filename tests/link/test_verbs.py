@@ -163,9 +163,9 @@ def setting(value: float) -> Dialogue[None]:
     return dialogue
 
 
-def hear_nothing(dialogue: Dialogue[None], said: list[Step]) -> None:
+def hear_nothing(dialogue: Dialogue[None], steps: list[Step]) -> None:
     while True:
-        said.append(dialogue.send(None))
+        steps.append(dialogue.send(None))
 
 
 def test_a_late_answer_to_an_earlier_request_does_not_confirm_a_parameter() -> None:
@@ -177,11 +177,11 @@ def test_a_late_answer_to_an_earlier_request_does_not_confirm_a_parameter() -> N
 
 
 def test_a_vehicle_that_keeps_a_value_is_asked_again_before_that_is_said() -> None:
-    dialogue, said = setting(5.0), list[Step]()
+    dialogue, steps = setting(5.0), list[Step]()
     dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0))
     with refuses("parameter-kept", "MPC_XY_CRUISE", "3", "5"):
-        hear_nothing(dialogue, said)
-    assert sum(isinstance(step, Remark) for step in said) == 2  # besides the first
+        hear_nothing(dialogue, steps)
+    assert sum(isinstance(step, Remark) for step in steps) == 2  # besides the first
 
 
 def test_a_vehicle_that_says_nothing_of_a_parameter_that_is_set_is_silent() -> None:

@@ -50,7 +50,7 @@ OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
 
 
 @pytest.mark.parametrize(
-    ("ack", "words", "held", "told"),
+    ("ack", "words", "stored", "expected"),
     [
         (Ack(0), (Current(0, 2, 2),), OTHER, "the list: number of items: sent 1, the vehicle holds 2"),
         (Ack(0), (Current(0, 1, 2), Current(0, 2, 2), Current(0, 2, 3)), OTHER, "number of items"),
@@ -61,14 +61,14 @@ OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
     ],
 )
 def test_a_mission_replaced_before_the_verdict_is_an_error(
-    ack: Ack, words: tuple[Message, ...], held: tuple[Item, ...], told: str
+    ack: Ack, words: tuple[Message, ...], stored: tuple[Item, ...], expected: str
 ) -> None:
     script = judged(*words) | {
         ItemAt: [[ack]],
-        RequestList: [[Count(1)], [Count(len(held))]],
-        Request: [[ItemAt(0, ONE[0])], *([ItemAt(seq, item)] for seq, item in enumerate(held))],
+        RequestList: [[Count(1)], [Count(len(stored))]],
+        Request: [[ItemAt(0, ONE[0])], *([ItemAt(seq, item)] for seq, item in enumerate(stored))],
     }
-    with refuses("replaced", "", told):
+    with refuses("replaced", "", expected):
         lead(upload(Upload(ONE, PX4)), script)  # type: ignore[arg-type]
 
 
