@@ -45,20 +45,20 @@ class Flown:
 def write_tlog(flown: Flown, path: Path, ardupilot: bool) -> None:
     """As our client: heartbeats once a second, start, reached items, positions."""
     first, firmware, mode = (1, MavAutopilot.ARDUPILOT, 3) if ardupilot else (0, MavAutopilot.PX4, 4 << 16 | 4 << 24)
-    said: list[tuple[float, Message]] = [(0.0, CommandAck(400, CommandResult.ACCEPTED))]
+    messages: list[tuple[float, Message]] = [(0.0, CommandAck(400, CommandResult.ACCEPTED))]
     for beat in np.arange(-2.63, flown.landed_s + 3.0, 1.0):
         armed = ARMED_FLAG if 0 <= beat < flown.landed_s else 0
-        said.append((beat, Heartbeat(2, firmware, armed | 1, mode if beat >= 0 else 0)))
-    said.append((flown.landed_s, Heartbeat(2, firmware, 1, mode)))
+        messages.append((beat, Heartbeat(2, firmware, armed | 1, mode if beat >= 0 else 0)))
+    messages.append((flown.landed_s, Heartbeat(2, firmware, 1, mode)))
     for index, time in flown.done.items():
-        said += [(time, Reached(index + first)), (time, Current(index + first + 1))]
-    said.append((1.0, Text(6, "Takeoff")))
-    said += [(time, _position(flown, time)) for time, _ in said]  # independent of the telemetry rate
-    said += [(float(time), _position(flown, float(time))) for time in flown.times]
+        messages += [(time, Reached(index + first)), (time, Current(index + first + 1))]
+    messages.append((1.0, Text(6, "Takeoff")))
+    messages += [(time, _position(flown, time)) for time, _ in messages]  # independent of the telemetry rate
+    messages += [(float(time), _position(flown, float(time))) for time in flown.times]
     codec = Codec(7, 1)
     with TlogWriter(path) as log:
         log.write(Codec(245, 190).encode(Heartbeat(6, MavAutopilot.INVALID), EVERYONE, 0.0), 1.7e9)
-        for time, message in sorted(said, key=lambda one: (one[0], not isinstance(one[1], Position))):
+        for time, message in sorted(messages, key=lambda timed: (timed[0], not isinstance(timed[1], Position))):
             log.write(codec.encode(message, EVERYONE, 0.0), 1.7e9 + time)
 
 
@@ -147,7 +147,7 @@ def write_ulog(flown: Flown, path: Path, local: bool = False) -> None:
         for number, (_, layout, written) in enumerate(topics.values())
         for row in written
     ]
-    for _, row in sorted(rows, key=lambda one: one[0]):
+    for _, row in sorted(rows, key=lambda timed: timed[0]):
         data += _ulog_record(b"D", row)
     data += _ulog_record(b"L", b"6" + struct.pack("<Q", _us(1.0)) + b"Takeoff")
     path.write_bytes(data)

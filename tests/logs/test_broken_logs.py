@@ -90,11 +90,11 @@ def test_definitions_that_break_off_are_refused_at_once(tmp_path: Path) -> None:
 
 def test_an_item_beyond_the_list_that_was_held_is_not_looked_for_in_it() -> None:
     """A damaged record names item 7 of a list of three."""
-    held = (home_item(HOME), waypoint(HOME, 20.0), waypoint(HOME, 30.0))
-    known = _Known(held, HOME)
-    stretch = _Stretch(True, 0.0, known, [], begun={7: Begun(7, 3, held[1])})
+    items = (home_item(HOME), waypoint(HOME, 20.0), waypoint(HOME, 30.0))
+    known = _Known(items, HOME)
+    stretch = _Stretch(True, 0.0, known, [], begun={7: Begun(7, 3, items[1])})
     assert stretch._mission(Autopilot.ARDUPILOT) is None
-    stretch.begun = {1: Begun(1, 3, held[1]), 2: Begun(2, 3, held[2])}
+    stretch.begun = {1: Begun(1, 3, items[1]), 2: Begun(2, 3, items[2])}
     mission = stretch._mission(Autopilot.ARDUPILOT)
     assert mission is not None
     assert len(mission.items) == 2

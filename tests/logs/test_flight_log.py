@@ -137,11 +137,11 @@ def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopil
     log = tmp_path / "flight.tlog"
     mission = mission_for(autopilot)
     seen = fly(mission, log=log)
-    told = read_flight(log, mission)
-    assert told.completed
-    assert told.item_reached_s == pytest.approx(seen.item_reached_s, abs=0.11)  # positions come ten times a second
-    assert told.total_s == pytest.approx(seen.total_s, abs=0.11)
-    last = told.path[-1]
+    logged = read_flight(log, mission)
+    assert logged.completed
+    assert logged.item_reached_s == pytest.approx(seen.item_reached_s, abs=0.11)  # positions come ten times a second
+    assert logged.total_s == pytest.approx(seen.total_s, abs=0.11)
+    last = logged.path[-1]
     assert (last.latitude_deg, last.longitude_deg) == pytest.approx(
         (seen.path[-1].latitude_deg, seen.path[-1].longitude_deg), abs=2e-7
     )
@@ -154,11 +154,11 @@ def test_a_log_that_begins_armed_has_a_flight_only_if_arming_opened_it(
     path = tmp_path / "armed.bin"
     write_dataflash(flown, path)
     armed = b"\xa3\x95" + struct.pack("<BQBIBB", 14, 100_000_000, 1, 0xFFFF, 0, 0)
-    told = struct.pack("<BBB4s16s64s", 128, 20, 31, b"PARM", b"QNf", b"TimeUS,Name,Value")
+    definition = struct.pack("<BBB4s16s64s", 128, 20, 31, b"PARM", b"QNf", b"TimeUS,Name,Value")
     setting = struct.pack("<BQ16sf", 20, 98_000_000, b"LOG_DISARMED", disarmed)
     data = path.read_bytes()
     assert data.count(armed) == 1
-    path.write_bytes(data.replace(armed, b"") + b"\xa3\x95" + told + b"\xa3\x95" + setting)
+    path.write_bytes(data.replace(armed, b"") + b"\xa3\x95" + definition + b"\xa3\x95" + setting)
     if disarmed:
         with refuses("nothing-flown", "armed.bin"):
             read_flights(path)
@@ -172,7 +172,7 @@ def test_where_it_was_in_its_mission_mode_is_part_of_where_it_was(name: str) -> 
     (flight, *_) = read_flights(Path(__file__).parent / name).flights
     whole, in_mission = flight.record().path, flight.flown_in_mission()
     assert 0.5 * len(whole) < len(in_mission) <= len(whole)
-    there = {(one.latitude_deg, one.longitude_deg, one.height) for one in whole}
-    assert {(one.latitude_deg, one.longitude_deg, one.height) for one in in_mission} <= there
-    other = replace(flight, messages=tuple(m for m in flight.messages if not isinstance(m, Heartbeat)))
-    assert not other.flown_in_mission()  # nobody says in which mode it flew
+    there = {(sample.latitude_deg, sample.longitude_deg, sample.height) for sample in whole}
+    assert {(sample.latitude_deg, sample.longitude_deg, sample.height) for sample in in_mission} <= there
+    without_heartbeats = replace(flight, messages=tuple(m for m in flight.messages if not isinstance(m, Heartbeat)))
+    assert not without_heartbeats.flown_in_mission()  # nobody says in which mode it flew

@@ -123,12 +123,12 @@ def heartbeat(armed: bool, kind: int = 2) -> Heartbeat:
     return Heartbeat(kind, MavAutopilot.PX4, (ARMED_FLAG if armed else 0) | 1, 4 << 16 | 4 << 24)
 
 
-def written(folder: Path, *said: tuple[float, Message]) -> Path:
+def written(folder: Path, *messages: tuple[float, Message]) -> Path:
     """Write a log of a vehicle's messages at these times."""
     path = folder / "said.tlog"
     vehicle, station = Codec(1, 1), Codec(245, 190)
     with TlogWriter(path) as log:
-        for at, message in said:
+        for at, message in messages:
             codec = station if isinstance(message, CommandLong) else vehicle
             log.write(codec.encode(message, EVERYONE, 1.8e9 + at), 1.8e9 + at)
     return path
@@ -204,14 +204,14 @@ def test_arming_is_dated_by_its_acknowledgement(tmp_path: Path) -> None:
     assert events[1][0] - events[0][0] == pytest.approx(0.6, abs=0.01)
 
 
-def begun_armed(told: bool) -> Break:
-    """The first state is armed; `told`: with the time of the arming."""
+def begun_armed(is_reported: bool) -> Break:
+    """The first state is armed; `is_reported`: with the time of the arming."""
 
     def spoil(topics: dict[str, Any]) -> None:
         status = topics["vehicle_status"].data
         first = int(np.argmax(status["arming_state"] == ulog.ARMED))
         status.update({name: values[first:] for name, values in status.items()})
-        if not told:
+        if not is_reported:
             del status["armed_time"]
 
     return spoil
@@ -227,9 +227,9 @@ def opened_by_arming(folder: Path) -> Path:
 def test_px4_log_that_begins_armed_has_an_arming_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     armed_s = read_flights(LOG).flights[0].armed_s
     with monkeypatch.context() as patch:
-        spoiled(patch, begun_armed(told=True))
+        spoiled(patch, begun_armed(is_reported=True))
         assert [flight.armed_s for flight in read_flights(LOG).flights] == [armed_s]
-    spoiled(monkeypatch, begun_armed(told=False))
+    spoiled(monkeypatch, begun_armed(is_reported=False))
     begins_s = ulog._open(LOG).start_timestamp / 1e6
     assert [flight.armed_s for flight in read_flights(opened_by_arming(tmp_path)).flights] == [begins_s]
     with refuses("nothing-flown", "sitl-px4.ulg"):
@@ -238,8 +238,8 @@ def test_px4_log_that_begins_armed_has_an_arming_time(monkeypatch: pytest.Monkey
 
 def test_a_flight_without_positions_has_no_home_and_so_no_mission(tmp_path: Path) -> None:
     item = Item(16, 3, latitude_deg=47.4, longitude_deg=8.5, altitude=10.0)
-    said = (heartbeat(False), Count(1), ItemAt(0, item), heartbeat(True), Reached(0))
-    path = written(tmp_path, *((float(at), message) for at, message in enumerate(said)))
+    messages = (heartbeat(False), Count(1), ItemAt(0, item), heartbeat(True), Reached(0))
+    path = written(tmp_path, *((float(at), message) for at, message in enumerate(messages)))
     (flight,) = read_flights(path).flights
     assert flight.in_mission
     assert flight.mission is None

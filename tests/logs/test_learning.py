@@ -60,15 +60,15 @@ def test_half_of_a_vehicles_flights_predict_the_times_of_the_others(
     vehicle = fit(flights[::2])
     assert vehicle.drag is not None
     assert drag[0] < vehicle.drag.low < vehicle.drag.value < vehicle.drag.high < drag[1]
-    found = median_errors(timed(flights[1::2], vehicle))
-    assert found[0] > before
-    assert found[1] < after
+    errors = median_errors(timed(flights[1::2], vehicle))
+    assert errors[0] > before
+    assert errors[1] < after
 
 
 def test_each_flight_is_judged_by_the_others() -> None:
     flights = recorded(ARDUPILOT)[:4]
     judged = left_out(flights)
-    assert [one.name for one in judged] == [flight.name for flight in flights]
+    assert [row.name for row in judged] == [flight.name for flight in flights]
     assert median_errors(judged)[1] < 0.01 < median_errors(judged)[0]
     with refuses("log-useless"):
         left_out(flights[:1])
@@ -86,11 +86,11 @@ def test_a_forecast_of_the_vehicle_that_flew_is_right_in_every_item() -> None:
     vehicle = LearnedVehicle(ARDUPILOT, drag=Learned(1.3, 1.2, 1.4), landing_delay=Learned(3.0, 2.0, 4.0))
     asked = [replace(flight, seconds=flight.forecast(vehicle)) for flight in recorded(ARDUPILOT)[:6:2]]
     assert np.abs(errors(asked, vehicle)).max() < 1e-9
-    found = fit(asked)
-    assert found.drag is not None
-    assert found.landing_delay is not None
-    assert found.drag.value == pytest.approx(1.3, abs=0.02)
-    assert found.landing_delay.value == pytest.approx(3.0, abs=0.1)
+    learned = fit(asked)
+    assert learned.drag is not None
+    assert learned.landing_delay is not None
+    assert learned.drag.value == pytest.approx(1.3, abs=0.02)
+    assert learned.landing_delay.value == pytest.approx(3.0, abs=0.1)
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
@@ -99,9 +99,9 @@ def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) 
     fast = {"WPNAV_SPEED": 1500.0} if autopilot is ARDUPILOT else {"MPC_XY_CRUISE": 12.0}
     same = Mission(HOME, (takeoff(HOME, 15.0), waypoint(there, 15.0), land(there)), autopilot, parameters=fast)
     vehicle = LearnedVehicle(autopilot, drag=Learned(1.8, 1.7, 1.9), landing_delay=Learned(4.0, 3.0, 5.0))
-    other = replace(same, vehicle=vehicle)
-    flown, told = fly(other), estimate(other)
-    assert flown.total_s == pytest.approx(told.total_s, rel=0.05)
+    learned = replace(same, vehicle=vehicle)
+    flown, predicted = fly(learned), estimate(learned)
+    assert flown.total_s == pytest.approx(predicted.total_s, rel=0.05)
     assert flown.total_s > fly(same).total_s + 10.0
 
 

@@ -87,13 +87,13 @@ def test_a_current_that_was_not_measured_is_named(amperes: tuple[float, ...], wo
         Measured.of([[(0.0, 0.0, 3.0)]], []).power()
 
 
-def with_messages(path: Path, *told: tuple[Message, Message]) -> LoggedFlight:
+def with_messages(path: Path, *definitions: tuple[Message, Message]) -> LoggedFlight:
     """Read a .tlog with each message in its two forms by turns."""
     codec = Codec(1, 1)
     with TlogWriter(path) as log:
         for n, record in enumerate(read_tlog(LOGS / "sitl-ardupilot.tlog")):
             log.write(record.frame, record.unix_s)
-            for forms in told:
+            for forms in definitions:
                 log.write(codec.encode(forms[n % 2], EVERYONE, 0.0), record.unix_s)
     return read_flights(path).flights[0]
 

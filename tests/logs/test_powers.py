@@ -64,10 +64,10 @@ def forecast(row: dict[str, str], wind: Wind | None = None) -> Interval:
 
 @pytest.mark.parametrize("row", FLOWN[1::3], ids=lambda row: f"{row['mission']}-{row['wind_m_s']}@{row['from_deg']}")
 def test_after_one_flight_the_energy_of_others_in_wind_is_foretold(row: dict[str, str]) -> None:
-    measured, told = float(row["measured_wh"]), forecast(row)
-    assert told.likely == pytest.approx(measured, rel=0.03)
-    assert told.low < measured < told.high
-    assert told.likely == pytest.approx(float(row["likely_wh"]), abs=0.02)
+    measured, predicted = float(row["measured_wh"]), forecast(row)
+    assert predicted.likely == pytest.approx(measured, rel=0.03)
+    assert predicted.low < measured < predicted.high
+    assert predicted.likely == pytest.approx(float(row["likely_wh"]), abs=0.02)
 
 
 def test_a_profile_tells_what_one_wind_for_all_heights_does_not() -> None:
@@ -93,9 +93,9 @@ def test_numbers_that_made_the_seconds_are_found_again() -> None:
     airspeed, climb = rng.uniform(0.0, 14.0, 900), rng.uniform(-2.0, 2.5, 900)
     watts = curve.power(airspeed, climb) * rng.normal(1.0, 0.03, 900)
     numbers = learned_powers([PowerSeconds(watts, airspeed, climb, np.ones(900, bool))])
-    found = PowerCurve(*(numbers[name].value for name in NAMES))
+    fitted = PowerCurve(*(numbers[name].value for name in NAMES))
     speeds = np.linspace(0.0, 14.0, 8)
-    assert found.level(speeds) == pytest.approx(curve.level(speeds), rel=0.03)
+    assert fitted.level(speeds) == pytest.approx(curve.level(speeds), rel=0.03)
     assert numbers["climb_power"].low < 25.0 < numbers["climb_power"].high
 
 
@@ -119,9 +119,9 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     assert vehicle.hover_power is not None
     assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V in the simulator
     assert fit(flights_in(LOG)[0]).square_power is not None
-    told = json.loads(CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out), "--force", "--json"]).output)
-    assert told["vehicle"]["autopilot"] == vehicle.autopilot.name
-    assert told["vehicle"]["hover_power"]["value"] == pytest.approx(vehicle.hover_power.value, rel=1e-3)
+    document = json.loads(CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out), "--force", "--json"]).output)
+    assert document["vehicle"]["autopilot"] == vehicle.autopilot.name
+    assert document["vehicle"]["hover_power"]["value"] == pytest.approx(vehicle.hover_power.value, rel=1e-3)
 
 
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
@@ -129,9 +129,9 @@ def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
     flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
     seconds = [flight.witness.powers.flown for flight in flights if flight.witness.powers is not None]
     errors = []
-    for n, one in enumerate(seconds):
+    for n, second in enumerate(seconds):
         numbers = learned_powers([*seconds[:n], *seconds[n + 1 :]])
-        told = PowerCurve(*(numbers[name].value for name in NAMES)).power(one.airspeed, one.climb)
-        errors.append(abs(float(told.sum() / one.watts.sum()) - 1.0))
+        predicted = PowerCurve(*(numbers[name].value for name in NAMES)).power(second.airspeed, second.climb)
+        errors.append(abs(float(predicted.sum() / second.watts.sum()) - 1.0))
     assert len(errors) == 5
     assert float(np.median(errors)) < 0.08

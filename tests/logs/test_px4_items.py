@@ -22,20 +22,20 @@ STEPS = [
 
 
 def topics(steps: Sequence[tuple[float, ...]], total: int) -> tuple[dict[str, Any], dict[str, Any]]:
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         name: np.array(column) for name, column in zip(COLUMNS, zip(*steps, strict=True), strict=True)
     }
-    told |= {name: np.zeros(len(steps)) for name in ("time_inside", "acceptance_radius", "loiter_radius")}
-    told["yaw"] = np.full(len(steps), math.nan)
-    told["acceptance_radius"][told["nav_cmd"] == 178] = 7.0
-    told["yaw"][3] = math.pi / 2
-    return told, {"timestamp": np.array([0.0, 50e6]), "seq_total": np.array([total, total])}
+    data |= {name: np.zeros(len(steps)) for name in ("time_inside", "acceptance_radius", "loiter_radius")}
+    data["yaw"] = np.full(len(steps), math.nan)
+    data["acceptance_radius"][data["nav_cmd"] == 178] = 7.0
+    data["yaw"][3] = math.pi / 2
+    return data, {"timestamp": np.array([0.0, 50e6]), "seq_total": np.array([total, total])}
 
 
 def test_items_are_put_together_of_their_steps() -> None:
-    found = {begun.seq: (time, begun.item) for time, begun in items_begun(*topics(STEPS, 4))}
-    assert {seq: time for seq, (time, _) in found.items()} == {0: 1.0, 1: 8.0, 2: 9.0, 3: 20.0}
-    climb, speed, there, down = (found[seq][1] for seq in range(4))
+    begun_at = {begun.seq: (time, begun.item) for time, begun in items_begun(*topics(STEPS, 4))}
+    assert {seq: time for seq, (time, _) in begun_at.items()} == {0: 1.0, 1: 8.0, 2: 9.0, 3: 20.0}
+    climb, speed, there, down = (begun_at[seq][1] for seq in range(4))
     assert (climb.command, climb.frame) == (Command.NAV_TAKEOFF, Frame.GLOBAL_RELATIVE_ALT)
     assert (climb.latitude_deg, climb.altitude) == (47.40001, 15.0)
     assert (speed.command, speed.frame, speed.params[1]) == (Command.DO_CHANGE_SPEED, Frame.MISSION, 7.0)
@@ -45,9 +45,9 @@ def test_items_are_put_together_of_their_steps() -> None:
 
 
 def test_a_log_without_the_topics_tells_of_none() -> None:
-    told, result = topics(STEPS, 4)
+    data, result = topics(STEPS, 4)
     assert not list(items_begun(None, result))
-    assert not list(items_begun(told, None))
+    assert not list(items_begun(data, None))
 
 
 def test_an_item_beyond_the_mission_s_end_is_none() -> None:

@@ -104,8 +104,8 @@ def test_each_flight_of_a_log_has_its_own_mission_and_home() -> None:
         assert second is not None
         assert second.items[2].latitude_deg - first.items[2].latitude_deg == pytest.approx(20 / 111_195, rel=0.01)
         assert second.home.longitude_deg - first.home.longitude_deg == pytest.approx(30 / 75_400, rel=0.01)
-        (said,) = (remark for remark in log.remarks if "by their numbers" not in remark)
-        assert said == "1 time it was armed without flying its mission"  # no position is missing while it was armed
+        (note,) = (remark for remark in log.remarks if "by their numbers" not in remark)
+        assert note == "1 time it was armed without flying its mission"  # no position is missing while it was armed
 
 
 def test_the_log_of_px4_has_no_mission() -> None:
@@ -184,12 +184,12 @@ def test_megabytes_of_nothing_in_a_dataflash_log_end_soon(rest: bytes, tmp_path:
 
 def records(data: bytes) -> list[bytes]:
     """The records of an unbroken .tlog of MAVLink 2."""
-    found, at = [], 0
+    frames, at = [], 0
     while at < len(data):
         length = 8 + 12 + data[at + 9] + (13 if data[at + 10] & 1 else 0)
-        found.append(data[at : at + length])
+        frames.append(data[at : at + length])
         at += length
-    return found
+    return frames
 
 
 def tells_time_before(record: bytes, time: float) -> bool:

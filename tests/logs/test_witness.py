@@ -29,7 +29,7 @@ HERE = Path(__file__).parent
 LOGS = [HERE.parents[1] / "missions" / "logs" / f"copter-{speed}.bin" for speed in (6, 8)]  # [m/s]
 
 
-def one(path: Path) -> Evidence:
+def evidence_of(path: Path) -> Evidence:
     flights, _, _, _ = flights_in(path)
     assert len(flights) == 1
     return flights[0]
@@ -43,7 +43,10 @@ def drag(path: Path, autopilot: Autopilot = ARDUPILOT) -> float:
 
 
 def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
-    slow, fast = [one(path) for path in LOGS], [recorded(ARDUPILOT)[n] for n in (2, 3, 5, 6)]  # at 12 and 14 m/s
+    slow, fast = (
+        [evidence_of(path) for path in LOGS],
+        [recorded(ARDUPILOT)[n] for n in (2, 3, 5, 6)],
+    )  # at 12 and 14 m/s
     before, after = median_errors(timed(fast, fit(slow)))
     assert before > 0.09
     assert after < 0.005
@@ -59,22 +62,22 @@ def test_the_lean_tells_the_drag_in_wind_and_of_px4() -> None:
 
 
 def test_hovering_takes_what_the_battery_measured() -> None:
-    flights = [one(path) for path in LOGS]
+    flights = [evidence_of(path) for path in LOGS]
     vehicle = fit(flights)
     assert vehicle.hover_power is not None
     assert vehicle.hover_power.low < 22 * 12.09 < vehicle.hover_power.high
     assert vehicle.hover_power.value == pytest.approx(22 * 12.09, rel=0.01)
     for flight in flights:
-        measured, told = flight.witness.energy_wh, flight.energy(vehicle)
+        measured, predicted = flight.witness.energy_wh, flight.energy(vehicle)
         assert measured is not None
-        assert told == pytest.approx(measured, rel=0.05)
+        assert predicted == pytest.approx(measured, rel=0.05)
     station, _, _, _ = flights_in(HERE / "other_vehicle-0.tlog", lambda _: recorded(ARDUPILOT)[0].mission)
     assert station[0].witness.hover_w == pytest.approx(flights[0].witness.hover_w, rel=0.02)
     assert station[0].witness.energy_wh == pytest.approx(flights[0].witness.energy_wh, rel=0.01)
 
 
 def test_the_energy_of_a_flight_is_judged_by_the_others() -> None:
-    flights = [one(path) for path in (*LOGS, LOGS[0])]
+    flights = [evidence_of(path) for path in (*LOGS, LOGS[0])]
     error = energy_error(left_out(flights))
     assert error is not None
     assert error < 0.05
@@ -109,7 +112,7 @@ def test_a_log_of_a_firmware_before_the_model_says_so(tmp_path: Path) -> None:
 
 
 def test_flights_without_a_time_tell_their_power_and_nothing_tells_nothing() -> None:
-    flights = [replace(one(path), visits=(), seconds=np.empty(0), scatter=np.empty(0)) for path in LOGS]
+    flights = [replace(evidence_of(path), visits=(), seconds=np.empty(0), scatter=np.empty(0)) for path in LOGS]
     vehicle = fit(flights)
     assert vehicle.drag is not None
     assert vehicle.drag.low < 1.5 < vehicle.drag.high
@@ -126,8 +129,8 @@ def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> 
     assert done.exit_code == 0, done.output
     assert "hover_power: 26" in done.output
     assert read_vehicle(vehicle, ARDUPILOT).hover_power is not None
-    told = CliRunner().invoke(app, ["estimate", str(plan), "--vehicle", str(vehicle)])
-    energy = re.search(r"energy ([\d.]+) Wh \(([\d.]+) to ([\d.]+)\)", told.output)
+    ended = CliRunner().invoke(app, ["estimate", str(plan), "--vehicle", str(vehicle)])
+    energy = re.search(r"energy ([\d.]+) Wh \(([\d.]+) to ([\d.]+)\)", ended.output)
     assert energy is not None
     assert float(energy[1]) == pytest.approx(7.76, rel=0.01)  # as was measured
     assert float(energy[2]) < 7.76 < float(energy[3])
