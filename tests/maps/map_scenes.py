@@ -196,8 +196,8 @@ def overpass(rows: list[Row]) -> str:
     elements: list[dict[str, Any]] = []
     for number, places, tags in _simple(rows):
         where = [{"lon": place[0], "lat": place[1]} for place in places]
-        one = where[0] | {"type": "node"} if len(places) == 1 else {"type": "way", "geometry": where}
-        elements.append(one | {"id": number, "tags": _texts(tags)})
+        element = where[0] | {"type": "node"} if len(places) == 1 else {"type": "way", "geometry": where}
+        elements.append(element | {"id": number, "tags": _texts(tags)})
     return json.dumps({"version": 0.6, "elements": elements})
 
 

@@ -52,7 +52,7 @@ class Reading:
 
     def _say(self, passed: tuple[PassedOver, ...], unread: tuple[Unread, ...], remarks: tuple[str, ...]) -> None:
         self.doubts = [thing for thing in passed if thing.may_be_obstacle]
-        self.words = {*remarks, *(one.words() for one in count_passed_over(passed)), *(one.words for one in unread)}
+        self.words = {*remarks, *(each.words() for each in count_passed_over(passed)), *(each.words for each in unread)}
         self.anywhere = any(thing.may_limit for thing in unread)
 
     def holds(self, place: NDArray[np.float64]) -> bool:
@@ -145,5 +145,5 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
             tried += 1
             path = Path(folder) / f"map{n}{suffix}"
             yield f"{name} {suffix}", lost(rows, changed, path, cut, chance)
-            for one in Path(folder).glob(f"map{n}.*"):
-                one.unlink()
+            for file in Path(folder).glob(f"map{n}.*"):
+                file.unlink()

@@ -75,9 +75,9 @@ def scenario(folder: Path, time: str) -> Path:
     ],
 )
 def test_the_time_of_a_flight_says_which_zones_count(tmp_path: Path, time: str, zones: int, remark: str | None) -> None:
-    found = read_scenario(scenario(tmp_path, time))
-    assert len(found.airspace.obstacles) == zones
-    assert [said for said in found.remarks if "LS1" in said] == ([] if remark is None else [remark])
+    world = read_scenario(scenario(tmp_path, time))
+    assert len(world.airspace.obstacles) == zones
+    assert [remark for remark in world.remarks if "LS1" in remark] == ([] if remark is None else [remark])
 
 
 @pytest.mark.parametrize("time", ["time = 2026-11-22T10:00:00", "time = 2026-11-22", "time = 'noon'"])

@@ -55,13 +55,13 @@ def test_one_is_called_by_name_or_address_else_by_kind_and_position(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, str], name: str
 ) -> None:
     """Its middle lies 110 m east and 60 m north of home."""
-    assert [one.name for one in stand(write_map((square(100, 50), tags | {"@id": "way/5"})), frame)] == [name]
+    assert [obstacle.name for obstacle in stand(write_map((square(100, 50), tags | {"@id": "way/5"})), frame)] == [name]
 
 
 def test_a_power_line_is_called_by_its_voltage(write_map: WriteMap, frame: LocalFrame) -> None:
     line = {"type": "LineString", "coordinates": [[8.0001, 47.0001], [8.0010, 47.0005]]}
     tags = {"power": "minor_line", "voltage": "20000", "@id": "way/7"}
-    assert {one.name for one in stand(write_map((line, tags)), frame)} == {"20 kV line (way/7)"}
+    assert {obstacle.name for obstacle in stand(write_map((line, tags)), frame)} == {"20 kV line (way/7)"}
 
 
 def test_a_courtyard_is_free(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -136,15 +136,15 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
         (bow, {"building": "yes", "height": "9"}),
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"power": "line", "name": "110 kV"}),
     )
-    found = find_buildings(read_features(path), BuildingRules(default_height=11), frame, path)
-    obstacles = found.obstacles
-    assert found.remarks == (
+    buildings = find_buildings(read_features(path), BuildingRules(default_height=11), frame, path)
+    obstacles = buildings.obstacles
+    assert buildings.remarks == (
         "2 buildings without a height, given 11 m",
         "1 building whose min_height is not below the height, taken to begin at the ground",
         "1 outline mended (a ring with self-intersection)",
         "1 power line of unknown voltage without a height, given 60 m (line_height)",
     )
-    assert not found.passed_over
+    assert not buildings.passed_over
     # A bow tie of 40 m by 20 m is two triangles of 20 m by 20 m / 2.
     assert [s.shape.area for s in obstacles[3:5]] == pytest.approx([200, 200], abs=1e-3)
     assert all(shapely.is_valid(s.shape) for s in obstacles)
@@ -161,9 +161,9 @@ def test_a_footprint_without_an_area_is_refused(
     write_map: WriteMap, frame: LocalFrame, at: At, ring: list[tuple[float, float]], words: str
 ) -> None:
     path = write_map(({"type": "Polygon", "coordinates": [[at(*corner) for corner in ring]]}, {"building": "yes"}))
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         stand(path, frame)
-    assert str(told.value).startswith(f"{path}: features[0].geometry: {words}")
+    assert str(caught.value).startswith(f"{path}: features[0].geometry: {words}")
 
 
 def test_repeated_corners_do_no_harm(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
@@ -174,10 +174,10 @@ def test_repeated_corners_do_no_harm(write_map: WriteMap, frame: LocalFrame, at:
 
 def test_a_building_given_as_a_point_is_refused(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
     path = write_map(({"type": "Point", "coordinates": at(0, 0)}, {"building": "yes"}))
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         stand(path, frame)
-    assert str(told.value) == f"{path}: features[0].geometry: expected the outline of a building, not a Point"
-    assert told.value.hint
+    assert str(caught.value) == f"{path}: features[0].geometry: expected the outline of a building, not a Point"
+    assert caught.value.hint
 
 
 def test_swapped_latitude_and_longitude_are_noticed(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -206,11 +206,11 @@ def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
         f"<outerBoundaryIs><LinearRing><coordinates>{ring}</coordinates></LinearRing></outerBoundaryIs>"
         "</Polygon></Placemark></kml>"
     )
-    found = find_buildings(read_features(path), BuildingRules(), frame, path)
-    raised = raise_obstacles(found.obstacles, Ground(Flat(3.0)))
+    buildings = find_buildings(read_features(path), BuildingRules(), frame, path)
+    raised = raise_obstacles(buildings.obstacles, Ground(Flat(3.0)))
     if top is None:
         assert not raised
-        assert [thing.may_be_obstacle for thing in found.passed_over] == [True]
+        assert [thing.may_be_obstacle for thing in buildings.passed_over] == [True]
     else:
         (hall,) = raised
         assert hall.bounds[:, 2] == pytest.approx([3.0, top + 3.0 * (mode == "relativeToGround")], abs=0.01)

@@ -78,8 +78,8 @@ def test_the_ground_is_where_the_model_has_it_in_every_coordinate_system(write_m
     grid, _ = read(write_model(tilted, crs))
     rng = np.random.default_rng(1)
     latitude, longitude = 47 + rng.uniform(-0.0017, 0.003, 300), 8 + rng.uniform(-0.0038, 0.005, 300)
-    found, expected = ground_at(grid, latitude, longitude, tilted(latitude, longitude))
-    np.testing.assert_allclose(found, expected, atol=5e-3)  # a plane in degrees bends by millimeters between posts
+    ground, expected = ground_at(grid, latitude, longitude, tilted(latitude, longitude))
+    np.testing.assert_allclose(ground, expected, atol=5e-3)  # a plane in degrees bends by millimeters between posts
 
 
 @pytest.mark.parametrize("crs", SYSTEMS)
@@ -95,11 +95,11 @@ def test_no_post_lies_above_the_ground(write_model: Write, crs: str, spacing: fl
         heights = model.read(1).ravel()
     east, north, _ = pymap3d.geodetic2enu(latitude, longitude, heights, HOME.latitude_deg, HOME.longitude_deg, 500.0)
     inside = (east > AREA[0][0]) & (east < AREA[1][0]) & (north > AREA[0][1]) & (north < AREA[1][1])
-    found, posts = ground_at(grid, latitude[inside], longitude[inside], heights[inside])
+    ground, posts = ground_at(grid, latitude[inside], longitude[inside], heights[inside])
     assert inside.sum() > 300
-    assert (found - posts).min() > -1e-3
+    assert (ground - posts).min() > -1e-3
     if spacing != 90.0:  # nowhere far above them
-        assert (found - posts).max() < 3.5
+        assert (ground - posts).max() < 3.5
 
 
 def test_the_grid_covers_the_area(write_model: Write) -> None:
@@ -121,7 +121,7 @@ def test_an_srtm_tile_is_read_as_its_posts(tmp_path: Path) -> None:
     path = tmp_path / "N46E008.hgt"
     path.write_bytes(posts.tobytes())
     home = Geodetic(46.5, 8.5, 505.0)
-    grid, said = local_grid(path, ElevationRules(), LocalFrame(home), (-500.0, -500.0), (500.0, 500.0))
+    grid, remarks = local_grid(path, ElevationRules(), LocalFrame(home), (-500.0, -500.0), (500.0, 500.0))
     # Row 0 is 47 N, posts are 3 seconds apart on whole degrees: home is row 600, column 600.
     for row, column in ((600, 600), (598, 603), (603, 597)):
         east, north, up = pymap3d.geodetic2enu(
@@ -129,7 +129,7 @@ def test_an_srtm_tile_is_read_as_its_posts(tmp_path: Path) -> None:
         )
         assert float(grid.height(np.array([[east, north]]))[0]) >= up - 1e-3
         assert float(grid.height(np.array([[east, north]]))[0]) == pytest.approx(up, abs=5.0)
-    assert said[0] == "N46E008.hgt: heights taken as above mean sea level"
+    assert remarks[0] == "N46E008.hgt: heights taken as above mean sea level"
 
 
 def test_the_antimeridian_is_no_edge(write_model: Write, tmp_path: Path) -> None:
@@ -174,12 +174,12 @@ def with_a_hole(latitude: Any, longitude: Any) -> Any:
 
 def test_missing_heights_are_refused_or_filled(write_model: Write) -> None:
     path = write_model(with_a_hole, nodata=-9999)
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(path)
-    assert f"{path}: 4 of " in str(told.value)
-    assert "heights are missing, the first at row 41, column 41 (latitude 46.99" in str(told.value)
-    grid, said = read(path, voids="fill")
-    assert "4 of" in said[0]
+    assert f"{path}: 4 of " in str(caught.value)
+    assert "heights are missing, the first at row 41, column 41 (latitude 46.99" in str(caught.value)
+    grid, remarks = read(path, voids="fill")
+    assert "4 of" in remarks[0]
     whole, _ = read(write_model(hills, name="whole.tif"))
     assert np.abs(grid.heights - whole.heights).max() < 5.0
 
@@ -202,45 +202,45 @@ def test_a_height_below_all_ground_is_missing(write_model: Write, void: float) -
     path = write_model(with_void)
     with refuses("heights-missing", "model.tif", "4 of", "row 41, column 41", f"{void:g} m", kind=BadInput):
         read(path)
-    grid, said = read(path, voids="fill")
-    assert "filled from their neighbors" in said[0]
+    grid, remarks = read(path, voids="fill")
+    assert "filled from their neighbors" in remarks[0]
     whole, _ = read(write_model(hills, name="whole.tif"))
     assert np.abs(grid.heights - whole.heights).max() < 5.0
 
 
 def test_ellipsoidal_heights_lose_the_geoid(write_model: Write, tmp_path: Path) -> None:
     above_ellipsoid = write_model(lambda lat, lon: hills(lat, lon) + 47.25)
-    given, said = read(above_ellipsoid, heights="ellipsoidal", geoid=47.25)
+    by_number, remarks = read(above_ellipsoid, heights="ellipsoidal", geoid=47.25)
     plain, _ = read(write_model(hills, name="amsl.tif"))
-    np.testing.assert_allclose(given.heights, plain.heights, atol=1e-9)
-    assert said[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (as given)"
+    np.testing.assert_allclose(by_number.heights, plain.heights, atol=1e-9)
+    assert remarks[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (as given)"
     # GTX: south, west, steps, size, then rows from south to north.
     grid = tmp_path / "geoid.gtx"
     values = np.full((5, 5), 47.25, ">f4")
     header = np.array([46.0, 7.0, 0.5, 0.5], ">f8").tobytes() + np.array([5, 5], ">i4").tobytes()
     grid.write_bytes(header + values.tobytes())
-    from_grid, said = read(above_ellipsoid, heights="ellipsoidal", geoid=grid)
+    from_grid, remarks = read(above_ellipsoid, heights="ellipsoidal", geoid=grid)
     np.testing.assert_allclose(from_grid.heights, plain.heights, atol=1e-5)
-    assert said[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (by geoid.gtx)"
+    assert remarks[0] == "model.tif: heights above the ellipsoid, less 47.25 m of geoid (by geoid.gtx)"
 
 
 def test_a_three_dimensional_crs_marks_its_heights_as_ellipsoidal(write_model: Write) -> None:
     path = write_model(lambda lat, lon: hills(lat, lon) + 47.25, crs="EPSG:4979")
-    _, said = read(path, geoid=47.25)
-    assert "above the ellipsoid" in said[0]
+    _, remarks = read(path, geoid=47.25)
+    assert "above the ellipsoid" in remarks[0]
 
 
 def test_without_a_grid_of_the_geoid_that_is_said(write_model: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ipoa_mission.maps.geoid.GRIDS", ("no_such_grid.tif",))
     path = write_model()
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(path, heights="ellipsoidal")
-    assert str(told.value) == (
+    assert str(caught.value) == (
         f"{path}: expected PROJ's grid of the geoid on this machine, since heights are above the ellipsoid"
     )
-    assert "terrain.geoid" in str(told.value.hint)
-    _, said = read(path, heights="ellipsoidal", level_at_home=True)  # differences need no geoid
-    assert said[0] == "model.tif: heights taken as differences only"
+    assert "terrain.geoid" in str(caught.value.hint)
+    _, remarks = read(path, heights="ellipsoidal", level_at_home=True)  # differences need no geoid
+    assert remarks[0] == "model.tif: heights taken as differences only"
 
 
 def test_a_grid_that_does_not_cover_the_flight_is_refused(write_model: Write, tmp_path: Path) -> None:
@@ -253,12 +253,12 @@ def test_a_grid_that_does_not_cover_the_flight_is_refused(write_model: Write, tm
 
 def test_home_must_agree_with_the_model_or_the_model_be_levelled(write_model: Write) -> None:
     path, home = write_model(), Geodetic(47.0, 8.0, 0.0)
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(path, home)
-    assert str(told.value).startswith("home.altitude_amsl: expected about 50")
-    grid, said = read(path, home, level_at_home=True)
+    assert str(caught.value).startswith("home.altitude_amsl: expected about 50")
+    grid, remarks = read(path, home, level_at_home=True)
     assert grid.height(np.zeros((1, 2)))[0] == pytest.approx(0, abs=1e-9)
-    assert said[-1].startswith("model.tif: moved by -50")
+    assert remarks[-1].startswith("model.tif: moved by -50")
 
 
 @pytest.mark.parametrize(
@@ -313,9 +313,9 @@ def test_a_drop_as_of_a_spoiled_height_and_other_bands_are_named(write_model: Wr
     assert "model.tif: heights are those of band 1 of 2" in remarks
 
 
-@pytest.mark.parametrize(("spoil", "found"), [(lambda rows: rows[:-1], 6320), (lambda rows: [rows[0], *rows], 6480)])
+@pytest.mark.parametrize(("spoil", "rows"), [(lambda rows: rows[:-1], 6320), (lambda rows: [rows[0], *rows], 6480)])
 def test_an_ascii_grid_with_another_number_of_rows_is_refused(
-    write_model: Write, spoil: Callable[[list[str]], list[str]], found: int
+    write_model: Write, spoil: Callable[[list[str]], list[str]], rows: int
 ) -> None:
     """GDAL fills it up, or leaves them out."""
     path = write_model(name="model.asc", driver="AAIGrid", dtype="float32")
@@ -323,5 +323,5 @@ def test_an_ascii_grid_with_another_number_of_rows_is_refused(
     lines = path.read_text().splitlines()
     head = [line for line in lines if line.strip()[0].isalpha()]
     path.write_text("\n".join([*head, *spoil(lines[len(head) :])]))
-    with refuses("damaged-file", "model.asc", "6400", f"{found}", kind=BadInput):
+    with refuses("damaged-file", "model.asc", "6400", f"{rows}", kind=BadInput):
         read(path)

@@ -136,9 +136,9 @@ BROKEN_SHAPES = {
 def test_a_broken_map_is_refused_with_the_place(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / "broken.geojson"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value) == f"{path}: {words}"
+    assert str(caught.value) == f"{path}: {words}"
 
 
 CITY = '{"type": "CityJSON", "version": "2.0", "CityObjects": {}, "vertices": []}\n'
@@ -157,16 +157,16 @@ def test_cityjson_is_refused_with_a_hint(tmp_path: Path, text: str) -> None:
 @pytest.mark.parametrize(("shape", "words"), BROKEN_SHAPES.items(), ids=BROKEN_SHAPES.values())
 def test_a_broken_shape_is_refused_with_the_place(write_map: Callable[..., Path], shape: str, words: str) -> None:
     path = write_map(({"type": "Point", "coordinates": [8, 47]}, {}), (json.loads(shape), {}))
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value) == f"{path}: features[1].{words}"
+    assert str(caught.value) == f"{path}: features[1].{words}"
 
 
 def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Path]) -> None:
     path = write_map(*[({"type": "Circle"}, {})] * 30)
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    lines = str(told.value).splitlines()
+    lines = str(caught.value).splitlines()
     assert len(lines) == 11
     assert lines[-1] == "and 20 more of this kind"
 
@@ -192,9 +192,9 @@ def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Pat
 def test_other_files_are_refused_in_words(tmp_path: Path, name: str, text: str, words: str) -> None:
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value) == f"{path}: {words}"
+    assert str(caught.value) == f"{path}: {words}"
 
 
 POINT = '{"type":"Point","coordinates":[8.5,47.4]}'

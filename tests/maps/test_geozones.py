@@ -122,10 +122,10 @@ def test_a_zone_that_makes_no_sense_is_refused_with_its_place(
 ) -> None:
     document = ed269((0, "AGL"), (120, "AGL"), "M", "PROHIBITED")
     document["features"][0]["geometry"][0] |= change
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(tmp_path, document)
-    assert "zones.json: features[0].geometry[0]" in str(told.value)
-    assert words in str(told.value)
+    assert "zones.json: features[0].geometry[0]" in str(caught.value)
+    assert words in str(caught.value)
 
 
 def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
@@ -137,7 +137,7 @@ def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
 
 @pytest.mark.parametrize("make", [ed269, ed318])
 @pytest.mark.parametrize(
-    ("lower", "upper", "unit", "ends", "what"),
+    ("lower", "upper", "unit", "ends", "expected"),
     [
         ((0, "AGL"), (65, "STD"), "FL", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
         ((20, "AGL"), (40, "AGL"), "LY", (-np.inf, np.inf), 'lower limit, so that the zone has none'),
@@ -147,11 +147,11 @@ def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
     ],
 )  # fmt: skip
 def test_a_limit_that_is_not_understood_opens_no_hole_and_is_named(
-    tmp_path: Path, make: Any, lower: Any, upper: Any, unit: str, ends: tuple[float, float], what: str
+    tmp_path: Path, make: Any, lower: Any, upper: Any, unit: str, ends: tuple[float, float], expected: str
 ) -> None:
     scenario = read(tmp_path, make(lower, upper, unit, "PROHIBITED"))
     assert [zone[1:] for zone in drawn(scenario)] == [pytest.approx(ends, abs=0.02)]
-    assert (what, "LS1") in [(thing.what, thing.place) for thing in scenario.unread]
+    assert (expected, "LS1") in [(thing.what, thing.place) for thing in scenario.unread]
     assert all(thing.words in scenario.remarks for thing in scenario.unread)
 
 
@@ -281,10 +281,10 @@ def test_times_and_radii_of_ed269_are_understood_or_named(tmp_path: Path) -> Non
 
 def test_interuss_zones_are_read(samples: Path) -> None:
     path = samples / "interuss+monitoring" / "geo-awareness-che-1.json"
-    found = find_zones(read_features(path), LocalFrame(Geodetic(46.5, 7.2, 700.0)), path)
-    assert len(found.zones) == 9
-    assert [(thing.name, thing.reason) for thing in found.passed_over] == [
+    zones = find_zones(read_features(path), LocalFrame(Geodetic(46.5, 7.2, 700.0)), path)
+    assert len(zones.zones) == 9
+    assert [(thing.name, thing.reason) for thing in zones.passed_over] == [
         ("Gantrisch Nature Park", "its restriction is NO_RESTRICTION")
     ]
-    assert found.zones[-1].upper is not None
-    assert found.zones[-1].upper.height == pytest.approx(76.2)  # 250 ft
+    assert zones.zones[-1].upper is not None
+    assert zones.zones[-1].upper.height == pytest.approx(76.2)  # 250 ft

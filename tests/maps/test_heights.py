@@ -57,9 +57,9 @@ def test_a_length_is_read_in_meters(text: str, expected: float) -> None:
 
 @pytest.mark.parametrize("text", NO_LENGTHS)
 def test_what_is_no_length_is_refused_with_its_place(text: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         meters(text, "map.geojson: features[3].properties.height")
-    assert str(told.value) == (
+    assert str(caught.value) == (
         f'map.geojson: features[3].properties.height: expected meters or feet ("23", "23 m", "75 ft"), not {text!r}'
     )
 
@@ -88,10 +88,10 @@ def test_another_property_may_hold_the_height() -> None:
 
 @pytest.mark.parametrize("text", ["0", "0 m", "-5", "tall", ""])
 def test_what_is_no_height_is_told_and_left_out(text: str) -> None:
-    told: list[tuple[str, str]] = []
+    skipped: list[tuple[str, str]] = []
     tags = {"height": text, "building:levels": "4", "roof:height": "?", "roof:levels": "1"}
-    assert height_of(tags, "height", 3.0, lambda *odd: told.append(odd)) == 15.0
-    assert told == [("height", text), ("roof:height", "?")]
+    assert height_of(tags, "height", 3.0, lambda *odd: skipped.append(odd)) == 15.0
+    assert skipped == [("height", text), ("roof:height", "?")]
 
 
 @pytest.mark.parametrize(

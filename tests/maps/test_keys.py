@@ -98,9 +98,9 @@ def test_an_area_is_as_high_as_any_spelling_says(
 def test_a_height_that_is_not_understood_is_named_where_it_is(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], named: str, height: float
 ) -> None:
-    found = find(write_map((square(0, 0), tags)), frame)
-    (thing,) = found.obstacles
-    (doubt,) = found.passed_over
+    buildings = find(write_map((square(0, 0), tags)), frame)
+    (thing,) = buildings.obstacles
+    (doubt,) = buildings.passed_over
     assert thing.height == height
     assert doubt.code == "not-read"
     assert doubt.may_be_obstacle

@@ -54,23 +54,23 @@ def zones_of(tmp_path: Path, frame: LocalFrame, *placemarks: str) -> Zones:
     ],
 )
 def test_a_ring_is_a_zone_however_it_is_drawn(tmp_path: Path, frame: LocalFrame, drawn: str) -> None:
-    found = zones_of(tmp_path, frame, drawn)
-    (zone,) = found.zones
+    zones = zones_of(tmp_path, frame, drawn)
+    (zone,) = zones.zones
     assert zone.shape.area == pytest.approx(AREA, rel=2e-3)
-    assert found.passed_over == found.unread == ()
+    assert zones.passed_over == zones.unread == ()
 
 
 def test_a_ring_beside_a_polygon_in_a_collection_is_a_second_zone(tmp_path: Path, frame: LocalFrame) -> None:
-    found = zones_of(tmp_path, frame, f"<MultiGeometry>{polygon()}{ring(OTHER)}</MultiGeometry>")
-    assert [round(zone.shape.centroid.x, -2) for zone in found.zones] == [0.0, 800.0]
+    zones = zones_of(tmp_path, frame, f"<MultiGeometry>{polygon()}{ring(OTHER)}</MultiGeometry>")
+    assert [round(zone.shape.centroid.x, -2) for zone in zones.zones] == [0.0, 800.0]
 
 
 def test_a_link_and_a_body_in_another_file_are_named_as_what_may_be_a_zone(tmp_path: Path, frame: LocalFrame) -> None:
     link = "<NetworkLink><name>more</name><Link><href>more.kml</href></Link></NetworkLink>"
     model = "<Model><Location><longitude>8</longitude><latitude>47</latitude></Location></Model>"
-    found = zones_of(tmp_path, frame, polygon(), link, f"<MultiGeometry>{polygon(OTHER)}{model}</MultiGeometry>")
-    assert len(found.zones) == 2
-    assert [(thing.what.partition(",")[0], thing.place, thing.may_limit) for thing in found.unread] == [
+    zones = zones_of(tmp_path, frame, polygon(), link, f"<MultiGeometry>{polygon(OTHER)}{model}</MultiGeometry>")
+    assert len(zones.zones) == 2
+    assert [(thing.what.partition(",")[0], thing.place, thing.may_limit) for thing in zones.unread] == [
         ("NetworkLink", "Placemark[1]", True),
         ("Model", "Placemark[2]", True),
     ]
@@ -94,9 +94,9 @@ def test_a_second_kml_in_a_kmz_is_named(tmp_path: Path, frame: LocalFrame) -> No
     with zipfile.ZipFile(path, "w") as archive:
         for name in ("doc.kml", "files/more.kml"):
             archive.writestr(name, f"<kml><Placemark>{polygon()}</Placemark></kml>")
-    found = find_zones(read_features(path), frame, path)
-    assert len(found.zones) == 1
-    assert [thing.what for thing in found.unread] == ["files/more.kml, a second KML"]
+    zones = find_zones(read_features(path), frame, path)
+    assert len(zones.zones) == 1
+    assert [thing.what for thing in zones.unread] == ["files/more.kml, a second KML"]
 
 
 @pytest.mark.parametrize("coordinates", [RING.replace(" ", ","), RING.replace(" ", ", "), "8.0 47.0 8.1 47.0 8.1 47.1"])

@@ -113,9 +113,9 @@ def test_what_is_wrong_far_away_is_told_too(tmp_path: Path, frame: LocalFrame, a
     ]
     path = tmp_path / "map.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         search_buildings(path, BuildingRules(), frame, WITHIN)
-    lines = str(told.value).splitlines()
+    lines = str(caught.value).splitlines()
     assert (len(lines), lines[-1]) == (11, "and 20 more of this kind")
     assert lines[9].startswith(f"{path}: features[9].geometry: expected the outline of a building")
 

@@ -17,9 +17,9 @@ def node(number: int, place: tuple[float, float], tags: str = "") -> str:
     return f'<node id="{number}" lat="{place[0]}" lon="{place[1]}">{tags}</node>'
 
 
-def way(number: int, nodes: list[int], **tags: str) -> str:
-    told = "".join(f'<tag k="{key.replace("__", ":")}" v="{value}"/>' for key, value in tags.items())
-    return f'<way id="{number}">{"".join(f"<nd ref={chr(34)}{one}{chr(34)}/>" for one in nodes)}{told}</way>'
+def way_xml(number: int, nodes: list[int], **tags: str) -> str:
+    tag_text = "".join(f'<tag k="{key.replace("__", ":")}" v="{value}"/>' for key, value in tags.items())
+    return f'<way id="{number}">{"".join(f"<nd ref={chr(34)}{node}{chr(34)}/>" for node in nodes)}{tag_text}</way>'
 
 
 RELATION = """<relation id="30"><member type="way" ref="20" role="outer"/><member type="way" ref="21" role="outer"/>
@@ -30,13 +30,13 @@ TOWN = "".join(
         '<?xml version="1.0"?><osm version="0.6">',
         *(node(number, place) for number, place in {**CORNERS, **COURT}.items()),
         node(9, (47.0015, 8.003), '<tag k="man_made" v="mast"/><tag k="height" v="30"/>'),
-        way(10, [5, 6, 7, 8, 5], building="yes", name="Hall &amp; more", height="14.5"),
-        way(11, [1, 2, 3, 4, 1], highway="residential"),
-        way(12, [5, 6, 7, 5], building__part="yes", height="9"),
-        way(13, [1, 2, 99, 1], building="yes", height="20"),  # a corner of it lies outside of the extract
-        way(20, [1, 2, 3]),
-        way(21, [3, 4, 1]),
-        way(22, [5, 6, 7, 8, 5]),
+        way_xml(10, [5, 6, 7, 8, 5], building="yes", name="Hall &amp; more", height="14.5"),
+        way_xml(11, [1, 2, 3, 4, 1], highway="residential"),
+        way_xml(12, [5, 6, 7, 5], building__part="yes", height="9"),
+        way_xml(13, [1, 2, 99, 1], building="yes", height="20"),  # a corner of it lies outside of the extract
+        way_xml(20, [1, 2, 3]),
+        way_xml(21, [3, 4, 1]),
+        way_xml(22, [5, 6, 7, 8, 5]),
         RELATION,
         "</osm>",
     ]
@@ -68,10 +68,10 @@ def test_things_have_the_shapes_that_gdal_finds(town: Path) -> None:
 
 def test_what_lacks_a_corner_is_told(town: Path) -> None:
     frame = LocalFrame(Geodetic(47.0, 8.0, 400.0))
-    found = find_buildings(read_features(town), BuildingRules(), frame, town)
-    assert sorted(round(thing.height, 1) for thing in found.obstacles) == [9.0, 12.0, 14.5, 30.0]
-    assert "Hall & more" in {thing.name for thing in found.obstacles}
-    assert any("way/13" in thing.name or "way 13" in str(thing) for thing in found.passed_over)
+    buildings = find_buildings(read_features(town), BuildingRules(), frame, town)
+    assert sorted(round(thing.height, 1) for thing in buildings.obstacles) == [9.0, 12.0, 14.5, 30.0]
+    assert "Hall & more" in {thing.name for thing in buildings.obstacles}
+    assert any("way/13" in thing.name or "way 13" in str(thing) for thing in buildings.passed_over)
 
 
 @pytest.mark.parametrize(
@@ -98,5 +98,5 @@ def test_no_file_of_that_kind_is_an_error_that_names_the_place(
 def test_a_ring_that_does_not_close_has_no_shape(tmp_path: Path) -> None:
     path = tmp_path / "town.osm"
     path.write_text(TOWN.replace('<member type="way" ref="21" role="outer"/>', ""))
-    (open_one,) = (one for one in read_features(path) if one.tags["@id"] == "relation/30")
+    (open_one,) = (feature for feature in read_features(path) if feature.tags["@id"] == "relation/30")
     assert open_one.shape.is_empty

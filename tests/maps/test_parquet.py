@@ -99,20 +99,20 @@ def test_overtures_buildings_become_what_they_become_as_geojson(write: Write, tm
         s._replace(shape=s.shape.wkb) for s in theirs.obstacles
     ]
     assert (ours.obstacles[0].name, ours.remarks) == ("Hall", theirs.remarks)
-    assert [(one.name, one.reason) for one in ours.passed_over] == [("f", "underground")]
+    assert [(feature.name, feature.reason) for feature in ours.passed_over] == [("f", "underground")]
 
 
 def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
     far = [house(20_000.0 + 50 * n) for n in range(4)]
     path = write(ROWS + [{"id": f"far {n}"} for n in range(4)], [house(50.0 * n) for n in range(6)] + far, group=3)
-    told = parquet.ParquetFile(path).metadata.row_group(2).column(1)
+    column = parquet.ParquetFile(path).metadata.row_group(2).column(1)
     spoiled = bytearray(path.read_bytes())
-    begin = told.dictionary_page_offset or told.data_page_offset
-    spoiled[begin : begin + told.total_compressed_size] = b"\xff" * told.total_compressed_size
+    begin = column.dictionary_page_offset or column.data_page_offset
+    spoiled[begin : begin + column.total_compressed_size] = b"\xff" * column.total_compressed_size
     path.write_bytes(spoiled)
-    found = search_buildings(path, BuildingRules(), HOME, HERE)
-    assert (len(found.obstacles), found.elsewhere, found.features) == (5, 4, 6)
-    assert "4 things far from the flight, not examined" in found.remarks
+    buildings = search_buildings(path, BuildingRules(), HOME, HERE)
+    assert (len(buildings.obstacles), buildings.elsewhere, buildings.features) == (5, 4, 6)
+    assert "4 things far from the flight, not examined" in buildings.remarks
     with refuses("damaged-file", "map.parquet"):
         read_features(path)
 
@@ -138,7 +138,7 @@ def test_a_row_across_longitude_180_is_found(write: Write) -> None:
         shapely.box(-180.0, 9.9999, -179.9999, 10.0001),
         shapely.box(170, 9, 171, 10),
     ]
-    assert [one.tags["id"] for one in read_features(write(rows, places, group=1), around)] == ["east", "west"]
+    assert [feature.tags["id"] for feature in read_features(write(rows, places, group=1), around)] == ["east", "west"]
 
 
 def test_the_map_of_another_place_is_refused(write: Write) -> None:
@@ -182,9 +182,9 @@ def spoiled(**about: Any) -> dict[str, Any]:
 )
 def test_what_the_file_says_of_itself_must_make_sense(write: Write, geo: Any, words: str) -> None:
     path = write(ROWS[:1], [house(0)], geo)
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value) == f"{path}: {words}"
+    assert str(caught.value) == f"{path}: {words}"
 
 
 @pytest.mark.parametrize(
@@ -196,16 +196,16 @@ def test_what_the_file_says_of_itself_must_make_sense(write: Write, geo: Any, wo
 )
 def test_a_row_that_is_no_shape_is_named(write: Write, wkb: bytes, words: str) -> None:
     path = write([*ROWS[:4], {"geometry": wkb}], [house(0)] * 5)
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value).startswith(f"{path}: row[4]: {words}")
+    assert str(caught.value).startswith(f"{path}: row[4]: {words}")
 
 
 def test_tags_that_are_no_pairs_are_none(write: Write) -> None:
     kinds = KINDS | {"tags": pa.list_(pa.string())}
-    (found,) = read_features(write([{"height": 9.0, "tags": ["old", "red"]}], [house(0)], kinds=kinds))
-    assert found.tags["height"] == "9.0"
-    assert "tags" not in found.tags
+    (feature,) = read_features(write([{"height": 9.0, "tags": ["old", "red"]}], [house(0)], kinds=kinds))
+    assert feature.tags["height"] == "9.0"
+    assert "tags" not in feature.tags
 
 
 def test_what_is_cut_off_empty_or_something_else_is_refused(write: Write) -> None:
@@ -235,6 +235,6 @@ def test_a_scenario_begins_from_it_and_is_planned_over(write: Write, tmp_path: P
 def test_without_the_library_the_extra_is_named(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(ROWS[:1], [house(0)])
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with refuses("package-missing", kind=BadInput) as told:
+    with refuses("package-missing", kind=BadInput) as caught:
         read_features(path)
-    assert told.value.hint == "pip install 'ipoa-mission[maps]'"
+    assert caught.value.hint == "pip install 'ipoa-mission[maps]'"

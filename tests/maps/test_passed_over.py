@@ -46,9 +46,9 @@ def test_a_polygon_beside_a_building_stands_or_is_named(
     write_map: WriteMap, frame: LocalFrame, square: Square, tags: dict[str, Any], expected: tuple[str, bool] | None
 ) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(50, 0), tags))
-    found = find(path, frame)
-    assert len(found.obstacles) == 2 - (expected is not None)
-    assert [(thing.reason, thing.may_be_obstacle) for thing in found.passed_over] == ([expected] if expected else [])
+    read = find(path, frame)
+    assert len(read.obstacles) == 2 - (expected is not None)
+    assert [(thing.reason, thing.may_be_obstacle) for thing in read.passed_over] == ([expected] if expected else [])
     assert not any(thing.may_be_obstacle for thing in find(path, frame, BuildingRules(take="tagged")).passed_over)
     is_flat = expected is not None and expected[0] in ("tagged as something flat", "a wood of unknown height")
     assert len(find(path, frame, BuildingRules(take="all")).obstacles) == 2 - is_flat
@@ -71,14 +71,14 @@ def test_overtures_buildings_are_read_by_their_own_tags(write_map: WriteMap, fra
         {"has_parts": False},
         {"height": 5, "is_underground": True},
     ]
-    found = find(write_map(*((square(50 * n, 0), row) for n, row in enumerate(rows))), frame)
-    assert [(s.foot, s.height) for s in found.obstacles] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
-    assert found.obstacles[0].name == "Hall"
-    assert found.remarks == (
+    buildings = find(write_map(*((square(50 * n, 0), row) for n, row in enumerate(rows))), frame)
+    assert [(s.foot, s.height) for s in buildings.obstacles] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
+    assert buildings.obstacles[0].name == "Hall"
+    assert buildings.remarks == (
         "1 building of known storeys and unknown roof, 3 m a storey",
         "2 buildings without a height, given 20 m",
     )
-    assert [thing.reason for thing in found.passed_over] == ["underground"]
+    assert [thing.reason for thing in buildings.passed_over] == ["underground"]
 
 
 def test_points_lines_and_what_has_no_geometry_are_counted(
@@ -91,26 +91,26 @@ def test_points_lines_and_what_has_no_geometry_are_counted(
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"name": "way"}),
         ({"type": "LineString", "coordinates": square(60, 0)["coordinates"][0]}, {"name": "ring"}),
     )
-    found = find(path, frame)
-    counts = list(count_passed_over(found.passed_over))
+    buildings = find(path, frame)
+    counts = list(count_passed_over(buildings.passed_over))
     assert [counted.words() for counted in counts] == [
         "map.geojson: 1 passed over, an area untagged: ring",
         "map.geojson: 2 passed over, a point or line untagged: spot, way",
     ]
-    assert [(thing.words, thing.may_limit) for thing in found.unread] == [
+    assert [(thing.words, thing.may_limit) for thing in buildings.unread] == [
         ('map.geojson: not read: without a geometry: features[1] ("lost")', True)
     ]
 
 
 def test_the_far_part_of_a_wide_map_is_counted(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(300_000, 0), {"building": "yes", "name": "away"}))
-    found = find(path, frame)
-    assert (len(found.obstacles), [thing.name for thing in found.passed_over]) == (1, ["away"])
-    assert found.passed_over[0].reason == "more than 100 km from home"
+    buildings = find(path, frame)
+    assert (len(buildings.obstacles), [thing.name for thing in buildings.passed_over]) == (1, ["away"])
+    assert buildings.passed_over[0].reason == "more than 100 km from home"
 
 
 def test_every_building_of_overtures_utrecht_stands(samples: Path) -> None:
-    found = find(samples / "bertt+overture" / "buildings.geojson", LocalFrame(Geodetic(52.1, 5.12)))
-    assert not found.passed_over
-    assert found.remarks == ("3739 buildings without a height, given 20 m",)
-    assert all(shapely.is_valid(s.shape) for s in found.obstacles)
+    buildings = find(samples / "bertt+overture" / "buildings.geojson", LocalFrame(Geodetic(52.1, 5.12)))
+    assert not buildings.passed_over
+    assert buildings.remarks == ("3739 buildings without a height, given 20 m",)
+    assert all(shapely.is_valid(s.shape) for s in buildings.obstacles)

@@ -14,7 +14,7 @@ from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tests.maps.test_osm import RELATION, TOWN, node, way
+from tests.maps.test_osm import RELATION, TOWN, node, way_xml
 from tests.refused import refuses
 
 osmium = pytest.importorskip("osmium")
@@ -29,11 +29,11 @@ COUNTRY = TOWN.replace(
             *(node(300 + n, place) for n, place in enumerate([(47.3, 8.3), (47.3, 8.301), (47.301, 8.301)])),
             *(node(400 + n, place) for n, place in enumerate([(49.0, 11.0), (49.1, 11.0)])),
             node(500, (47.25, 8.25), '<tag k="man_made" v="mast"/>'),
-            way(110, [100, 101, 102]),
-            way(111, [102, 103, 100]),
-            way(120, [200, 201], aerialway="gondola"),
-            way(130, [300, 301, 302, 300], building="hut"),
-            way(140, [400, 401], highway="path"),
+            way_xml(110, [100, 101, 102]),
+            way_xml(111, [102, 103, 100]),
+            way_xml(120, [200, 201], aerialway="gondola"),
+            way_xml(130, [300, 301, 302, 300], building="hut"),
+            way_xml(140, [400, 401], highway="path"),
             '<relation id="150"><member type="way" ref="110" role="outer"/><member type="way" ref="111" role="outer"/>'
             '<tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation></osm>',
         ]
@@ -63,9 +63,9 @@ def make(tmp_path: Path) -> Make:
 
 def test_it_is_read_as_the_xml_it_was_made_from(make: Make) -> None:
     binary = make(COUNTRY)
-    told = {one.tags["@id"]: (one.tags, one.shape.wkb) for one in read_features(binary)}
-    assert told == {one.tags["@id"]: (one.tags, one.shape.wkb) for one in read_features(binary.with_suffix(""))}
-    assert {"node/9", "way/13", "relation/30", "relation/150"} < told.keys()
+    by_id = {each.tags["@id"]: (each.tags, each.shape.wkb) for each in read_features(binary)}
+    assert by_id == {each.tags["@id"]: (each.tags, each.shape.wkb) for each in read_features(binary.with_suffix(""))}
+    assert {"node/9", "way/13", "relation/30", "relation/150"} < by_id.keys()
 
 
 def test_things_that_are_only_drawn_yet_are_refused(make: Make) -> None:
@@ -79,7 +79,7 @@ def test_things_that_are_only_drawn_yet_are_refused(make: Make) -> None:
 
 def test_only_what_meets_the_window_is_read_and_the_rest_is_counted(make: Make) -> None:
     around = Around.of(HOME, HERE)
-    numbers = {one.tags["@id"] for one in read_features(make(COUNTRY), around)}
+    numbers = {feature.tags["@id"] for feature in read_features(make(COUNTRY), around)}
     assert numbers == {"node/9", "way/10", "way/11", "way/12", "way/13", "way/120", "relation/30", "relation/150"}
     assert around.elsewhere == 3  # the hut, the path, the mast
 
@@ -88,12 +88,12 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
     binary = make(COUNTRY)
     ours, theirs = (search_buildings(path, BuildingRules(), HOME, HERE) for path in (binary, binary.with_suffix("")))
     here = shapely.box(*np.hstack(HERE))
-    near, same = ([s for s in found.obstacles if here.intersects(s.shape)] for found in (ours, theirs))
-    assert [(one.name, one.height, one.shape.wkb) for one in near] == [(s.name, s.height, s.shape.wkb) for s in same]
-    assert {one.name for one in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
+    near, same = ([s for s in world.obstacles if here.intersects(s.shape)] for world in (ours, theirs))
+    assert [(s.name, s.height, s.shape.wkb) for s in near] == [(s.name, s.height, s.shape.wkb) for s in same]
+    assert {obstacle.name for obstacle in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
     assert "3 things far from the flight, not examined" in ours.remarks
-    wood = [one for one in ours.passed_over if one.may_be_obstacle]
-    assert [(one.name, one.reason) for one in wood] == [
+    wood = [feature for feature in ours.passed_over if feature.may_be_obstacle]
+    assert [(feature.name, feature.reason) for feature in wood] == [
         ("way/13", "with a part that is not in the file"),
         ("relation/150", "a wood of unknown height"),
     ]
@@ -148,21 +148,21 @@ def test_a_file_without_things_is_refused(make: Make) -> None:
 
 def test_what_lies_nowhere_and_an_area_that_does_not_close_have_no_shape(make: Make) -> None:
     open_one = RELATION.replace('<member type="way" ref="21" role="outer"/>', "")
-    binary = make(TOWN.replace(RELATION, open_one).replace("</osm>", way(14, [5], building="yes") + "</osm>"))
-    empty = {one.tags["@id"] for one in read_features(binary, Around.of(HOME, HERE)) if one.shape.is_empty}
+    binary = make(TOWN.replace(RELATION, open_one).replace("</osm>", way_xml(14, [5], building="yes") + "</osm>"))
+    empty = {feature.tags["@id"] for feature in read_features(binary, Around.of(HOME, HERE)) if feature.shape.is_empty}
     assert empty == {"way/13", "way/14", "relation/30"}
 
 
 def test_a_large_file_is_refused_with_what_cuts_it_out(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pbf, "LARGEST_PBF", 100)
-    with refuses("too-large", ".pbf", "0 MB") as told:
+    with refuses("too-large", ".pbf", "0 MB") as caught:
         search_buildings(make(TOWN), BuildingRules(), HOME, HERE)
-    assert "osmium extract --strategy smart --bbox 7.98,46.98,8.02,47.02 --output" in str(told.value.hint)
+    assert "osmium extract --strategy smart --bbox 7.98,46.98,8.02,47.02 --output" in str(caught.value.hint)
 
 
 def test_without_the_library_the_extra_is_named(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     binary = make(TOWN)
     monkeypatch.setitem(sys.modules, "osmium", None)
-    with refuses("package-missing", "", "osmium", kind=BadInput) as told:
+    with refuses("package-missing", "", "osmium", kind=BadInput) as caught:
         read_features(binary)
-    assert told.value.hint == "pip install 'ipoa-mission[maps]'"
+    assert caught.value.hint == "pip install 'ipoa-mission[maps]'"

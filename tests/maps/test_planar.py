@@ -19,7 +19,7 @@ def test_polygons_found_sound_together_are_those_that_each_makes_alone() -> None
         polygons, wrong = polygons_of(alone, "map")
         assert wrong is None
         assert [polygon.wkb for polygon in polygons] == [shape.wkb]
-    assert all(kept is given for kept, given in zip(clean[2:], shapes[2:], strict=True))
+    assert all(kept is original for kept, original in zip(clean[2:], shapes[2:], strict=True))
 
 
 def test_a_ring_that_is_all_in_one_place_is_none() -> None:

@@ -50,9 +50,9 @@ def test_a_building_of_a_report_is_as_high_as_it_is(
     foot: float,
     height: float,
 ) -> None:
-    found = search(write_map((square(0, 0), tags)), frame)
-    (thing,) = found.obstacles
-    assert found.passed_over == found.unread == ()
+    buildings = search(write_map((square(0, 0), tags)), frame)
+    (thing,) = buildings.obstacles
+    assert buildings.passed_over == buildings.unread == ()
     assert (thing.foot, thing.height) == pytest.approx((foot, height)), source
 
 
@@ -82,9 +82,9 @@ def test_a_zone_with_a_label_in_one_collection_is_a_zone(tmp_path: Path, frame: 
     point = "<Point><coordinates>8.0005, 47.0005</coordinates></Point>"
     inside = f"<MultiGeometry>{point}<Polygon>{ring}</Polygon></MultiGeometry>"
     path.write_text(f"<kml><Document><Placemark><name>asd</name>{inside}</Placemark></Document></kml>")
-    found = find_zones(read_features(path), frame, path)
-    assert [round(zone.shape.area, -1) for zone in found.zones] == [8460.0]
-    assert [thing.reason for thing in found.passed_over] == ["a point"]
+    zones = find_zones(read_features(path), frame, path)
+    assert [round(zone.shape.area, -1) for zone in zones.zones] == [8460.0]
+    assert [thing.reason for thing in zones.passed_over] == ["a point"]
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,9 @@ def ed269(limits: dict[str, Any], restriction: str = "REQ_AUTHORISATION") -> dic
 def test_switzerlands_99999_m_is_no_ceiling_below_it(tmp_path: Path, reference: str) -> None:
     """CallMarcus/dji-drone-metadata-embedder PR #457."""
     limits = {"lowerLimit": 0, "lowerVerticalReference": "AGL", "upperLimit": 99999}
-    found = zones(tmp_path, ed269(limits | {"upperVerticalReference": reference}))
-    assert [(zone.lower, zone.upper) for zone in found.zones] == [(None, VerticalLimit(99999.0, reference))]
-    assert found.unread == ()
+    read_zones = zones(tmp_path, ed269(limits | {"upperVerticalReference": reference}))
+    assert [(zone.lower, zone.upper) for zone in read_zones.zones] == [(None, VerticalLimit(99999.0, reference))]
+    assert read_zones.unread == ()
 
 
 @pytest.mark.parametrize(("restriction", "count"), [("REQ_AUTHORISATION", 1), ("NO_RESTRICTION", 0)])
@@ -66,9 +66,9 @@ def test_a_finnish_zone_without_limits_is_read_despite_a_byte_order_mark(
     tmp_path: Path, restriction: str, count: int
 ) -> None:
     """The same, #413: UTF-8 with a byte order mark."""
-    found = zones(tmp_path, ed269({}, restriction), encoding="utf-8-sig")
-    assert [(zone.lower, zone.upper) for zone in found.zones] == [(None, None)] * count
-    assert len(found.passed_over) == 1 - count
+    read_zones = zones(tmp_path, ed269({}, restriction), encoding="utf-8-sig")
+    assert [(zone.lower, zone.upper) for zone in read_zones.zones] == [(None, None)] * count
+    assert len(read_zones.passed_over) == 1 - count
 
 
 def test_irish_zones_in_feet_with_members_that_are_null(tmp_path: Path) -> None:
@@ -95,9 +95,9 @@ def test_a_swedish_circle_with_a_schedule_of_days_and_minutes(tmp_path: Path, ti
     feature = {"type": "Feature", "properties": about, "geometry": geometry | {"layer": layer}}
     document = {"type": "FeatureCollection", "features": [feature]}
     seconds = float(np.datetime64(time, "s").astype(int))
-    found = zones(tmp_path, document, time=seconds)
-    assert [zone.name for zone in found.zones] == ["Example"] * count
-    assert [zone.upper and round(zone.upper.height, 6) for zone in found.zones] == [457.2] * count
+    read_zones = zones(tmp_path, document, time=seconds)
+    assert [zone.name for zone in read_zones.zones] == ["Example"] * count
+    assert [zone.upper and round(zone.upper.height, 6) for zone in read_zones.zones] == [457.2] * count
 
 
 def test_an_estonian_zone_with_its_volume_in_the_properties(tmp_path: Path) -> None:
@@ -118,11 +118,11 @@ def test_inavs_geozones_name_what_is_not_taken(tmp_path: Path) -> None:
     circle |= {"properties": about | {"Name": "Circle 1", "Type": "Exclusive", "Radius": 160.0}}
     area = {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [RING]}}
     area |= {"properties": about | {"Name": "Area 2", "Type": "Inclusive"}}
-    found = zones(tmp_path, {"type": "FeatureCollection", "features": [circle, area]})
-    assert [zone.name for zone in found.zones] == ["Circle 1", "Area 2"]
-    assert found.zones[0].shape.area == pytest.approx(np.pi * 160.0**2, rel=0.01)
-    assert [(zone.lower, zone.upper) for zone in found.zones] == [(None, None)] * 2  # ground to sky
-    assert {(thing.what.split(",")[0], thing.place) for thing in found.unread} == {
+    read_zones = zones(tmp_path, {"type": "FeatureCollection", "features": [circle, area]})
+    assert [zone.name for zone in read_zones.zones] == ["Circle 1", "Area 2"]
+    assert read_zones.zones[0].shape.area == pytest.approx(np.pi * 160.0**2, rel=0.01)
+    assert [(zone.lower, zone.upper) for zone in read_zones.zones] == [(None, None)] * 2  # ground to sky
+    assert {(thing.what.split(",")[0], thing.place) for thing in read_zones.unread} == {
         ('tag "MinAlt"', "Circle 1"),
         ('tag "MaxAlt"', "Circle 1"),
         ("area to stay inside", "Area 2"),
@@ -133,10 +133,10 @@ def test_both_halves_of_a_crossed_ring_are_kept(tmp_path: Path) -> None:
     """gadomski/antimeridian #182."""
     ring = [[-6.24, 53.33], [-6.22, 53.34], [-6.22, 53.33], [-6.24, 53.34], [-6.24, 53.33]]
     feature = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
-    found = zones(tmp_path, {"type": "FeatureCollection", "features": [feature]})
-    halves = [zone.shape.area for zone in found.zones]
+    read_zones = zones(tmp_path, {"type": "FeatureCollection", "features": [feature]})
+    halves = [zone.shape.area for zone in read_zones.zones]
     assert halves == pytest.approx([1334.0 * 1113.0 / 4] * 2, rel=0.01)
-    assert "self-intersection" in found.remarks[0]
+    assert "self-intersection" in read_zones.remarks[0]
 
 
 def test_halves_on_both_sides_of_longitude_180_meet(tmp_path: Path) -> None:
@@ -145,9 +145,9 @@ def test_halves_on_both_sides_of_longitude_180_meet(tmp_path: Path) -> None:
     east = [[[x - 360.0 + 0.01, y] for x, y in west[0]]]
     (tmp_path / "a.geojson").write_text(json.dumps({"type": "MultiPolygon", "coordinates": [west, east]}))
     frame = LocalFrame(Geodetic(-16.995, 180.0, 0.0))
-    found = find_zones(read_features(tmp_path / "a.geojson"), frame, tmp_path / "a.geojson")
-    one, other = (zone.shape for zone in found.zones)
-    assert one.distance(other) < 1e-6
-    assert one.area + other.area == pytest.approx(
+    read_zones = find_zones(read_features(tmp_path / "a.geojson"), frame, tmp_path / "a.geojson")
+    first, second = (zone.shape for zone in read_zones.zones)
+    assert first.distance(second) < 1e-6
+    assert first.area + second.area == pytest.approx(
         2.0 * 0.01 * 0.01 * 110_640 * 111_320 * np.cos(np.radians(17.0)), rel=0.01
     )

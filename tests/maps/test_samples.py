@@ -36,8 +36,8 @@ REFUSED = {
 def zones_of(path: Path) -> tuple[int, int]:
     features = read_features(path)
     west, south, east, north = shapely.total_bounds([feature.shape for feature in features])
-    found = find_zones(features, LocalFrame(Geodetic((south + north) / 2, (west + east) / 2)), path)
-    return len(found.zones), len(found.passed_over)
+    zones = find_zones(features, LocalFrame(Geodetic((south + north) / 2, (west + east) / 2)), path)
+    return len(zones.zones), len(zones.passed_over)
 
 
 @pytest.mark.parametrize("name", ACCEPTED)
@@ -47,6 +47,6 @@ def test_a_map_of_zones_is_read(samples: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_a_map_that_is_none_is_refused_in_words(samples: Path, name: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         zones_of(samples / name)
-    assert str(told.value).endswith(REFUSED[name])
+    assert str(caught.value).endswith(REFUSED[name])

@@ -20,7 +20,7 @@ HOUSE = {"building": "yes", "height": "30"}
 Write = Callable[[Sequence[str], Sequence[Any]], Path]
 
 
-def found(path: Path, frame: LocalFrame) -> Buildings:
+def buildings_of(path: Path, frame: LocalFrame) -> Buildings:
     return search_buildings(path, BuildingRules(), frame)
 
 
@@ -58,20 +58,22 @@ def shapefile(tmp_path: Path) -> Write:
 def test_names_that_a_shapefile_cut_are_found_again(
     shapefile: Write, frame: LocalFrame, tags: dict[str, Any], height: float
 ) -> None:
-    maps = found(shapefile([*tags, "diameter_crown_of_it"], [*tags.values(), 1.0]), frame)
+    maps = buildings_of(shapefile([*tags, "diameter_crown_of_it"], [*tags.values(), 1.0]), frame)
     assert {thing.height for thing in maps.obstacles} == {height}
 
 
 def test_a_second_name_of_the_same_letters_that_may_be_a_height_is_named(shapefile: Write, frame: LocalFrame) -> None:
     """`building:levels` is `building_1` behind `building:levels:underground`."""
-    maps = found(shapefile(["building", "building:levels:underground", "building:levels"], ["yes", 2, 30]), frame)
+    maps = buildings_of(
+        shapefile(["building", "building:levels:underground", "building:levels"], ["yes", 2, 30]), frame
+    )
     assert all(thing.code == "not-read" and "building_1" in thing.reason for thing in maps.passed_over)
     assert len(maps.passed_over) == 4
 
 
 def test_tags_packed_in_a_text_that_was_cut_off_are_named(shapefile: Write, frame: LocalFrame) -> None:
     packed = '"name"=>"' + "x" * 300 + '","height"=>"30"'
-    maps = found(shapefile(["building", "other_tags"], ["yes", packed]), frame)
+    maps = buildings_of(shapefile(["building", "other_tags"], ["yes", packed]), frame)
     assert [thing.code for thing in maps.passed_over] == ["not-read"] * 4
     assert "other_tags is not whole" in maps.passed_over[0].reason
 
@@ -156,7 +158,7 @@ SAME = {
 def test_one_house_is_the_same_in_every_spelling(tmp_path: Path, frame: LocalFrame, name: str, text: str) -> None:
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    maps = found(path, frame)
+    maps = buildings_of(path, frame)
     (house,) = maps.obstacles
     assert (house.height, house.shape.area) == pytest.approx((30.0, 76.05 * 111.18), rel=2e-3)
     assert maps.unread == ()
@@ -167,7 +169,7 @@ def test_what_overpass_left_out_is_named(tmp_path: Path, frame: LocalFrame) -> N
     path = tmp_path / "town.json"
     remark = 'runtime error: Query timed out in "query" at line 3 after 25 seconds.'
     path.write_text(json.dumps(overpass(geometry=lat_lon()) | {"remark": remark}))
-    (left_out,) = found(path, frame).unread
+    (left_out,) = buildings_of(path, frame).unread
     assert left_out.may_limit
     assert "Query timed out" in left_out.what
 
@@ -178,7 +180,7 @@ def test_a_way_that_leads_out_of_the_box_is_in_doubt_where_it_is_known(tmp_path:
     two = overpass(geometry=[*lat_lon()[:2], None, None, *lat_lon()[:1]])
     two["elements"].append({"type": "way", "id": 2, "tags": HOUSE, "geometry": lat_lon()})
     path.write_text(json.dumps(two))
-    (doubt,) = found(path, frame).passed_over
+    (doubt,) = buildings_of(path, frame).passed_over
     assert (doubt.name, doubt.code, doubt.may_be_obstacle) == ("way/1", "not-read", True)
     assert doubt.shape.length == pytest.approx(76.05, rel=2e-3)
 

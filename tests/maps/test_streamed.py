@@ -63,9 +63,9 @@ def test_a_file_that_ends_early_is_told_as_json_itself_does(
     path = tmp_path / "map.geojson"
     path.write_text(text)
     message = expected.value.msg[:1].lower() + expected.value.msg[1:]
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(path)
-    assert str(told.value) == f"{path}: line {expected.value.lineno}: {message}"
+    assert str(caught.value) == f"{path}: line {expected.value.lineno}: {message}"
 
 
 def test_streamed_feature_errors_name_their_number(tmp_path: Path) -> None:

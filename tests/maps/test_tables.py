@@ -38,18 +38,18 @@ def test_each_table_is_read_in_degrees_with_its_fields(tmp_path: Path, suffix: s
     to_system = Transformer.from_crs("EPSG:4326", system, always_xy=True)
     path = tmp_path / f"map{suffix}"
     write(path, [list(to_system.transform(*corner)) for corner in RING], system)
-    rose, other = read_features(path)
+    rose, tower = read_features(path)
     assert shapely.equals_exact(rose.shape.normalize(), shapely.Polygon(RING).normalize(), tolerance=1e-8)
     assert (rose.tags["building"], rose.tags["height"], rose.name) == ("yes", "23.5", "Rose")
-    assert {"height", "name"} <= other.blank
+    assert {"height", "name"} <= tower.blank
 
 
 @pytest.mark.filterwarnings("ignore")
 def test_a_table_without_a_coordinate_system_is_refused(tmp_path: Path) -> None:
     write(tmp_path / "map.shp", RING, None)
-    with refuses("no-coordinate-system", "map.shp") as told:
+    with refuses("no-coordinate-system", "map.shp") as caught:
         read_features(tmp_path / "map.shp")
-    assert ".prj" in str(told.value.hint)
+    assert ".prj" in str(caught.value.hint)
 
 
 @pytest.mark.parametrize("suffix", DRIVERS)
@@ -96,9 +96,9 @@ def test_a_kmz_is_read_as_the_kml_in_it(tmp_path: Path) -> None:
     ids=["empty", "bomb", "spoiled"],
 )
 def test_another_kmz_is_refused(tmp_path: Path, make: Callable[[Path], Path], words: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read_features(make(tmp_path))
-    assert str(told.value).endswith(words)
+    assert str(caught.value).endswith(words)
 
 
 def test_what_is_no_archive_is_no_kmz(tmp_path: Path) -> None:
@@ -110,6 +110,6 @@ def test_what_is_no_archive_is_no_kmz(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", some(1, ["polygon.shp", "pline.shp"]))
 def test_qgroundcontrols_shapefiles_in_meters_with_a_prj_in_degrees_fail(samples: Path, name: str) -> None:
     pytest.importorskip("pyogrio")
-    with refuses("not-degrees", kind=BadInput) as told:
+    with refuses("not-degrees", kind=BadInput) as caught:
         read_features(samples / "DonLakeFlyer+qgroundcontrol" / "test" / "Utilities" / "Geo" / name)
-    assert ".prj" in str(told.value.hint)
+    assert ".prj" in str(caught.value.hint)

@@ -42,10 +42,10 @@ def near(path: Path, frame: LocalFrame = HOME) -> tuple[set[str], set[str], Arou
     around = Around.of(frame, WITHIN)
     assert around.window is not None
     read, whole = read_features(path, around), read_features(path)
-    boxes = np.array([one.shape.bounds for one in whole], float).reshape(-1, 4)
+    boxes = np.array([feature.shape.bounds for feature in whole], float).reshape(-1, 4)
     wanted = np.isnan(boxes).any(axis=1) | around.window.meets(boxes)
-    there = {one.tags["height"] for one, is_near in zip(whole, wanted, strict=True) if is_near}
-    return {one.tags["height"] for one in read}, there, around
+    there = {feature.tags["height"] for feature, is_near in zip(whole, wanted, strict=True) if is_near}
+    return {feature.tags["height"] for feature in read}, there, around
 
 
 @pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:2056", "EPSG:3857"])
@@ -54,7 +54,7 @@ def test_what_is_near_is_read_and_the_rest_is_counted(tmp_path: Path, suffix: st
     read, there, around = near(houses(tmp_path / f"map{suffix}", crs))
     assert read == there
     assert 20 < len(read) < ROWS / 10
-    assert (f"{NOWHERE:.0f}" in {one.removesuffix(".0") for one in read}) is (suffix != ".fgb")
+    assert (f"{NOWHERE:.0f}" in {height.removesuffix(".0") for height in read}) is (suffix != ".fgb")
     assert around.elsewhere == ROWS - len(read)
 
 
@@ -63,10 +63,10 @@ def test_a_file_is_read_whole_where_its_index_may_lack_rows(tmp_path: Path) -> N
     package = houses(tmp_path / "map.gpkg")
     read, there, _ = near(package)
     with sqlite3.connect(package) as database:
-        key = next(int(float(one)) for one in sorted(read) if int(float(one)) != NOWHERE) + 1
+        key = next(int(float(height)) for height in sorted(read) if int(float(height)) != NOWHERE) + 1
         database.execute("DELETE FROM rtree_map_geom WHERE id = ?", (key,))
     database.close()
-    lost = {one.tags["height"] for one in read_features(package, Around.of(HOME, WITHIN))}
+    lost = {feature.tags["height"] for feature in read_features(package, Around.of(HOME, WITHIN))}
     assert there <= lost
     shape = houses(tmp_path / "map.shp")
     (tmp_path / "map.qix").write_bytes(b"")

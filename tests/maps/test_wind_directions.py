@@ -155,8 +155,8 @@ def grib(eccodes: Any, path: Path, parts: dict[int, float], **keys: Any) -> Path
             handle = eccodes.codes_grib_new_from_samples("regular_ll_sfc_grib2")
             about = {"discipline": 0, "parameterCategory": 2, "parameterNumber": number, "bitsPerValue": 24}
             about |= {"dataDate": 20261122, "dataTime": 1200, "typeOfFirstFixedSurface": 103, "level": 10}
-            for key, given in (about | keys).items():
-                eccodes.codes_set(handle, key, given)
+            for key, key_value in (about | keys).items():
+                eccodes.codes_set(handle, key, key_value)
             count = eccodes.codes_get(handle, "numberOfDataPoints")
             eccodes.codes_set_values(handle, value + np.arange(count) / 1e4)
             eccodes.codes_write(handle, out)
@@ -169,12 +169,12 @@ ABOVE = Geodetic(46.0, 8.0, 0.0)
 
 def nearest(eccodes: Any, path: Path, place: Geodetic) -> list[float]:
     """The values of all messages at the nearest point, by eccodes itself."""
-    found = []
+    values = []
     with path.open("rb") as file:
         while (handle := eccodes.codes_grib_new_from_file(file)) is not None:
-            found.append(eccodes.codes_grib_find_nearest(handle, place.latitude_deg, place.longitude_deg)[0].value)
+            values.append(eccodes.codes_grib_find_nearest(handle, place.latitude_deg, place.longitude_deg)[0].value)
             eccodes.codes_release(handle)
-    return found
+    return values
 
 
 def by_a_step_north(grid: str, along: Sequence[float], home: Geodetic = COLORADO) -> tuple[float, float]:

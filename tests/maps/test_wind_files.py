@@ -209,8 +209,8 @@ def write_grib(eccodes: Any, path: Path, messages: list[dict[str, Any]], area: t
     grid |= {f"longitudeOf{end}GridPointInDegrees": degrees for end, degrees in (("First", west), ("Last", east))}
     grid |= {f"{axis}DirectionIncrementInDegrees": step for axis in "ij"}
     with path.open("wb") as out:
-        for given in messages:
-            keys = {**given}
+        for message in messages:
+            keys = {**message}
             wind = keys.pop("wind")
             for number in (2, 3):
                 handle = eccodes.codes_grib_new_from_samples("regular_ll_sfc_grib2")
@@ -310,8 +310,8 @@ def test_members_that_a_level_lacks_and_what_is_no_plain_wind_are_named(eccodes:
     assert read.wind.spread == pytest.approx(1.0, abs=1e-3)
     whats = {thing.what: thing.count for thing in read.unread}
     assert whats["members: 2 at some levels and times, fewer at 1 of 2"] == 1
-    assert any("by product template 2" in what for what in whats)
-    assert sum(count for what, count in whats.items() if what.startswith("wind at isobaric")) == 2
+    assert any("by product template 2" in name for name in whats)
+    assert sum(count for name, count in whats.items() if name.startswith("wind at isobaric")) == 2
 
 
 def test_both_components_in_one_message_are_read_and_a_cut_file_is_refused(eccodes: Any, tmp_path: Path) -> None:

@@ -45,9 +45,9 @@ def forecasts(draw: st.DrawFn) -> Any:
     order = ["time", level, "latitude", "longitude"]
     east = np.transpose(east, [order.index(name) for name in dims])
     assert east.shape == tuple(shape[name] for name in dims)
-    said = {"units": unit} if unit else {}
+    units = {"units": unit} if unit else {}
     with_standard = draw(st.booleans())
-    parts = [said | ({"standard_name": name} if with_standard else {}) for name in ("eastward_wind", "northward_wind")]
+    parts = [units | ({"standard_name": name} if with_standard else {}) for name in ("eastward_wind", "northward_wind")]
     about = {"units": height_unit, "standard_name": standard, "long_name": long_name}
     longitudes = np.array([8.0, 8.5, 9.0]) + draw(st.sampled_from([0.0, 360.0, -360.0]))
     coordinates = {

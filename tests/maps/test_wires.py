@@ -48,9 +48,9 @@ def test_a_line_is_as_high_as_its_kind(
     write_map: WriteMap, frame: LocalFrame, at: At, tags: dict[str, str], height: float | None, take: str | None
 ) -> None:
     line = {"type": "LineString", "coordinates": [at(0, 0), at(90, 0), at(90, 200)]}
-    found = find(write_map((line, tags)), frame, take=take)
-    assert [s.height for s in found.obstacles] == ([] if height is None else [height, height])  # a wall for each span
-    assert bool(found.remarks) == (height is not None and "height" not in tags)
+    wires = find(write_map((line, tags)), frame, take=take)
+    assert [s.height for s in wires.obstacles] == ([] if height is None else [height, height])  # a wall for each span
+    assert bool(wires.remarks) == (height is not None and "height" not in tags)
 
 
 def test_the_scenario_changes_heights_and_zero_is_nothing(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
@@ -92,9 +92,9 @@ def test_no_road_and_no_field_becomes_a_wall(write_map: WriteMap, frame: LocalFr
         (square(0, 0), {"landuse": "farmland"}),
         (square(0, 0), {"amenity": "parking"}),
     ]
-    found = find(write_map((square(50, 50), {"building": "yes"}), *flat), frame, take="all")
-    assert len(found.obstacles) == 1
-    assert len(found.passed_over) == 4
+    buildings = find(write_map((square(50, 50), {"building": "yes"}), *flat), frame, take="all")
+    assert len(buildings.obstacles) == 1
+    assert len(buildings.passed_over) == 4
 
 
 @given(
@@ -135,9 +135,9 @@ def test_on_level_ground_a_span_is_one_wall() -> None:
 def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at: At) -> None:
     lines = [[at(0, 0), at(90, 0)], [at(0, 50), at(90, 50), at(90, 50), at(180, 50)]]
     path = write_map(({"type": "MultiLineString", "coordinates": lines}, {"power": "line", "voltage": "110000"}))
-    found = find(path, frame)
-    assert found.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
-    assert len(raise_obstacles(found.obstacles, LEVEL)) == 3
+    buildings = find(path, frame)
+    assert buildings.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
+    assert len(raise_obstacles(buildings.obstacles, LEVEL)) == 3
 
 
 def test_of_a_line_that_stays_in_one_place_no_span_stands() -> None:
