@@ -61,8 +61,8 @@ def run(
         monkeypatch.setattr(sys, "argv", ["ipoa-mission", *shlex.split(words)])
         with pytest.raises(SystemExit) as ended:
             main()
-        said = capsys.readouterr()
-        return Outcome(int(ended.value.code or 0), said.out, said.err)
+        captured = capsys.readouterr()
+        return Outcome(int(ended.value.code or 0), captured.out, captured.err)
 
     return command
 

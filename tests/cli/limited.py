@@ -51,8 +51,8 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
         code = os.waitstatus_to_exitcode(status)
         took = used.ru_utime + used.ru_stime
         killed = "" if code >= 0 else f"took more than {seconds:g} s" if took > seconds * 0.9 else _signal(-code)
-        said, mistakes = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
-        return Ended(code, said, mistakes, took, (used.ru_maxrss - int(before.read_text("utf-8"))) / 1024, killed)
+        output, mistakes = (path.read_text(encoding="utf-8", errors="replace") for path in (out, err))
+        return Ended(code, output, mistakes, took, (used.ru_maxrss - int(before.read_text("utf-8"))) / 1024, killed)
 
 
 def _most_memory() -> int:

@@ -65,7 +65,7 @@ def planned(slow: Path) -> api.Flight:
 def looked_for_once() -> Iterator[None]:
     """Answer equal searches once; other tests prove that they are equal."""
     paths = once(plan_with_margins, lambda scenario, seed, progress: (scenario, seed))
-    ways_home = once(lambda one: tuple(check_failsafe_return(one)), lambda one: (one.mission, one.scenario))
+    ways_home = once(lambda f: tuple(check_failsafe_return(f)), lambda f: (f.mission, f.scenario))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("ipoa_mission.flight.flight.plan_with_margins", paths)
         patch.setattr("ipoa_mission.checks.contingency_check.check_failsafe_return", ways_home)
@@ -76,11 +76,11 @@ def looked_for_once() -> Iterator[None]:
 @pytest.mark.parametrize("name", ["sitl", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
 def test_python_and_the_command_line_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
     scenario, flight = api.read_scenario(slow), planned(slow)
-    told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
+    result = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
     written = flight.write("api")
-    assert told["written"] == [str(Path("cli") / path.name) for path in written] + ["cli/slow.html"]
-    del told["written"]
-    assert told == json.loads(json.dumps(flight.summary()))
+    assert result["written"] == [str(Path("cli") / path.name) for path in written] + ["cli/slow.html"]
+    del result["written"]
+    assert result == json.loads(json.dumps(flight.summary()))
     for path in written:
         assert path.read_bytes() == (Path("cli") / path.name).read_bytes()
     flight.report("api/slow.html")
@@ -102,7 +102,7 @@ def test_python_and_the_command_line_give_the_same_numbers_and_bytes(run: Run, s
         assert by_command["remarks"][0].startswith(f"parameters from {Path(file).with_suffix('.params')}: ")
     findings = api.check_mission(flight.mission, scenario)
     checked = json.loads(run(f"check cli/slow.plan --scenario {slow} --json").out)
-    assert [row["message"] for row in checked["findings"]] == [found.message for found in findings]
+    assert [row["message"] for row in checked["findings"]] == [finding.message for finding in findings]
     assert findings == flight.findings
 
 
@@ -118,10 +118,10 @@ def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
     assert flown["flown_s"] == round(record.total_s, 3)
     assert Path("cli/slow.tlog").read_bytes() == Path("api.tlog").read_bytes()
     assert flown["estimate"]["total_s"] == pytest.approx(flight.estimate.total_s, abs=1e-3)
-    held = json.loads(run("compare api/slow.plan cli/slow.tlog --json").out)
+    compared = json.loads(run("compare api/slow.plan cli/slow.tlog --json").out)
     comparison = api.compare_flight(flight.estimate, api.read_flight("cli/slow.tlog", flight.mission))
-    assert held["estimated_s"] == round(comparison.estimated_total_s, 3)
-    assert held["flown_s"] == pytest.approx(comparison.flown_total_s, abs=1e-3)
+    assert compared["estimated_s"] == round(comparison.estimated_total_s, 3)
+    assert compared["flown_s"] == pytest.approx(comparison.flown_total_s, abs=1e-3)
     assert not math.isnan(comparison.flown_total_s)
 
 

@@ -31,13 +31,13 @@ def px4_mission(tmp_path: Path) -> Path:
     ],
 )
 def test_the_log_alone_will_do(run: Run, name: str, flown_s: float, autopilot: str, version: str) -> None:
-    held = json.loads(run(f"compare {LOGS / name} {version} --json").out)
-    assert held["flown_s"] == pytest.approx(flown_s, abs=0.3)
-    assert held["completed"]
-    assert abs(held["total_error"]) < 0.06
-    assert held["autopilot"] == autopilot
-    (flight,) = held["flights"]
-    assert flight == {**{key: held[key] for key in flight}, "remarks": flight["remarks"]}  # the log has some, too
+    comparison = json.loads(run(f"compare {LOGS / name} {version} --json").out)
+    assert comparison["flown_s"] == pytest.approx(flown_s, abs=0.3)
+    assert comparison["completed"]
+    assert abs(comparison["total_error"]) < 0.06
+    assert comparison["autopilot"] == autopilot
+    (flight,) = comparison["flights"]
+    assert flight == {**{key: comparison[key] for key in flight}, "remarks": flight["remarks"]}  # the log has some, too
 
 
 def test_a_flight_that_the_version_taken_does_not_finish_names_the_option(run: Run) -> None:
@@ -48,15 +48,15 @@ def test_a_flight_that_the_version_taken_does_not_finish_names_the_option(run: R
 
 
 def test_each_flight_is_held_against_its_own_estimate(run: Run) -> None:
-    held = json.loads(run(f"compare {LOGS / 'twice-ardupilot.bin'} --json").out)
-    assert [flight["flight"] for flight in held["flights"]] == [1, 2]
-    assert [flight["flown_s"] for flight in held["flights"]] == pytest.approx([54.38, 54.62], abs=0.1)
-    for flight in held["flights"]:
+    comparison = json.loads(run(f"compare {LOGS / 'twice-ardupilot.bin'} --json").out)
+    assert [flight["flight"] for flight in comparison["flights"]] == [1, 2]
+    assert [flight["flown_s"] for flight in comparison["flights"]] == pytest.approx([54.38, 54.62], abs=0.1)
+    for flight in comparison["flights"]:
         assert abs(flight["total_error"]) < 0.02, "the second one began where the first one ended"
-    said = run(f"compare {LOGS / 'twice-ardupilot.bin'}").out
-    assert "flight 2" in said
+    output = run(f"compare {LOGS / 'twice-ardupilot.bin'}").out
+    assert "flight 2" in output
     second = json.loads(run(f"compare {LOGS / 'twice-ardupilot.bin'} --flight 2 --json").out)
-    assert second["flights"] == held["flights"][1:]
+    assert second["flights"] == comparison["flights"][1:]
 
 
 def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path) -> None:
@@ -64,9 +64,9 @@ def test_px4s_own_log_needs_the_mission_and_says_so(run: Run, px4_mission: Path)
     assert ended.code == 1
     assert "PX4 logs only the items that the flight reached" in ended.err
     assert "hint: compare FILE LOG" in ended.err
-    held = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-px4.ulg'} --json").out)
-    assert held["flown_s"] == pytest.approx(66.37, abs=0.05)
-    assert held["parameters"] == {"MC_ROLL_P": 4.0}
+    comparison = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-px4.ulg'} --json").out)
+    assert comparison["flown_s"] == pytest.approx(66.37, abs=0.05)
+    assert comparison["parameters"] == {"MC_ROLL_P": 4.0}
 
 
 def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tmp_path: Path) -> None:
@@ -87,21 +87,21 @@ def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tm
         f"east = {mast[0]}\nnorth = {mast[1]}\n",
         encoding="utf-8",
     )
-    found = json.loads(run(f"compare {log} --scenario mast.toml --json").out)["clearance"]
+    clearance = json.loads(run(f"compare {log} --scenario mast.toml --json").out)["clearance"]
     fixes = [frame.to_local(s.latitude_deg, s.longitude_deg, home.altitude)[0, :2] for s in path]  # type: ignore[arg-type]
     truth = shapely.LineString(fixes).distance(shapely.Point(mast)) - 1.0
-    assert found["least"] == pytest.approx(truth, abs=0.05)
-    assert (found["to"], found["required"], found["kept"]) == ("mast", 30.5, False)
-    said = run(f"compare {log} --scenario mast.toml").out
-    assert "to mast at " in said
-    assert "30.50 m required, which was NOT kept" in said
+    assert clearance["least"] == pytest.approx(truth, abs=0.05)
+    assert (clearance["to"], clearance["required"], clearance["kept"]) == ("mast", 30.5, False)
+    output = run(f"compare {log} --scenario mast.toml").out
+    assert "to mast at " in output
+    assert "30.50 m required, which was NOT kept" in output
 
 
 def test_the_climb_and_the_descent_are_no_clearance_of_the_ground(run: Run) -> None:
     scenario = Path(__file__).parents[2] / "missions" / "sitl.toml"
-    found = json.loads(run(f"compare {LOGS / 'sitl-px4.tlog'} {OF_117} --scenario {scenario} --json").out)["clearance"]
-    assert (found["to"], found["kept"]) == ("mast", True)
-    assert found["least"] > found["promised"]
+    result = json.loads(run(f"compare {LOGS / 'sitl-px4.tlog'} {OF_117} --scenario {scenario} --json").out)["clearance"]
+    assert (result["to"], result["kept"]) == ("mast", True)
+    assert result["least"] > result["promised"]
 
 
 def test_a_log_far_from_the_scenario_says_so(run: Run) -> None:
@@ -121,28 +121,28 @@ def test_an_older_version_than_the_model_s_is_told(run: Run, tmp_path: Path) -> 
 
 def test_parameters_of_the_command_line_go_before_those_of_the_log(run: Run) -> None:
     own = json.loads(run(f"compare {LOGS / 'sitl-ardupilot.bin'} --json").out)
-    held = json.loads(run(f"compare {LOGS / 'sitl-ardupilot.bin'} --json --param LAND_SPEED=25").out)
+    comparison = json.loads(run(f"compare {LOGS / 'sitl-ardupilot.bin'} --json --param LAND_SPEED=25").out)
     assert own["parameters"] == {}
-    assert held["parameters"] == {"LAND_SPEED": 25.0}
-    assert held["estimated_s"] > own["estimated_s"] + 10
+    assert comparison["parameters"] == {"LAND_SPEED": 25.0}
+    assert comparison["estimated_s"] > own["estimated_s"] + 10
 
 
 def test_another_mission_than_the_log_s_is_remarked(run: Run, px4_mission: Path) -> None:
-    said = run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'}").out
-    assert "another mission was flown: number of items: 5 in the log, not 7" in said
-    told = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'} --json").out)
-    assert sum("number of items: 5 in the log, not 7" in words for words in told["remarks"]) == 1
+    output = run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'}").out
+    assert "another mission was flown: number of items: 5 in the log, not 7" in output
+    comparison = json.loads(run(f"compare {px4_mission} {LOGS / 'sitl-ardupilot.tlog'} --json").out)
+    assert sum("number of items: 5 in the log, not 7" in words for words in comparison["remarks"]) == 1
 
 
 def test_remarks_of_each_flight_are_among_those_of_the_log(run: Run, tmp_path: Path) -> None:
     mission = read_flights(LOGS / "sitl-ardupilot.tlog").flights[0].mission
     assert mission is not None
     write_mission(mission, tmp_path / "other.plan")
-    told = json.loads(run(f"compare other.plan {LOGS / 'twice-ardupilot.bin'} --json").out)
-    for flight in told["flights"]:
+    comparison = json.loads(run(f"compare other.plan {LOGS / 'twice-ardupilot.bin'} --json").out)
+    for flight in comparison["flights"]:
         assert flight["remarks"]
         for words in flight["remarks"]:
-            assert f"flight {flight['flight']}: {words}" in told["remarks"]
+            assert f"flight {flight['flight']}: {words}" in comparison["remarks"]
 
 
 def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
@@ -150,7 +150,7 @@ def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ("{px4}", "sitl.waypoints: expected a log whose name ends in .tlog, .bin or .ulg"),
         ("{logs}/sitl-px4.ulg --autopilot ardupilot", "expected a log of ardupilot, not of px4"),
@@ -161,7 +161,7 @@ def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
     ],
 )
 def test_what_does_not_go_together_is_bad_input(
-    run: Run, px4_mission: Path, tmp_path: Path, words: str, told: str
+    run: Run, px4_mission: Path, tmp_path: Path, words: str, expected: str
 ) -> None:
     plan = tmp_path / "sitl.plan"
     mission = read_flights(LOGS / "sitl-ardupilot.tlog").flights[0].mission
@@ -169,17 +169,17 @@ def test_what_does_not_go_together_is_bad_input(
     write_mission(mission, plan)
     ended = run(f"compare {words.format(px4=px4_mission, plan=plan, logs=LOGS)}")
     assert ended.code == 2
-    assert told in " ".join(ended.err.split())
+    assert expected in " ".join(ended.err.split())
     assert "Traceback" not in ended.err
 
 
 def test_a_log_of_several_vehicles_lists_them_and_compares_one(run: Run, tmp_path: Path) -> None:
     path = write_several(tmp_path / "two.tlog", LOGS / "sitl-ardupilot.tlog", {7: LOGS / "twice-ardupilot.tlog"})
-    told = json.loads(run(f"compare {path} --json").out)
-    assert told["flown_s"] == pytest.approx(68.08, abs=0.3)
-    assert sum("not read 7 (ArduPilot multicopter)" in remark for remark in told["remarks"]) == 1
-    other = json.loads(run(f"compare {path} --system 7 --json").out)
-    assert [round(flight["flown_s"]) for flight in other["flights"]] == [54, 55]
+    whole = json.loads(run(f"compare {path} --json").out)
+    assert whole["flown_s"] == pytest.approx(68.08, abs=0.3)
+    assert sum("not read 7 (ArduPilot multicopter)" in remark for remark in whole["remarks"]) == 1
+    of_system_7 = json.loads(run(f"compare {path} --system 7 --json").out)
+    assert [round(flight["flown_s"]) for flight in of_system_7["flights"]] == [54, 55]
     learned = run(f"learn {path} --system 7 --out {tmp_path}/v.toml")
     assert "not read 1 (ArduPilot multicopter)" in learned.out + learned.err
     wrong = run(f"compare {path} --system 9")

@@ -22,10 +22,10 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     rows = Contingencies(
         Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))
     ).all_rows(timed=False)
-    told, plain = run(f"show {SITL} --endings"), run(f"show {SITL}")
-    assert (told.code, told.err) == (0, "")
-    assert told.out.startswith(plain.out)
-    strip = told.out.removeprefix(plain.out)
+    ended, plain = run(f"show {SITL} --endings"), run(f"show {SITL}")
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out.startswith(plain.out)
+    strip = ended.out.removeprefix(plain.out)
     assert strip.isascii()
     bars = re.findall(r"^(\w+) +([-+#?]+)  (.*)$", strip, re.MULTILINE)
     assert [(name, where) for name, _, where in bars] == [("rtl", "to home"), ("land", "here"), ("hold", "here")]
@@ -51,16 +51,16 @@ def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: 
 
 
 def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
-    told = run(f"show {SITL} --param RTL_TYPE=1 --endings").out
-    assert re.search(rf"^rtl   \?{{{CELLS}}}  goal unknown$", told, re.MULTILINE)
-    assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in told
+    output = run(f"show {SITL} --param RTL_TYPE=1 --endings").out
+    assert re.search(rf"^rtl   \?{{{CELLS}}}  goal unknown$", output, re.MULTILINE)
+    assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in output
 
 
 def test_the_reason_why_a_return_has_no_duration_is_printed(run: Run) -> None:
-    shown, told = (run(f"check {SITL} --param RTL_TYPE=2 --endings{form}").out for form in ("", " --json"))
+    shown, as_json = (run(f"check {SITL} --param RTL_TYPE=2 --endings{form}").out for form in ("", " --json"))
     why = "the duration of returns ahead along the mission is not modeled well enough"
     assert shown.count(f"no time of rtl: {why}\n") == 1
-    reasons = {row["ending"]: row["why_untimed"] for row in json.loads(told)["endings"]}
+    reasons = {row["ending"]: row["why_untimed"] for row in json.loads(as_json)["endings"]}
     assert reasons == {"rtl": why, "land": None, "hold": None}
 
 
@@ -68,8 +68,8 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
     plan = json.loads((MISSIONS / "sitl.plan").read_text(encoding="utf-8"))
     plan["mission"]["items"][2]["params"][4] = 95.0  # north of the pole
     (tmp_path / "far.plan").write_text(json.dumps(plan), encoding="utf-8")
-    told = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --endings")
-    assert told.out.endswith("endings: unknown, because the flight is unknown\n")
+    ended = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --endings")
+    assert ended.out.endswith("endings: unknown, because the flight is unknown\n")
 
 
 @pytest.mark.parametrize(

@@ -67,9 +67,9 @@ def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, auto
     with autopilot(MISSION.home, speedup=8.0) as link:
         ended = run(f"fly {SITL} --link {link} --timeout 6 --json")
     assert ended.code == 1
-    told = json.loads(ended.out)
-    assert told["error"].startswith("the time is up: the vehicle flies on, and is not watched any more")
-    assert (told["completed"], told["in_air"]) == (False, True)
+    result = json.loads(ended.out)
+    assert result["error"].startswith("the time is up: the vehicle flies on, and is not watched any more")
+    assert (result["completed"], result["in_air"]) == (False, True)
 
 
 def test_what_is_for_a_vehicle_is_refused_without_one(run: Run) -> None:

@@ -43,14 +43,14 @@ def test_help_imports_nothing_heavy() -> None:
         "except SystemExit: pass\n"
         "print(sorted({'numpy', 'scipy', 'numba', 'pyproj', 'pydantic', 'pymavlink', 'shapely'} & set(sys.modules)))"
     )
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
-    assert said.stdout.splitlines()[-1] == "[]"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
+    assert done.stdout.splitlines()[-1] == "[]"
 
 
 def test_estimate_for_machines_numbers_items_as_in_the_file(run: Run, mission: str) -> None:
-    found = json.loads(run(f"estimate {mission} --autopilot px4 --json").out)
-    assert [item["seq"] for item in found["items"]] == list(range(1, 18))
-    assert found["total_s"] == found["items"][-1]["done_s"] > found["qgroundcontrol_s"] > 0
+    result = json.loads(run(f"estimate {mission} --autopilot px4 --json").out)
+    assert [item["seq"] for item in result["items"]] == list(range(1, 18))
+    assert result["total_s"] == result["items"][-1]["done_s"] > result["qgroundcontrol_s"] > 0
 
 
 def test_a_parameter_changes_the_estimate(run: Run, mission: str) -> None:
@@ -117,9 +117,9 @@ def test_check_fails_a_mission_that_would_crash(run: Run, mission: str) -> None:
     path.write_text(path.read_text().replace("39.10110843", "0.00000000").replace("121.82017930", "0.00000000"))
     ended = run(f"check {mission} --json")
     assert ended.code == 1
-    found = json.loads(ended.out)
-    assert not found["ok"]
-    assert 4 in {finding["seq"] for finding in found["findings"] if finding["severity"] == "error"}
+    result = json.loads(ended.out)
+    assert not result["ok"]
+    assert 4 in {finding["seq"] for finding in result["findings"] if finding["severity"] == "error"}
 
 
 def test_show_prints_each_item_with_its_leg(run: Run, mission: str) -> None:
@@ -141,16 +141,16 @@ def test_show_prints_the_notes_that_estimate_prints(run: Run, mission: str, tmp_
         assert notes == [line for line in estimated if line.startswith("note: ")]
     assert any("not read: geoid under the upper limit, taken as -107 m" in note for note in notes)
     for verb in ("show", "estimate"):
-        told = json.loads(run(f"{verb} {words} --json").out)
-        assert told["remarks"] == [note.removeprefix("note: ") for note in notes]
-        assert [thing["example"] for thing in told["unread"]] == ["9 m WGS84"]
+        result = json.loads(run(f"{verb} {words} --json").out)
+        assert result["remarks"] == [note.removeprefix("note: ") for note in notes]
+        assert [thing["example"] for thing in result["unread"]] == ["9 m WGS84"]
 
 
 def test_export_says_for_which_autopilot_it_read_a_file(run: Run, mission: str, tmp_path: Path) -> None:
     (note,) = [line for line in run(f"show {mission}").out.splitlines() if line.startswith("note: read for ")]
     assert note in run(f"export {mission} {tmp_path}/a.kml").out.splitlines()
-    told = json.loads(run(f"export {mission} {tmp_path}/a.plan --json").out)
-    assert note.removeprefix("note: ") in told["remarks"]
+    result = json.loads(run(f"export {mission} {tmp_path}/a.plan --json").out)
+    assert note.removeprefix("note: ") in result["remarks"]
     assert "read for" not in run(f"export {tmp_path}/a.plan {tmp_path}/b.kml").out
 
 
@@ -186,11 +186,11 @@ def test_a_waypoints_file_is_not_taken_for_an_autopilot_in_silence(run: Run, tmp
     assert "for px4 1.16" in run(f"check {plain} --firmware-version 1.16").out
     spline = tmp_path / "spline.waypoints"
     spline.write_text(plain.read_text().replace("\t3\t16\t", "\t3\t82\t"))
-    said = run(f"check {spline}")
+    of_spline = run(f"check {spline}")
     why = "read for ardupilot: item 2 (NAV_SPLINE_WAYPOINT): PX4 does not take it"
-    assert (said.code, why in said.out) == (0, True)
-    other = run(f"check {RECORDED.parents[3] / 'missions' / 'sitl.plan'} --firmware-version 4.6")
-    assert (other.code, "--autopilot ardupilot" in other.err) == (2, True)
+    assert (of_spline.code, why in of_spline.out) == (0, True)
+    ended = run(f"check {RECORDED.parents[3] / 'missions' / 'sitl.plan'} --firmware-version 4.6")
+    assert (ended.code, "--autopilot ardupilot" in ended.err) == (2, True)
 
 
 def test_check_takes_files_and_folders_with_one_sarif_and_one_exit_code(run: Run, tmp_path: Path) -> None:
@@ -203,17 +203,17 @@ def test_check_takes_files_and_folders_with_one_sarif_and_one_exit_code(run: Run
     assert (good.code, good.out.splitlines()[-1]) == (0, "2 files: 0 errors, 0 warnings")
     shutil.copy(RECORDED.parents[2] / "odd" / "fixed_wing.plan", folder / "plane.plan")
     wrong = run("check ci/good.plan ci --sarif all.sarif --json")
-    told = json.loads(wrong.out)
-    assert (wrong.code, told["ok"]) == (1, False)
-    assert [one["file"] for one in told["files"]] == ["ci/good.plan", "ci/deep/fine.plan", "ci/plane.plan"]
+    result = json.loads(wrong.out)
+    assert (wrong.code, result["ok"]) == (1, False)
+    assert [file["file"] for file in result["files"]] == ["ci/good.plan", "ci/deep/fine.plan", "ci/plane.plan"]
     (folder / "broken.plan").write_text("")
     unreadable = run("check ci --sarif all.sarif")
     assert (unreadable.code, "ci/broken.plan: not checked" in unreadable.out) == (2, True)
     (log,) = json.loads(Path("all.sarif").read_text())["runs"]
-    found = {
-        (one["ruleId"], one["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]) for one in log["results"]
+    results = {
+        (each["ruleId"], each["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]) for each in log["results"]
     }
-    assert found == {("other-vehicle", "ci/plane.plan"), ("file-unreadable", "ci/broken.plan")}
+    assert results == {("other-vehicle", "ci/plane.plan"), ("file-unreadable", "ci/broken.plan")}
     (tmp_path / "none").mkdir()
     assert (run("check none").code, run("check ci/broken.plan").code) == (2, 2)
 

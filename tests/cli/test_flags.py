@@ -113,9 +113,9 @@ def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
 @pytest.mark.parametrize("form", [*EXPORTS, ".plan", ".waypoints"])
 def test_standard_output_gets_what_the_file_gets(run: Run, form: str) -> None:
     words = f"--format {form[1:]} --scenario {MISSIONS / 'campus.toml'}"
-    told = run(f"export {CAMPUS} - {words}").out
+    output = run(f"export {CAMPUS} - {words}").out
     assert run(f"export {CAMPUS} campus{form.upper()} {words}").code == 0
-    assert Path(f"campus{form.upper()}").read_text() == told
+    assert Path(f"campus{form.upper()}").read_text() == output
     assert "-: expected --format with it" in run(f"export {CAMPUS} -").err
 
 
@@ -127,8 +127,8 @@ def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
     ]
     last = dict(zip(rows[0], rows[-1], strict=True))
     assert float(last["height_above_ground_m"]) == pytest.approx(0.0, abs=0.02)
-    way = run(f"export {CAMPUS} - --format kml --scenario {MISSIONS}/campus.toml").out
-    end = way[way.index("<coordinates>") :].split("</coordinates>")[0].split()[-1]
+    output = run(f"export {CAMPUS} - --format kml --scenario {MISSIONS}/campus.toml").out
+    end = output[output.index("<coordinates>") :].split("</coordinates>")[0].split()[-1]
     goal = world.airspace.ground(world.goal_point[None, :])[0]
     assert float(end.split(",")[2]) - world.home.altitude_amsl == pytest.approx(goal, abs=0.05)
 

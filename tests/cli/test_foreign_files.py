@@ -45,9 +45,9 @@ def test_a_buildings_without_height_stand_in_the_way(samples: Path, tmp_path: Pa
     path = samples / "bertt+overture" / "buildings.geojson"
     longitude, latitude = json.loads(path.read_text())["features"][0]["geometry"]["coordinates"][0][0]
     tail = f"maps = [{{ kind = 'buildings', file = {json.dumps(str(path))} }}]\n[bounds]\nmargin = 20000"
-    found = scenario(tmp_path, (latitude, longitude - 0.001), (5, 0), tail)
-    assert len(found.airspace.obstacles) >= 3754
-    assert any("without a height, given 20 m" in remark for remark in found.remarks)
+    world = scenario(tmp_path, (latitude, longitude - 0.001), (5, 0), tail)
+    assert len(world.airspace.obstacles) >= 3754
+    assert any("without a height, given 20 m" in remark for remark in world.remarks)
 
 
 def test_c_the_plans_that_climbed_obliquely_have_a_time(samples: Path) -> None:
@@ -70,13 +70,13 @@ def test_d_a_log_of_flights_by_hand_has_a_row_for_each(samples: Path, run: Run) 
 def test_e_px4_1_12_is_compared_by_its_own_log_alone_and_said_to_be_older(samples: Path, run: Run) -> None:
     """42.1 s flown; the items are those of the plan beside the log."""
     folder = samples / "skhatiri+Aerialist/samples/flights"
-    held = json.loads(run(f"compare '{folder / 'mission1.ulg'}' --json").out)
-    assert held["flown_s"] == pytest.approx(42.1, abs=0.5)
-    assert "flown by PX4 1.12.3, which was not measured" in held["model"]
-    told, plan = read_flights(folder / "mission1.ulg").flights[0].mission, read_mission(folder / "mission1.plan")
-    assert told is not None
-    assert [item.command for item in told.items] == [item.command for item in plan.items]
-    for item, planned in zip(told.items, plan.items, strict=True):
+    comparison = json.loads(run(f"compare '{folder / 'mission1.ulg'}' --json").out)
+    assert comparison["flown_s"] == pytest.approx(42.1, abs=0.5)
+    assert "flown by PX4 1.12.3, which was not measured" in comparison["model"]
+    mission, plan = read_flights(folder / "mission1.ulg").flights[0].mission, read_mission(folder / "mission1.plan")
+    assert mission is not None
+    assert [item.command for item in mission.items] == [item.command for item in plan.items]
+    for item, planned in zip(mission.items, plan.items, strict=True):
         assert item.latitude_deg == pytest.approx(planned.latitude_deg, abs=1e-5)
         assert item.longitude_deg == pytest.approx(planned.longitude_deg, abs=1e-5)
 
@@ -116,14 +116,14 @@ TAKEN = [
 ]
 
 
-@pytest.mark.parametrize(("name", "autopilot", "said"), TAKEN)
+@pytest.mark.parametrize(("name", "autopilot", "word"), TAKEN)
 def test_what_the_firmware_takes_is_read_and_warned_of(
-    samples: Path, name: str, autopilot: Autopilot | None, said: str
+    samples: Path, name: str, autopilot: Autopilot | None, word: str
 ) -> None:
     file = read_mission_file(samples / name, autopilot)
     assert file.mission.items
     findings = check(Forecast(file.mission), read=file.findings)
-    assert any(said == finding.code or (finding.code == "file" and said in finding.message) for finding in findings)
+    assert any(word == finding.code or (finding.code == "file" and word in finding.message) for finding in findings)
 
 
 def test_a_plan_that_says_two_heights_of_an_item_is_no_mission_to_send(samples: Path) -> None:
@@ -140,11 +140,11 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("name", "told"), REFUSED)
-def test_what_the_format_refuses_is_refused_in_words(samples: Path, run: Run, name: str, told: str) -> None:
+@pytest.mark.parametrize(("name", "expected"), REFUSED)
+def test_what_the_format_refuses_is_refused_in_words(samples: Path, run: Run, name: str, expected: str) -> None:
     ended = run(f"check '{samples / name}' --autopilot ardupilot")
     assert ended.code == 2
-    assert told in " ".join(ended.err.split())
+    assert expected in " ".join(ended.err.split())
     assert "Traceback" not in ended.err
 
 
@@ -179,18 +179,18 @@ def test_a_kml_of_another_place_says_where_it_is(samples: Path, tmp_path: Path, 
         "home = { latitude_deg = -5, longitude_deg = 8 }\nstart = { east = 0, north = 0, up = 5 }\n"
         f"goal = {{ east = 9, north = 0, up = 5 }}\nmaps = [{{ kind = 'no_fly', file = {json.dumps(str(path))} }}]"
     )
-    said = " ".join(run("plan w.toml").err.split())
-    assert "expected a place within 100 km of home (-5.0000, 8.0000), not near " in said
-    assert "hint: is it the map of another place?" in said
+    message = " ".join(run("plan w.toml").err.split())
+    assert "expected a place within 100 km of home (-5.0000, 8.0000), not near " in message
+    assert "hint: is it the map of another place?" in message
 
 
 def test_several_flight_areas_will_do(samples: Path, tmp_path: Path) -> None:
     path = samples / "Fields2Cover+Fields2Cover/data/test_2_cell.json"
     longitude, latitude = json.loads(path.read_text())["features"][0]["geometry"]["coordinates"][0][0][:2]
     tail = f"maps = [{{ kind = 'flight_area', file = {json.dumps(str(path))} }}]"
-    found = scenario(tmp_path, (latitude, longitude), (1, 1), tail)
-    assert found.airspace.bounds.footprint is not None
-    assert any("an area that does not touch the one around home" in remark for remark in found.remarks)
+    world = scenario(tmp_path, (latitude, longitude), (1, 1), tail)
+    assert world.airspace.bounds.footprint is not None
+    assert any("an area that does not touch the one around home" in remark for remark in world.remarks)
 
 
 def test_b_arducopters_own_missions_pass() -> None:
@@ -203,7 +203,7 @@ def test_b_arducopters_own_missions_pass() -> None:
     if not folder.is_dir():
         pytest.skip("no sources of ArduPilot at ARDUPILOT_HOME")
     missions = [path for path in sorted(folder.rglob("*.txt")) if path.read_text().startswith("QGC WPL")]
-    failed = {path.name: found for path in missions if (found := errors(read_mission(path, Autopilot.ARDUPILOT)))}
+    failed = {path.name: messages for path in missions if (messages := errors(read_mission(path, Autopilot.ARDUPILOT)))}
     assert len(missions) > 25
     assert failed.keys() == {"terrain_wp.txt"}, failed
     assert "expected the take-off first" in failed["terrain_wp.txt"][0]

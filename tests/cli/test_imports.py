@@ -41,9 +41,9 @@ def imported(*lines: str, before: str = "") -> list[set[str]]:
         capture_output=True, text=True, timeout=300, cwd=MISSIONS.parent,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    found = [set(line.split()[1:]) for line in run.stderr.splitlines() if line.startswith("IMPORTED")]
-    assert len(found) == len(lines), run.stderr
-    return found
+    imported_names = [set(line.split()[1:]) for line in run.stderr.splitlines() if line.startswith("IMPORTED")]
+    assert len(imported_names) == len(lines), run.stderr
+    return imported_names
 
 
 @pytest.fixture

@@ -67,9 +67,9 @@ def press(patch: pytest.MonkeyPatch, owner: object, at: str, raised: type[BaseEx
     name, _, after = at.partition(" ")
     whole: Callable[..., object] = getattr(owner, name)
 
-    def pressed(*given: object, **named: object) -> None:
+    def pressed(*arguments: object, **named: object) -> None:
         if after:
-            whole(*given, **named)
+            whole(*arguments, **named)
         raise raised("cancelled")
 
     patch.setattr(owner, name, pressed)
@@ -82,9 +82,9 @@ def aboard(monkeypatch: pytest.MonkeyPatch) -> list[BuiltInAutopilot]:
 
     build = BuiltInAutopilot.__init__
 
-    def noted(own: BuiltInAutopilot, *given: Any, **named: Any) -> None:
+    def noted(own: BuiltInAutopilot, *arguments: Any, **named: Any) -> None:
         served.append(own)
-        build(own, *given, **named)
+        build(own, *arguments, **named)
 
     monkeypatch.setattr(BuiltInAutopilot, "__init__", noted)
     return served
@@ -117,18 +117,18 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         ended = run(f"fly {mission} --link {link} --set-params --json")
         (there,) = aboard
         assert there.flight.armed is armed
-    told = json.loads(ended.out)
-    assert (ended.code, told["exit_code"], told["error"]) == (130, 130, words)
-    assert told["hint"] == HINTS.get(stage)
-    assert told["written"] == ["hop.tlog"]
-    assert told["completed"] is False
+    result = json.loads(ended.out)
+    assert (ended.code, result["exit_code"], result["error"]) == (130, 130, words)
+    assert result["hint"] == HINTS.get(stage)
+    assert result["written"] == ["hop.tlog"]
+    assert result["completed"] is False
     assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
     assert len(there.transfers.listed(MissionType.MISSION)) == items
     assert f"error: {words}\n" in ended.err
 
 
 @pytest.mark.parametrize(
-    ("words", "owner", "at", "told", "written"),
+    ("words", "owner", "at", "expected", "written"),
     [
         ("upload {mission} --link {link}", linking, "_report", "stopped: the new mission is on the vehicle", 1),
         ("upload {mission} --link {link}", procedure, "left_lists", "stopped: the mission was not sent", 1),
@@ -152,7 +152,7 @@ def test_ctrl_c_says_what_a_verb_has_done(
     words: str,
     owner: object,
     at: str,
-    told: str,
+    expected: str,
     written: int,
 ) -> None:
     press(monkeypatch, owner, at)
@@ -160,7 +160,7 @@ def test_ctrl_c_says_what_a_verb_has_done(
         ended = run(words.format(mission=hop, link=link))
     lines = ended.err.splitlines()
     files = [line.removeprefix("written: ") for line in lines if line.startswith("written: ")]
-    assert (ended.code, [line for line in lines if line.startswith("error: ")]) == (130, [f"error: {told}"])
+    assert (ended.code, [line for line in lines if line.startswith("error: ")]) == (130, [f"error: {expected}"])
     assert len(files) == written
     assert all(Path(file).is_file() for file in files)
 

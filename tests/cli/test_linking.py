@@ -35,8 +35,8 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
         assert run(f"download back.plan --link {link}").code == 0
         here, there = read_mission(mission), read_mission(Path("back.plan"))
         assert [item.command for item in there.items] == [item.command for item in here.items]
-        for one, other in zip(there.items, here.items, strict=True):
-            assert one.altitude == pytest.approx(other.altitude, abs=0.01)
+        for stored, sent_item in zip(there.items, here.items, strict=True):
+            assert stored.altitude == pytest.approx(sent_item.altitude, abs=0.01)
         assert json.loads(run(f"set-current 3 --link {link} --log set.tlog --json").out)["current"] == 3
         assert json.loads(run(f"clear --link {link} --json").out)["cleared"] == ["mission", "fence", "rally"]
         assert json.loads(run(f"download empty.plan --link {link} --json").out)["items"] == 0
@@ -54,8 +54,8 @@ def test_a_mission_goes_up_comes_down_and_goes_away(
 def test_a_vehicle_on_the_ground_is_not_told_to_fly(run: Run, autopilot: Serve, verb: str) -> None:
     with autopilot() as link:
         ended = run(f"{verb} --link {link} --json")
-    told = json.loads(ended.out)["error"]
-    assert (ended.code, told) == (1, "expected a vehicle in the air: the vehicle is disarmed, in AUTO.LOITER")
+    error = json.loads(ended.out)["error"]
+    assert (ended.code, error) == (1, "expected a vehicle in the air: the vehicle is disarmed, in AUTO.LOITER")
 
 
 def test_upload_names_parameters_that_differ_between_mission_and_vehicle(
@@ -64,8 +64,8 @@ def test_upload_names_parameters_that_differ_between_mission_and_vehicle(
     own = replace(read_mission(mission), parameters={"MPC_ACC_HOR": 1.5, "MPC_JERK_AUTO": 4.0, "MPC_XY_WARP": 9.0})
     write_mission(own, "slow.plan")
     with autopilot() as link:
-        told = json.loads(run(f"upload slow.plan --link {link} --json").out)["remarks"]
-    assert told == [
+        remarks = json.loads(run(f"upload slow.plan --link {link} --json").out)["remarks"]
+    assert remarks == [
         'slow.params: not read: parameters that no model uses: line 5 ("MPC_XY_WARP")',
         "parameters from slow.params: MPC_ACC_HOR 1.5, MPC_JERK_AUTO 4, MPC_XY_WARP 9",
         "MPC_ACC_HOR is 3 on the vehicle, and the mission was made for 1.5",
@@ -93,11 +93,11 @@ def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(
     with autopilot() as link:
         ended = run(f"fly {mission} --out out --link {link} --json")
     assert ended.code == 0, ended.err
-    found = json.loads(ended.out)
-    assert found["completed"]
-    assert [item["seq"] for item in found["items"]][-1] == steps
-    assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
-    assert found["written"] == ["out/sitl-2.tlog"]
+    result = json.loads(ended.out)
+    assert result["completed"]
+    assert [item["seq"] for item in result["items"]][-1] == steps
+    assert (result["armed"], result["in_air"], result["time_zero"]) == (False, False, "armed")
+    assert result["written"] == ["out/sitl-2.tlog"]
     assert Path("out/sitl.tlog").read_bytes() == b"the flight of yesterday"
 
 
@@ -155,8 +155,8 @@ def test_a_passphrase_signs_is_never_told_and_its_time_only_grows(
             ended = run(f"-vv upload {mission} --link {link} --log up.tlog")
             assert ended.code == 0, ended.err
             marks.append(int(mark.read_text()))
-            for told in (ended.out, ended.err, mark.read_text(), Path("up.tlog").read_bytes().decode("latin-1")):
-                assert PASSPHRASE not in told
+            for text in (ended.out, ended.err, mark.read_text(), Path("up.tlog").read_bytes().decode("latin-1")):
+                assert PASSPHRASE not in text
     assert marks[1] > marks[0]
 
 
@@ -204,7 +204,7 @@ def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run: Run, autop
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ("clear --link 127.0.0.1:14550", "link: expected udpin:HOST:PORT"),
         (
@@ -214,7 +214,7 @@ def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run: Run, autop
         ("clear --link serial:/dev/there-is-none:57600", "there is no such device"),
     ],
 )
-def test_a_link_that_is_none_is_told(run: Run, words: str, told: str) -> None:
+def test_a_link_that_is_none_is_told(run: Run, words: str, expected: str) -> None:
     ended = run(words)
     assert ended.code in (1, 2)
-    assert told in ended.err
+    assert expected in ended.err

@@ -44,12 +44,12 @@ def test_the_shipped_files_are_what_is_written_today(run: Run, name: str) -> Non
 
 def test_fly_tells_machines_when_each_item_was_done(run: Run, planned: Planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
-    found = json.loads(run(f"fly {mission} --out out --autopilot ardupilot --json").out)
-    assert found["completed"]
-    assert 1 < found["items"][-1]["seq"] <= len(read_mission(mission).items)
-    assert found["flown_s"] > found["estimate"]["qgroundcontrol_s"]
-    assert "no landing" in found["estimate"]["qgroundcontrol_counts"]
-    assert found["written"] == ["out/sitl.tlog"]
+    result = json.loads(run(f"fly {mission} --out out --autopilot ardupilot --json").out)
+    assert result["completed"]
+    assert 1 < result["items"][-1]["seq"] <= len(read_mission(mission).items)
+    assert result["flown_s"] > result["estimate"]["qgroundcontrol_s"]
+    assert "no landing" in result["estimate"]["qgroundcontrol_counts"]
+    assert result["written"] == ["out/sitl.tlog"]
 
 
 def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -> None:
@@ -110,9 +110,9 @@ def _essence(item: Item) -> tuple[float, ...]:
 def test_compare_holds_the_log_of_a_flight_against_the_estimate(run: Run, planned: Planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
     flown = json.loads(run(f"fly {mission} --out out --json").out)
-    held = json.loads(run(f"compare {mission} out/sitl.tlog --json --picture both.svg").out)
-    assert held["flown_s"] == pytest.approx(flown["flown_s"], abs=0.5)
-    assert len(held["legs"]) >= 4
+    comparison = json.loads(run(f"compare {mission} out/sitl.tlog --json --picture both.svg").out)
+    assert comparison["flown_s"] == pytest.approx(flown["flown_s"], abs=0.5)
+    assert len(comparison["legs"]) >= 4
     assert Path("both.svg").stat().st_size > 2000
 
 

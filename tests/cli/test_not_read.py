@@ -59,11 +59,11 @@ def test_ignore_names_it_and_it_is_listed_all_the_same(run: Run, folder: Path, w
         f"{words} --ignore not-read --json --force" if words.startswith("plan") else f"{words} --ignore not-read --json"
     )
     assert ended.code == 0
-    told = json.loads(ended.out)
-    assert [(one["file"], one["example"], one["may_limit"]) for one in told["unread"]] == [
+    result = json.loads(ended.out)
+    assert [(thing["file"], thing["example"], thing["may_limit"]) for thing in result["unread"]] == [
         ("zones.geojson", "R1", True)
     ]
-    assert any("without a geometry" in remark for remark in told["remarks"])
+    assert any("without a geometry" in remark for remark in result["remarks"])
 
 
 @pytest.mark.parametrize("verb", ["check", "show", "estimate"])
@@ -73,14 +73,14 @@ def test_a_ring_that_gdal_loses_is_named_where_the_mission_is_read(run: Run, fol
     ring = "<LinearRing><coordinates>8.02,47 8.03,47 8.03,47.01 8.02,47</coordinates></LinearRing>"
     Path("zones.kml").write_text(f"<kml><Placemark><name>R2</name>{ring}</Placemark></kml>")
     Path("ring.toml").write_text(SCENARIO.replace("zones.geojson", "zones.kml"))
-    told = json.loads(run(f"{verb} kept.plan --scenario ring.toml --json").out)
-    (said,) = (
-        words for words in [*told["remarks"], *(one["message"] for one in told.get("findings", ()))] if "two" in words
+    result = json.loads(run(f"{verb} kept.plan --scenario ring.toml --json").out)
+    (remark,) = (
+        words for words in [*result["remarks"], *(f["message"] for f in result.get("findings", ()))] if "two" in words
     )
-    assert said.startswith("zones.kml: two readers differ: 1 ring by ipoa-mission ")
-    assert f"nothing by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); GDAL lacks R2" in said
+    assert remark.startswith("zones.kml: two readers differ: 1 ring by ipoa-mission ")
+    assert f"nothing by GDAL {pyogrio.__gdal_version_string__} (pyogrio {pyogrio.__version__}); GDAL lacks R2" in remark
     if verb == "check":
-        assert [one["code"] for one in told["findings"]] == ["readers-differ"]
+        assert [finding["code"] for finding in result["findings"]] == ["readers-differ"]
         assert (
             json.loads(run("check kept.plan --scenario ring.toml --json --ignore readers-differ").out)["findings"] == []
         )
@@ -90,9 +90,9 @@ def test_a_map_of_which_gdal_has_more_and_one_it_refuses(tmp_path: Path) -> None
     pytest.importorskip("pyogrio")
     box = "<north>47.1</north><south>47</south><east>8.1</east><west>8</west>"
     (tmp_path / "image.kml").write_text(f"<kml><GroundOverlay><LatLonBox>{box}</LatLonBox></GroundOverlay></kml>")
-    (found,) = differences(tmp_path / "image.kml")
-    assert "nothing by ipoa-mission" in found.message
-    assert found.message.endswith("the first that only GDAL has is at 47, 8")
+    (finding,) = differences(tmp_path / "image.kml")
+    assert "nothing by ipoa-mission" in finding.message
+    assert finding.message.endswith("the first that only GDAL has is at 47, 8")
     (tmp_path / "empty.geojson").write_text('{"features": []}')
     assert not list(differences(tmp_path / "empty.geojson"))
 

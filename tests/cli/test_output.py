@@ -37,9 +37,9 @@ def test_help_fits_eighty_columns_and_never_names_a_type_for_a_flag(
     run: Run, monkeypatch: pytest.MonkeyPatch, verb: str
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    said = run(f"{verb} --help")
-    assert said.code == 0
-    lines = said.out.splitlines()
+    ended = run(f"{verb} --help")
+    assert ended.code == 0
+    lines = ended.out.splitlines()
     assert max(len(line) for line in lines) <= 80
     assert [line for line in lines if "<bool>" in line and "--help" not in line and "-completion" not in line] == []
 
@@ -51,10 +51,10 @@ def test_every_verb_has_an_answer_for_machines(run: Run, verb: str) -> None:
 
 def test_a_mistake_is_json_for_machines_and_words_for_people(run: Run) -> None:
     ended = run("check nothing.plan --json")
-    told = json.loads(ended.out)
-    assert ended.code == told["exit_code"] == 2
-    assert told["error"] == "nothing.plan: cannot be read: No such file or directory"
-    assert ended.err.startswith(f"error: {told['error']}")
+    result = json.loads(ended.out)
+    assert ended.code == result["exit_code"] == 2
+    assert result["error"] == "nothing.plan: cannot be read: No such file or directory"
+    assert ended.err.startswith(f"error: {result['error']}")
 
 
 def test_new_and_export_tell_machines_what_they_wrote(run: Run, mission: Path) -> None:
@@ -81,14 +81,14 @@ def test_a_shell_completes_verbs_and_options(
 ) -> None:
     for name, value in completing(words).items():
         monkeypatch.setenv(name, value)
-    said = run("")
-    assert (said.out.split(), said.err) == ([completed], "")
+    ended = run("")
+    assert (ended.out.split(), ended.err) == ([completed], "")
 
 
 def test_the_program_that_is_installed_completes_names(tmp_path: Path) -> None:
     command, asked = Path(sys.executable).with_name("ipoa-mission"), completing("ipoa-mission plan --optimizer ip")
-    said = subprocess.run(command, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (said.stdout.split(), said.stderr) == (["ipoa"], "")
+    done = subprocess.run(command, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.stdout.split(), done.stderr) == (["ipoa"], "")
 
 
 def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> None:
@@ -129,11 +129,11 @@ def test_a_terminal_gets_color_unless_no_color_says_otherwise(tmp_path: Path, no
     command = [sys.executable, "-m", "ipoa_mission.cli.app", "show", "nothing.plan"]
     ended = subprocess.run(command, stdout=ours, stderr=ours, env=environment, cwd=tmp_path, timeout=300, check=False)
     os.close(ours)
-    said = os.read(theirs, 10_000).decode()
+    text = os.read(theirs, 10_000).decode()
     os.close(theirs)
     assert ended.returncode == 2
-    assert "nothing.plan: cannot be read" in said
-    assert ("\x1b[1;31m" in said) is not no_color
+    assert "nothing.plan: cannot be read" in text
+    assert ("\x1b[1;31m" in text) is not no_color
 
 
 def stderr_as_terminal(monkeypatch: pytest.MonkeyPatch) -> io.StringIO:
@@ -152,8 +152,8 @@ def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyP
     with progress_bar("measuring") as show:
         for done in (1, 2, 3):
             show(done / 4, f"tiny: {done} of 4")
-    said = re.sub(r"\x1b\[[0-9;?]*\w", "", terminal.getvalue())
-    assert re.search(r"measuring .* tiny: 3 of 4 0:00:0\d · 0:00:0\d left", said)
+    text = re.sub(r"\x1b\[[0-9;?]*\w", "", terminal.getvalue())
+    assert re.search(r"measuring .* tiny: 3 of 4 0:00:0\d · 0:00:0\d left", text)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a file that is full")
@@ -205,7 +205,7 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "expected"),
     [
         ("plan {sitl} --seed -1", "Invalid value for '--seed'"),
         ("plan {sitl} --out {file}", "file: expected a folder, not file"),
@@ -239,14 +239,14 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
     ],
 )
 def test_a_usual_mistake_ends_with_2_and_says_what_was_expected(
-    run: Run, mission: Path, missions: Path, words: str, told: str
+    run: Run, mission: Path, missions: Path, words: str, expected: str
 ) -> None:
     Path("file").write_text("nothing")
     Path("typo.toml").write_text((missions / "sitl.toml").read_text().replace("[goal]", "[goal"))
     names = {"sitl": missions / "sitl.toml", "mission": mission}
     ended = run(words.format(**names, file="file", typo="typo.toml", folder="."))
     assert ended.code == 2, ended.err
-    assert told in " ".join(ended.err.split())
+    assert expected in " ".join(ended.err.split())
     assert "Traceback" not in ended.err
     assert ended.out == ""
 
@@ -288,19 +288,19 @@ def test_control_characters_are_shown_in_results_tables_errors_and_logs(capsys: 
     for level in (logging.WARNING, logging.DEBUG):
         listen_to_log(level)
         logging.getLogger("ipoa_mission.link").warning("%s", WICKED)
-    said = capsys.readouterr()
-    assert not OBEYED.search(said.out + said.err)
-    assert said.out.count(SHOWN) == 3
-    assert "\ta tab" in said.out
-    assert said.err.count(SHOWN.split(r"\n")[0]) == 4
+    captured = capsys.readouterr()
+    assert not OBEYED.search(captured.out + captured.err)
+    assert captured.out.count(SHOWN) == 3
+    assert "\ta tab" in captured.out
+    assert captured.err.count(SHOWN.split(r"\n")[0]) == 4
 
 
 def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: pytest.CaptureFixture[str]) -> None:
     output.print_json({"name": WICKED, "town": "Zürich"})
-    said = capsys.readouterr().out
-    assert not OBEYED.search(said)
-    assert "Zürich" in said
-    assert json.loads(said) == {"name": WICKED, "town": "Zürich"}
+    captured = capsys.readouterr().out
+    assert not OBEYED.search(captured)
+    assert "Zürich" in captured
+    assert json.loads(captured) == {"name": WICKED, "town": "Zürich"}
 
 
 def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -326,9 +326,9 @@ def test_without_a_terminal_what_is_waited_for_is_said_once(capsys: pytest.Captu
             show(0.0, words)
     with progress_bar("upload") as show:
         show(0.5, "1 of 2")
-    said = capsys.readouterr()
-    assert said.err == "waiting until it is ready: PreArm: GPS 1: Bad fix\\x1b[2J\n"
-    assert said.out == ""
+    captured = capsys.readouterr()
+    assert captured.err == "waiting until it is ready: PreArm: GPS 1: Bad fix\\x1b[2J\n"
+    assert captured.out == ""
 
 
 @pytest.mark.parametrize("columns", [20, 60, 80, 120])

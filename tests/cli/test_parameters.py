@@ -62,11 +62,11 @@ def test_a_name_that_neither_has_is_told_with_the_nearest(run: Run, mission: Pat
 )
 def test_what_a_file_of_parameters_has_besides_is_in_the_json(run: Run, mission: Path, words: str) -> None:
     Path("all.params").write_text("QWXZ 5\n")
-    given = words.format(m=mission, s=mission.with_suffix(".toml"), logs=LOGS)
-    ended = run(f"{given} --param-file all.params --json")
-    said = [words for words in json.loads(ended.out)["remarks"] if "QWXZ" in words]
-    assert (ended.code, said) == (0, ['all.params: not read: parameters that no model uses: line 1 ("QWXZ")'])
-    assert f"note: {said[0]}" in run(f"{given} --param-file all.params").out
+    command = words.format(m=mission, s=mission.with_suffix(".toml"), logs=LOGS)
+    ended = run(f"{command} --param-file all.params --json")
+    remarks = [words for words in json.loads(ended.out)["remarks"] if "QWXZ" in words]
+    assert (ended.code, remarks) == (0, ['all.params: not read: parameters that no model uses: line 1 ("QWXZ")'])
+    assert f"note: {remarks[0]}" in run(f"{command} --param-file all.params").out
 
 
 def test_a_file_of_the_other_firmware_is_named(run: Run, mission: Path) -> None:
@@ -106,14 +106,14 @@ def test_parameters_are_translated_for_another_autopilot_or_left_out(run: Run, m
     assert (float(values["RTL_RETURN_ALT"]), float(values["RTL_LAND_DELAY"])) == (65.0, 3.0)
     assert "WPNAV_JERK" not in values
     for words in ("check", "estimate"):
-        told = run(f"{words} x.plan --scenario x.toml")
-        assert told.code == 0
-        assert "left out, of ardupilot only: WPNAV_JERK" in told.out
+        ended = run(f"{words} x.plan --scenario x.toml")
+        assert ended.code == 0
+        assert "left out, of ardupilot only: WPNAV_JERK" in ended.out
 
 
 def test_a_switch_is_no_quantity_to_translate() -> None:
-    given = translated({"RTL_LAND_DELAY": -1.0, "RTL_RETURN_ALT": 40.0}, Autopilot.PX4, Autopilot.ARDUPILOT)[0]
-    assert given == {"RTL_ALT": 4000.0}  # -1: PX4 never lands
+    parameters = translated({"RTL_LAND_DELAY": -1.0, "RTL_RETURN_ALT": 40.0}, Autopilot.PX4, Autopilot.ARDUPILOT)[0]
+    assert parameters == {"RTL_ALT": 4000.0}  # -1: PX4 never lands
 
 
 def test_parameters_of_the_other_firmware_are_ignored_and_the_check_runs(run: Run, mission: Path) -> None:
@@ -140,4 +140,4 @@ def test_what_the_real_ones_log_is_their_own(log: Path) -> None:
         expect_own(flight.parameters, flown.autopilot)
         assert firmware_of(flight.parameters) is flown.autopilot
         with pytest.raises(BadInput):
-            expect_known(flight.parameters, next(one for one in registered() if one is not flown.autopilot))
+            expect_known(flight.parameters, next(each for each in registered() if each is not flown.autopilot))

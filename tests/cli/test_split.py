@@ -35,15 +35,15 @@ def test_a_plan_beyond_its_battery_is_refused_and_split_writes_its_parts(
     assert "battery: expected a reserve of 20% after landing" in " ".join(refused.err.split())
     assert "plan --split" in " ".join(refused.err.split())
     assert not Path("out").exists()
-    told = json.loads(run(f"plan {scenario} --seed 7 --out out --split --json").out)
-    assert [flight["file"] for flight in told["flights"]] == ["rows-1.plan", "rows-2.plan"]
+    result = json.loads(run(f"plan {scenario} --seed 7 --out out --split --json").out)
+    assert [flight["file"] for flight in result["flights"]] == ["rows-1.plan", "rows-2.plan"]
     assert not Path("out/rows.plan").exists()
-    for flight in told["flights"]:
+    for flight in result["flights"]:
         assert len(read_mission(Path("out") / flight["file"]).items) == flight["items"]
         assert flight["left"][1] > 0.2
         assert run(f"check out/{flight['file']} --scenario {scenario}").code == 0
     about = json.loads(Path("out/rows.json").read_text(encoding="utf-8"))
-    assert about["flights"] == told["flights"]
+    assert about["flights"] == result["flights"]
     assert "2 flights, a battery each" in run(f"plan {scenario} --seed 7 --out out --split --force").out
     assert not Path("out/rows.html").exists()
     reported = json.loads(run(f"plan {scenario} --seed 7 --out out --split --force --report --json").out)["written"]
@@ -51,13 +51,13 @@ def test_a_plan_beyond_its_battery_is_refused_and_split_writes_its_parts(
     page = Path("out/rows.html").read_text(encoding="utf-8")
     table = page[page.index("<h2>Flights</h2>") :]
     assert "flown in 2 flights, a battery each" in table
-    for flight in told["flights"]:
+    for flight in result["flights"]:
         assert flight["file"] in table[: table.index("</table>")]
         assert f"{flight['energy_wh'][1]:.1f} Wh" in table[: table.index("</table>")]
     timed = run(f"estimate out/rows-1.plan --scenario {scenario}").out
     assert "20% required" in timed
     assert "rows.json" not in timed
-    seconds = told["flights"][0]["time_s"]
+    seconds = result["flights"][0]["time_s"]
     alone = run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out
     assert f"note: rows.json has {seconds:.1f} s for it: in its scenario's world and wind (--scenario)" in alone
     with Path("out/rows-1.plan").open("a") as file:

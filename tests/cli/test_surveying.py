@@ -33,9 +33,9 @@ AREA = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "co
 
 def test_a_survey_is_planned_checked_shown_and_timed(run: Run, tmp_path: Path) -> None:
     (tmp_path / "field.toml").write_text(SCENARIO)
-    told = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out")
-    assert (told.code, told.err) == (0, "")
-    assert "of the visible part of" in told.out
+    ended = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out")
+    assert (ended.code, ended.err) == (0, "")
+    assert "of the visible part of" in ended.out
     as_json = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/out --json").out)["survey"]
     assert as_json["covered_share"] > 0.999
     assert as_json["outside_m"] == 0.0
@@ -52,18 +52,18 @@ def test_a_survey_is_planned_checked_shown_and_timed(run: Run, tmp_path: Path) -
 
 def test_an_area_is_enough(run: Run, tmp_path: Path) -> None:
     (tmp_path / "area.geojson").write_text(json.dumps(AREA))
-    told = run(f"plan --survey {tmp_path}/area.geojson --autopilot ardupilot --out {tmp_path}/out --json")
-    assert (told.code, told.err) == (0, "")
-    assert json.loads(told.out)["survey"]["lines"] > 1
+    ended = run(f"plan --survey {tmp_path}/area.geojson --autopilot ardupilot --out {tmp_path}/out --json")
+    assert (ended.code, ended.err) == (0, "")
+    assert json.loads(ended.out)["survey"]["lines"] > 1
     assert (tmp_path / "out" / "area.plan").is_file()
 
 
 def test_an_area_goes_before_the_goal_of_a_scenario(run: Run, tmp_path: Path) -> None:
     (tmp_path / "area.geojson").write_text(json.dumps(AREA))
     (tmp_path / "field.toml").write_text(SCENARIO)
-    told = run(f"plan {tmp_path}/field.toml --survey {tmp_path}/area.geojson --out {tmp_path}/out --json")
-    assert told.code == 0
-    assert json.loads(told.out)["survey"]["photos"] > 0
+    ended = run(f"plan {tmp_path}/field.toml --survey {tmp_path}/area.geojson --out {tmp_path}/out --json")
+    assert ended.code == 0
+    assert json.loads(ended.out)["survey"]["photos"] > 0
 
 
 def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
@@ -78,18 +78,18 @@ def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
         (f"plan --survey {tmp_path}/area.geojson --height 0", "survey.height_above_ground: expected a number greater"),
         (f"plan --survey {tmp_path}/area.geojson --gsd 2", "survey: gsd_cm: expected with a camera"),
     ):
-        told = run(f"{command} --out {tmp_path}/out" if command != "plan" else command)
-        assert told.code == 2, told
-        assert words in told.err
+        ended = run(f"{command} --out {tmp_path}/out" if command != "plan" else command)
+        assert ended.code == 2, ended
+        assert words in ended.err
 
 
 def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> None:
     (tmp_path / "field.toml").write_text(SCENARIO.replace("gsd_cm = 2.0", "gsd_cm = 2.0\nflights = 2"))
-    told = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --json")
-    assert told.code == 0
-    flown = json.loads(told.out)["flown"]
-    assert [one["file"] for one in flown] == ["field-1.plan", "field-2.plan"]
-    assert all(one["completed"] for one in flown)
+    flying = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --json")
+    assert flying.code == 0
+    flown = json.loads(flying.out)["flown"]
+    assert [flight["file"] for flight in flown] == ["field-1.plan", "field-2.plan"]
+    assert all(flight["completed"] for flight in flown)
     assert (tmp_path / "out" / "field-2.tlog").is_file()
     rest = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out --flown {tmp_path}/out/field-1.tlog --json")
     assert rest.code == 0
@@ -97,8 +97,8 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert [flight["file"] for flight in left["flights"]] == ["field-rest.plan"]
     assert left["lines"] == flown_lines(tmp_path, 2)
     assert "of lines were flown before" in str(json.loads(rest.out)["remarks"])
-    other = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
-    assert (other.code, "campus-arducopter.tlog: no flight in it follows" in other.err) == (2, True)
+    ended = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
+    assert (ended.code, "campus-arducopter.tlog: no flight in it follows" in ended.err) == (2, True)
     both = f"--flown {MISSIONS}/logs/campus-arducopter.tlog --flown {tmp_path}/out/field-1.tlog"
     beside = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/beside {both} --json").out)
     assert beside["survey"]["lines"] == left["lines"]
@@ -115,8 +115,8 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
 
 
 def flown_lines(folder: Path, flight: int) -> int:
-    told = json.loads((folder / "out" / "field.json").read_text())["survey"]["flights"]
-    return int(told[flight - 1]["lines"])
+    flights = json.loads((folder / "out" / "field.json").read_text())["survey"]["flights"]
+    return int(flights[flight - 1]["lines"])
 
 
 class Terminal(StringIO):
@@ -143,13 +143,13 @@ def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
 
     monkeypatch.setattr("ipoa_mission.cli.real_flight.connect_to", connect_to)
     with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
-        told = run(f"{fly} {link.removesuffix(' --system 1')}")
+        ended = run(f"{fly} {link.removesuffix(' --system 1')}")
     assert systems == [None, 1]  # nobody else's vehicle is armed for the second flight
-    outcome = json.loads(told.out)
-    assert [one["file"] for one in outcome["flown"]] == ["field-1.plan", "field-2.plan"]
-    assert all(one["completed"] for one in outcome["flown"])
-    assert "field-1 has landed. Fly field-2" in told.err
-    assert (told.code, outcome["error"]) == (1, "field-3 and later flights were not flown")
+    outcome = json.loads(ended.out)
+    assert [flight["file"] for flight in outcome["flown"]] == ["field-1.plan", "field-2.plan"]
+    assert all(flight["completed"] for flight in outcome["flown"])
+    assert "field-1 has landed. Fly field-2" in ended.err
+    assert (ended.code, outcome["error"]) == (1, "field-3 and later flights were not flown")
     assert (tmp_path / "out" / "field-2.tlog").is_file()
 
 
@@ -160,21 +160,21 @@ def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
     (tmp_path / "field.toml").write_text(small)
     monkeypatch.setattr(sys, "stdin", Terminal("y\n"))
     with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
-        told = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link {link}")
-    words = " ".join(told.err.split())
-    assert told.code == 1
+        ended = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link {link}")
+    words = " ".join(ended.err.split())
+    assert ended.code == 1
     assert "field-1 has landed. Fly field-2: the vehicle is at east 20, north 80 m (47.398" in words
     assert "the vehicle is 82.5 m from the mission's home, and nearer to another of the survey's start" in words
     assert "bring it to 47.398420, 8.545865" in words
-    assert "survey.starts[1]: no flight begins there" in " ".join(told.out.split())
+    assert "survey.starts[1]: no flight begins there" in " ".join(ended.out.split())
 
 
 def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp_path: Path) -> None:
     line = {"type": "LineString", "coordinates": [[8.0, 47.0], [8.002, 47.0]]}
     (tmp_path / "river.geojson").write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": line}))
-    said = run("plan --survey river.geojson").err
-    assert said.startswith("error: --survey: river.geojson: ") or said.startswith("error: river.geojson: ")
-    assert "hint: --width M" in said
+    output = run("plan --survey river.geojson").err
+    assert output.startswith("error: --survey: river.geojson: ") or output.startswith("error: river.geojson: ")
+    assert "hint: --width M" in output
     assert str(tmp_path) not in run("plan --survey nowhere.geojson").err
     assert run("plan missions.toml --width 30").err.startswith("error: --width: expected with --survey")
     ended = run("plan --survey river.geojson --width 30 --json")
@@ -183,6 +183,6 @@ def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp
 
 def test_whoever_closes_the_pipe_ends_nothing(tmp_path: Path) -> None:
     words = f"{sys.executable} -m ipoa_mission schema | head -n 1; echo ${{PIPESTATUS[0]}}"
-    said = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300)
-    assert said.stdout.splitlines()[-1] == "0"
-    assert said.stderr == ""
+    done = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300)
+    assert done.stdout.splitlines()[-1] == "0"
+    assert done.stderr == ""

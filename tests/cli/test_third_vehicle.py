@@ -285,7 +285,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
     return vehicle
 
 
-def told(outcome: Outcome) -> dict[str, Any]:
+def parsed(outcome: Outcome) -> dict[str, Any]:
     assert outcome.code == 0, outcome
     return cast(dict[str, Any], json.loads(outcome.out))
 
@@ -293,14 +293,14 @@ def told(outcome: Outcome) -> dict[str, Any]:
 def test_a_third_vehicle_goes_the_whole_way(toy: Autopilot, tmp_path: Path, run: Run) -> None:
     (tmp_path / "hop.toml").write_text(SCENARIO, encoding="utf-8")
     assert pickle.loads(pickle.dumps(toy)) is toy
-    told(run("plan hop.toml --json"))
+    parsed(run("plan hop.toml --json"))
     plan = json.loads((tmp_path / "hop.plan").read_text(encoding="utf-8"))
     assert plan["mission"]["firmwareType"] == toy.mav_autopilot
-    assert told(run("check hop.plan --scenario hop.toml --json"))["firmware"]["autopilot"] == toy.name
-    estimated = told(run("estimate hop.plan --json"))
+    assert parsed(run("check hop.plan --scenario hop.toml --json"))["firmware"]["autopilot"] == toy.name
+    estimated = parsed(run("estimate hop.plan --json"))
     assert run("show hop.plan").code == 0
     assert run("export hop.plan hop.kml").code == 0
-    flown = told(run("fly hop.plan --json"))
+    flown = parsed(run("fly hop.plan --json"))
     assert flown["completed"]
     assert flown["flown_s"] == pytest.approx(estimated["total_s"], abs=1.0)
     assert len(flown["items"]) == len(estimated["items"])
@@ -317,8 +317,8 @@ def test_two_vehicles_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -
     ]
     monkeypatch.setattr(register, "entry_points", lambda group: entries)
     assert list(register._registered.__wrapped__()) == ["px4"]
-    other = type(Autopilot.PX4)()
-    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.vehicle.ARDUCOPTER", other)
+    namesake = type(Autopilot.PX4)()
+    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.vehicle.ARDUCOPTER", namesake)
     entries.append(EntryPoint("px4", "ipoa_mission.vehicles.arducopter.vehicle:ARDUCOPTER", "x"))
     with refuses("bad-input", "", "px4"):
         register._registered.__wrapped__()

@@ -48,13 +48,13 @@ def scenario(version: str, unmeasured: bool = False) -> Scenario:
 @pytest.mark.parametrize("autopilot", registered())
 def test_check_has_an_error_and_where_it_is_asked_for_a_warning(autopilot: Autopilot) -> None:
     named = replace(plain(autopilot), firmware_version=UNMEASURED[autopilot])
-    (found,) = [one for one in check_mission(named) if one.code == CODE]
-    assert (str(found.severity), found.seq) == ("error", None)
-    assert str(UNMEASURED[autopilot]) in found.message
-    assert "--unmeasured-version" in str(found.hint)
-    (found,) = [one for one in check_mission(replace(named, unmeasured_version=True)) if one.code == CODE]
-    assert str(found.severity) == "warning"
-    assert not [one for one in check_mission(plain(autopilot)) if one.code == CODE]
+    (finding,) = [finding for finding in check_mission(named) if finding.code == CODE]
+    assert (str(finding.severity), finding.seq) == ("error", None)
+    assert str(UNMEASURED[autopilot]) in finding.message
+    assert "--unmeasured-version" in str(finding.hint)
+    (finding,) = [finding for finding in check_mission(replace(named, unmeasured_version=True)) if finding.code == CODE]
+    assert str(finding.severity) == "warning"
+    assert not [finding for finding in check_mission(plain(autopilot)) if finding.code == CODE]
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -131,13 +131,13 @@ def test_the_command_line_refuses_it_by_name(run: Run, verb: str) -> None:
 
 
 def test_plan_and_fly_refuse_it_by_name(run: Run, tmp_path: Path) -> None:
-    told = f"{MISSIONS / 'sitl.toml'} --firmware-version 1.16 --out {tmp_path} --json"
+    words = f"{MISSIONS / 'sitl.toml'} --firmware-version 1.16 --out {tmp_path} --json"
     for verb in ("plan", "fly"):
-        refused = run(f"{verb} {told}")
+        refused = run(f"{verb} {words}")
         assert refused.code == 1
         assert json.loads(refused.out)["codes"] == [CODE]
         assert not list(tmp_path.iterdir())
-    assert run(f"plan {told} --unmeasured-version").code == 0
+    assert run(f"plan {words} --unmeasured-version").code == 0
 
 
 def test_a_scenario_asks_for_it_by_a_key(tmp_path: Path, run: Run) -> None:

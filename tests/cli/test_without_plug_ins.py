@@ -51,8 +51,8 @@ def run(tmp_path: Path) -> Run:
     def without(room: str, *commands: str) -> list[Outcome]:
         lines, seen = "".join(f"{words}\n" for words in commands), os.environ | {"PYTHONPATH": str(REPOSITORY)}
         command = [sys.executable, "-c", GONE, room]
-        said = subprocess.check_output(command, input=lines, env=seen, cwd=tmp_path, text=True)
-        return [Outcome(*json.loads(line)) for line in said.splitlines()]
+        done = subprocess.check_output(command, input=lines, env=seen, cwd=tmp_path, text=True)
+        return [Outcome(*json.loads(line)) for line in done.splitlines()]
 
     return without
 
@@ -64,7 +64,7 @@ def test_a_room_can_be_taken_out(room: str, missions: Path, run: Run) -> None:
     usage, unknown, *others = run(room, "--help", verb, plan, check, "show sitl.plan")
     assert f"│ {verb} " not in usage.out
     assert unknown.code == 2
-    assert [(one.code, one.err) for one in others] == [(0, "")] * 3
+    assert [(outcome.code, outcome.err) for outcome in others] == [(0, "")] * 3
 
 
 def test_a_survey_is_refused_without_its_room(run: Run, tmp_path: Path) -> None:
