@@ -25,9 +25,9 @@ Planned = Callable[[str], tuple[Forecast, Plan]]
 @pytest.fixture(scope="session")
 def bowed(forecast: Foreseen) -> Bowed:
     def flight(name: str) -> Flight:
-        one = forecast(name)
-        assert one.scenario is not None
-        return one.scenario, one.given, one.estimate
+        predicted = forecast(name)
+        assert predicted.scenario is not None
+        return predicted.scenario, predicted.given, predicted.estimate
 
     return flight
 

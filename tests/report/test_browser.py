@@ -18,7 +18,7 @@ from tests.examples import some
 from tests.report.conftest import Bowed, Planned
 
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
-CHROMIUM = next((found for name in BROWSERS if name and (found := shutil.which(name))), None)
+CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
 pytestmark = pytest.mark.skipif(
     CHROMIUM is None or find_spec("playwright") is None, reason="needs Chromium and playwright"
 )
@@ -135,11 +135,11 @@ def test_pointing_at_a_moment_draws_the_way_home_from_there(open_page: Callable[
     box = plot.bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     here = page.evaluate("parseFloat(document.querySelector('.here').style.left)")
-    way = [tuple(map(float, pair.split())) for pair in page.evaluate(drawn)[1:].split("L")]
-    assert len(way) == 6
-    assert way[-1] == pytest.approx((0.0, 0.0), abs=0.5)  # home
+    points = [tuple(map(float, pair.split())) for pair in page.evaluate(drawn)[1:].split("L")]
+    assert len(points) == 6
+    assert points[-1] == pytest.approx((0.0, 0.0), abs=0.5)  # home
     view = page.evaluate("({...document.getElementById('map').dataset})")
-    left = 100 * (way[0][0] - float(view["west"])) / float(view["width"])
+    left = 100 * (points[0][0] - float(view["west"])) / float(view["width"])
     assert left == pytest.approx(here, abs=8.0)  # within a second of it
     page.keyboard.press("Escape")
     assert page.evaluate(drawn) == ""
@@ -236,13 +236,13 @@ def test_words_and_lines_stand_out_from_what_they_are_on(open_page: Callable[...
         assert contrast(page, line, "--card") > 3.0  # 1.4.11
 
 
-def contrast(page: Any, one: str, other: str) -> float:
+def contrast(page: Any, foreground: str, background: str) -> float:
     """WCAG's definition."""
-    found = page.evaluate(
+    colors = page.evaluate(
         """(names) => names.map((name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim())""",
-        [one, other],
+        [foreground, background],
     )
-    return _contrast(*(_luminance(color) for color in found))
+    return _contrast(*(_luminance(color) for color in colors))
 
 
 def _luminance(color: str) -> float:
@@ -253,8 +253,8 @@ def _luminance(color: str) -> float:
     return sum(weight * c for weight, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
 
 
-def _contrast(one: float, other: float) -> float:
-    low, high = sorted((one, other))
+def _contrast(luminance: float, other_luminance: float) -> float:
+    low, high = sorted((luminance, other_luminance))
     return (high + 0.05) / (low + 0.05)
 
 

@@ -74,8 +74,8 @@ def test_another_suffix_is_refused(tmp_path: Path) -> None:
 def test_a_kml_file_reads_as_lines_and_points_at_amsl(tmp_path: Path) -> None:
     document = fastkml.KML.from_string(exported(MISSION, ".kml", tmp_path).split("\n", 1)[1]).features[0]
     assert document.name == "flight"
-    way, items, fence, rally = document.features
-    (line,) = way.features
+    path, items, fence, rally = document.features
+    (line,) = path.features
     assert line.kml_geometry.altitude_mode.value == "absolute"
     coordinates = np.array(line.geometry.coords)
     assert coordinates[0] == pytest.approx([HOME.longitude_deg, HOME.latitude_deg, 20.5])
@@ -93,8 +93,8 @@ def test_a_kml_file_reads_as_lines_and_points_at_amsl(tmp_path: Path) -> None:
 
 def test_heights_above_terrain_are_relative_to_the_ground_in_kml(tmp_path: Path) -> None:
     document = fastkml.KML.from_string(exported(TERRAIN, ".kml", tmp_path).split("\n", 1)[1]).features[0]
-    way, items = document.features[:2]
-    assert [line.kml_geometry.altitude_mode.value for line in way.features] == [
+    path, items = document.features[:2]
+    assert [line.kml_geometry.altitude_mode.value for line in path.features] == [
         "absolute",
         "relativeToGround",
         "absolute",
@@ -102,7 +102,7 @@ def test_heights_above_terrain_are_relative_to_the_ground_in_kml(tmp_path: Path)
     over_ground = items.features[3]
     assert over_ground.kml_geometry.altitude_mode.value == "relativeToGround"
     assert over_ground.geometry.z == 30.0
-    assert np.array(way.features[1].geometry.coords)[-1, 2] == pytest.approx(30.0, abs=0.01)
+    assert np.array(path.features[1].geometry.coords)[-1, 2] == pytest.approx(30.0, abs=0.01)
 
 
 def test_a_geojson_file_is_valid_and_holds_everything(tmp_path: Path) -> None:

@@ -31,9 +31,9 @@ VOID = {"meta", "br", "i", "path", "rect"}  # without an end, or closed at once
 
 
 def _data(page: str) -> str:
-    found = re.search(r'id="data">(.*?)</script>', page)
-    assert found is not None
-    return found[1]
+    match = re.search(r'id="data">(.*?)</script>', page)
+    assert match is not None
+    return match[1]
 
 
 class Reader(HTMLParser):
@@ -149,13 +149,13 @@ def test_the_page_shows_obstacles_and_item_times(bowed: Bowed, bowed_page: Calla
 
 def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, forecast: Foreseen) -> None:
     scenario, _, _ = bowed("downtown.toml")
-    found = item_legs(forecast("downtown.toml"))
+    legs = item_legs(forecast("downtown.toml"))
     least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
     assert least.distance < 0  # an arc through a city hits towers
     page = report_html(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
-    hits = [stop.time.seq for stop in found if stop.proof is not None and not stop.proof.holds]
+    hits = [stop.time.seq for stop in legs if stop.proof is not None and not stop.proof.holds]
     assert page.count('<span class="bad" title=') == len(hits) > 3
 
 
@@ -212,11 +212,11 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed,
     text["safety_distance"] = float(beside) - scenario.vehicle.radius + 0.5
     stricter = Scenario.model_validate(text)
     danger = find_dangers(course, stricter)
-    assert [one.touching for one in danger] == [False]
+    assert [each.touching for each in danger] == [False]
     assert f"comes within {down(beside):.2f} m" in danger[0].words
-    told = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
+    numbers = [float(v) for v in re.findall(r"(?:east|north|up) (-?\d+)", danger[0].words)]
     near = course.points[int(np.argmin(course.apart))]
-    assert told == pytest.approx(near.tolist(), abs=1.5)
+    assert numbers == pytest.approx(near.tolist(), abs=1.5)
     assert 'class="verdict bad"><b aria-hidden="true">!</b> Clear by' in verdict(proof, None, danger)
 
 

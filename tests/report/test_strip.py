@@ -74,7 +74,7 @@ def test_a_name_in_the_way_cannot_become_markup(bowed: Bowed) -> None:
 
 
 def test_only_what_the_vehicle_has_is_drawn(forecast: Foreseen) -> None:
-    drawn = {name: {way[3] for way in strip_of(forecast(name))[1]} for name in ("campus.toml", "sitl.toml")}
+    drawn = {name: {row[3] for row in strip_of(forecast(name))[1]} for name in ("campus.toml", "sitl.toml")}
     assert drawn == {"campus.toml": {"rtl", "land", "smart_rtl", "hold"}, "sitl.toml": {"rtl", "land", "hold"}}
 
 
