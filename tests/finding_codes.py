@@ -5,6 +5,6 @@ from collections.abc import Iterable
 from ipoa_mission.finding import Finding
 
 
-def found(findings: Iterable[Finding]) -> list[str]:
+def codes_of(findings: Iterable[Finding]) -> list[str]:
     """Return `error far 2` each."""
-    return [" ".join(map(str, (one.severity, one.code, *([] if one.seq is None else [one.seq])))) for one in findings]
+    return [" ".join(map(str, (f.severity, f.code, *([] if f.seq is None else [f.seq])))) for f in findings]

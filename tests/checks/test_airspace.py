@@ -22,7 +22,7 @@ from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
-from tests.finding_codes import found
+from tests.finding_codes import codes_of
 from tests.px4_waypoints import waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -62,7 +62,7 @@ def flight(scenario: Scenario, *points: tuple[float, float, float], autopilot: A
 
 
 def seen(mission: Mission, scenario: Scenario) -> list[str]:
-    return found(check_mission(mission, scenario))
+    return codes_of(check_mission(mission, scenario))
 
 
 def corners(leg: Leg) -> list[list[float]]:
@@ -189,7 +189,7 @@ def test_a_clear_flight_is_found_without_fault() -> None:
 def test_a_leg_through_a_building_is_an_error_that_names_it_and_the_place() -> None:
     scenario = world()
     through = check_mission(flight(scenario, (100.0, 40.0, 20.0)), scenario)
-    assert found(through) == ["error leg-too-near 2", "error leg-too-near 3"]
+    assert codes_of(through) == ["error leg-too-near 2", "error leg-too-near 3"]
     assert all("5.00 m inside hall at east " in finding.message for finding in through)
 
 
@@ -208,15 +208,15 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
     higher = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 40.0"})
     assert "error leg-too-near 3" in seen(px4, scenario)
     assert "leg-too-near 3" not in " ".join(seen(px4, higher))
-    other = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
-    (hint,) = [f.hint for f in check_mission(ardupilot, other) if f.hint]
+    ardupilot_world = world(**{"px4": "ardupilot", "RTL_RETURN_ALT = 25.0": "RTL_ALT = 1500"})
+    (hint,) = [f.hint for f in check_mission(ardupilot, ardupilot_world) if f.hint]
     assert hint.startswith("RTL_ALT = 3500 makes it clear, ")
 
 
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
     scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
     findings = check_mission(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
-    assert found(findings) == ["warning return-too-near 3", *["warning leg-too-near 4"] * 2]
+    assert codes_of(findings) == ["warning return-too-near 3", *["warning leg-too-near 4"] * 2]
     assert re.search(r"1.50 m from hall at .* at least 2.50 m required", findings[1].message)
     assert "0.50 m beyond the upper bound" in findings[2].message
 
@@ -225,7 +225,7 @@ def test_a_climb_beside_a_wall_is_a_warning_and_into_a_roof_an_error() -> None:
     beside = world(**{"east = 50.0\nnorth = 20.0": "east = 12.0\nnorth = 0.0", "height = 30.0": "height = 15.0"})
     findings = check_mission(flight(beside, (-30.0, 0.0, 20.0)), beside)
     climbs = [finding for finding in findings if finding.code == "leg-too-near"]
-    assert found(climbs) == ["warning leg-too-near 1", "warning leg-too-near 3"]
+    assert codes_of(climbs) == ["warning leg-too-near 1", "warning leg-too-near 3"]
     assert all(": 2.00 m from hall at east 0.0, north 0.0" in finding.message for finding in climbs)
     into = world(
         **{
@@ -235,7 +235,7 @@ def test_a_climb_beside_a_wall_is_a_warning_and_into_a_roof_an_error() -> None:
         | {"width = 20.0\ndepth = 10.0\nheight = 30.0": ""}
     )
     (roof, *_) = check_mission(flight(into, (-30.0, 0.0, 20.0)), into)
-    assert found([roof]) == ["error leg-too-near 1"]
+    assert codes_of([roof]) == ["error leg-too-near 1"]
     assert "2.00 m inside hall at east 0.0, north 0.0, up 15.0 m" in roof.message
 
 
@@ -246,7 +246,7 @@ def test_a_leg_into_a_hill_is_an_error() -> None:
     scenario = world(WORLD.replace("[[obstacles]]", hill + "\n[[obstacles]]", 1))
     (near, *_) = check_mission(flight(scenario, (60.0, -30.0, 50.0), (100.0, -30.0, 9.0)), scenario)
     (below, *_) = check_mission(flight(scenario, (60.0, -30.0, 30.0)), scenario)
-    assert found([near, below]) == ["error leg-too-near 3", "error leg-too-near 2"]
+    assert codes_of([near, below]) == ["error leg-too-near 3", "error leg-too-near 2"]
     assert re.search(r"2.24 m .* at east 100.0, north -30.0, up 9.0 m, at least 2.50 m required", near.message)
     assert "10.13 m under the ground" in below.message
 
@@ -254,7 +254,7 @@ def test_a_leg_into_a_hill_is_an_error() -> None:
 def test_heights_above_ground_are_limited_where_the_scenario_says_so() -> None:
     scenario = world(WORLD.replace("[[obstacles]]", "planning = { max_height_above_ground = 25.0 }\n[[obstacles]]", 1))
     findings = check_mission(flight(scenario, (60.0, 0.0, 30.0)), scenario)
-    assert found(findings) == ["error leg-too-near 2", "warning leg-too-near 3"]
+    assert codes_of(findings) == ["error leg-too-near 2", "warning leg-too-near 3"]
     assert all(re.search(": 30.00 m .* at most 25.00 m required", finding.message) for finding in findings)
 
 
@@ -263,14 +263,14 @@ def test_a_leg_steeper_than_the_limit_is_an_error_and_a_take_off_is_none() -> No
     scenario = world(WORLD.replace("[[obstacles]]", steep, 1))
     assert seen(flight(scenario, (60.0, 0.0, 40.0)), scenario) == []
     (climb,) = check_mission(flight(scenario, (50.0, 0.0, 40.0)), scenario)
-    assert found([climb]) == ["error leg-too-near 2"]
+    assert codes_of([climb]) == ["error leg-too-near 2"]
     assert "21.80 deg of climb at east 0.0" in climb.message
 
 
 def test_a_leg_out_of_bounds_is_an_error_with_the_place() -> None:
     scenario = world()
     (out, *_) = check_mission(flight(scenario, (160.0, 0.0, 20.0)), scenario)
-    assert found([out]) == ["error leg-too-near 2"]
+    assert codes_of([out]) == ["error leg-too-near 2"]
     assert "10.00 m beyond the east bound at east 160.0, north 0.0, up 20.0 m" in out.message
 
 
@@ -316,9 +316,9 @@ def test_an_error_is_found_exactly_where_sampling_the_legs_finds_one(points: lis
 def test_a_collision_where_two_legs_meet_is_said_once() -> None:
     scenario = world()
     mission = flight(scenario, (0.0, 0.0, 20.0), (50.0, 20.0, 20.0), (100.0, 0.0, 20.0))
-    told = [finding for finding in check_mission(mission, scenario) if finding.code == "leg-too-near"]
-    assert [finding.seq for finding in told] == [3]
-    assert "inside hall" in told[0].message
+    findings = [finding for finding in check_mission(mission, scenario) if finding.code == "leg-too-near"]
+    assert [finding.seq for finding in findings] == [3]
+    assert "inside hall" in findings[0].message
 
 
 def test_a_leg_that_a_jump_flies_back_names_both_of_its_ends() -> None:
@@ -327,9 +327,9 @@ def test_a_leg_that_a_jump_flies_back_names_both_of_its_ends() -> None:
     up, *ways, down = flight(scenario, south, (100.0, 0.0, 20.0), north).items
     back = Item(Command.DO_JUMP, 2, (2.0, 1.0, 0.0, 0.0))
     mission = Mission(scenario.frame.home, (up, *ways, back, down), PX4)
-    told = [
+    findings = [
         finding
         for finding in check_mission(mission, scenario)
         if "the leg to it from item 4, after a jump" in finding.message
     ]
-    assert found(told) == ["error leg-too-near 2"]
+    assert codes_of(findings) == ["error leg-too-near 2"]

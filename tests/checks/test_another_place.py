@@ -14,7 +14,7 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.world.frame import Geodetic
-from tests.finding_codes import found
+from tests.finding_codes import codes_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses
 
@@ -48,7 +48,7 @@ def test_no_door_takes_the_scenario_of_another_place(door: Callable[[Mission, Sc
 
 def test_check_says_it_once_and_what_else_is_wrong_with_the_mission() -> None:
     wrong = replace(MISSION, items=(*MISSION.items[:2], Item(4711, 3), MISSION.items[2]))
-    errors = [one for one in found(check_mission(wrong, world(THERE))) if one.startswith("error")]
+    errors = [code for code in codes_of(check_mission(wrong, world(THERE))) if code.startswith("error")]
     assert errors == ["error another-place 0", "error command-not-taken 3"]
 
 
@@ -57,7 +57,7 @@ def test_one_check_says_all_though_a_position_or_a_command_is_wrong() -> None:
     away = replace(takeoff(HERE, 20.0), latitude_deg=0.0, longitude_deg=0.0)  # PX4 would fly to 0, 0
     back = replace(waypoint(HERE, 20.0), command=82)  # a spline waypoint, which PX4 does not take
     mission = replace(MISSION, items=(away, waypoint(NEAR, 20.0), back))
-    assert set(found(check_mission(mission, world(HERE, walls)))) >= {
+    assert set(codes_of(check_mission(mission, world(HERE, walls)))) >= {
         "error position-missing 1",
         "error leg-too-near 2",
         "error command-not-taken 3",
@@ -69,11 +69,11 @@ def test_legs_to_and_from_a_place_that_makes_no_sense_are_not_judged() -> None:
     walls = "obstacles = [{ kind = 'box', east = 0.0, north = 50.0, width = 9.0, depth = 3.0, height = 90.0 }]"
     mad = replace(waypoint(NEAR, 20.0), latitude_deg=95.0)
     items = (takeoff(HERE, 20.0), mad, waypoint(NEAR, 20.0), waypoint(HERE, 20.0), land(HERE))
-    found = check_mission(replace(MISSION, items=items), world(HERE, walls))
-    assert [f.seq for f in found if f.severity is Severity.ERROR] == [2, 4]
+    findings = check_mission(replace(MISSION, items=items), world(HERE, walls))
+    assert [f.seq for f in findings if f.severity is Severity.ERROR] == [2, 4]
 
 
 def test_a_rover_s_mission_is_called_one_and_is_asked_for_no_take_off() -> None:
     findings = check_mission(replace(MISSION, items=MISSION.items[1:2], vehicle_type=10))
-    assert found(findings) == ["error no-aircraft", "warning ends-in-the-air 1"]
+    assert codes_of(findings) == ["error no-aircraft", "warning ends-in-the-air 1"]
     assert "for a rover, " in findings[0].message

@@ -26,7 +26,7 @@ from ipoa_mission.mission.items import (
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic
-from tests.finding_codes import found
+from tests.finding_codes import codes_of
 from tests.mission_strategies import missions
 from tests.px4_waypoints import PX4_117
 from tests.recorded_flights import FLIGHTS, read_flight
@@ -180,7 +180,7 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
 @pytest.mark.parametrize("case", FOUND)
 def test_what_is_wrong_is_found_at_its_item(case: str) -> None:
     mission, findings = FOUND[case]
-    assert found(check_mission(mission)) == findings
+    assert codes_of(check_mission(mission)) == findings
 
 
 @pytest.mark.parametrize(
@@ -202,15 +202,15 @@ LIMITS = [
 ]
 
 
-@pytest.mark.parametrize(("autopilot", "fill", "most", "what"), LIMITS)
+@pytest.mark.parametrize(("autopilot", "fill", "most", "expected"), LIMITS)
 def test_what_is_over_the_limit_is_an_error_and_what_is_at_it_is_not(
-    autopilot: Autopilot, fill: Callable[[Mission, int], Mission], most: int, what: str
+    autopilot: Autopilot, fill: Callable[[Mission, int], Mission], most: int, expected: str
 ) -> None:
     empty = flight(UP, AWAY, DOWN, autopilot=autopilot)
     assert check_mission(fill(empty, most)) == ()
     (finding,) = check_mission(fill(empty, most + 1))
-    assert found([finding]) == ["error too-many"]
-    assert re.search(rf"at most {most} {what}.* not {most + 1}$", finding.message)
+    assert codes_of([finding]) == ["error too-many"]
+    assert re.search(rf"at most {most} {expected}.* not {most + 1}$", finding.message)
 
 
 def test_too_long_mission_is_refused_before_its_forecast(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -219,7 +219,7 @@ def test_too_long_mission_is_refused_before_its_forecast(monkeypatch: pytest.Mon
     scenario = read_scenario(SHIPPED / "campus.toml")
     for items, predicted in ((647, 1), (648, 0)):
         mission = flight(UP, *[AWAY] * items, DOWN, autopilot=ARDUPILOT)
-        refused = "error too-many" in found(check_mission(mission, scenario))
+        refused = "error too-many" in codes_of(check_mission(mission, scenario))
         assert (len(asked), refused) == (predicted, not predicted)
         asked.clear()
 
@@ -232,11 +232,11 @@ def test_a_mission_that_was_flown_is_found_without_fault(name: str, autopilot: A
 
 def test_every_recorded_mission_is_found_without_fault() -> None:
     missions = {path.parent.name: read_flight(path.parent).mission for path in FLIGHTS.glob("*/mission.waypoints")}
-    found = {
-        name: check_mission(replace(one, firmware_version=PX4_117.get(one.autopilot))) for name, one in missions.items()
+    findings_by_name = {
+        name: check_mission(replace(m, firmware_version=PX4_117.get(m.autopilot))) for name, m in missions.items()
     }
-    assert len(found) > 40
-    assert not {name: findings for name, findings in found.items() if findings}
+    assert len(findings_by_name) > 40
+    assert not {name: findings for name, findings in findings_by_name.items() if findings}
 
 
 @given(mission=missions())
@@ -262,9 +262,9 @@ def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
 @pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
 def test_a_speed_in_centimeters_is_found_unless_the_vehicle_is_that_fast(autopilot: Autopilot) -> None:
     fast = flight(UP, change_speed(800.0), AWAY, DOWN, autopilot=autopilot)
-    assert found(check_mission(fast)) == ["error speed 2"]
+    assert codes_of(check_mission(fast)) == ["error speed 2"]
     assert "8 m/s" in check_mission(fast)[0].message
     brisk = flight(UP, change_speed(44.0), AWAY, DOWN, autopilot=autopilot)
     own = {"MPC_XY_VEL_MAX": 45.0} if autopilot is PX4 else {"WPNAV_SPEED": 4500.0}
-    assert found(check_mission(brisk)) == ["error speed 2"]
-    assert found(check_mission(brisk.with_parameters(own))) == []
+    assert codes_of(check_mission(brisk)) == ["error speed 2"]
+    assert codes_of(check_mission(brisk.with_parameters(own))) == []

@@ -94,12 +94,12 @@ def test_items_whose_return_is_unclear_are_those_of_single_unclear_paths(autopil
     paths = ContingencyPaths(flight_in(scenario))
     samples = paths.samples(Contingency.RTL)
     single = [
-        any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
+        any(c.slack < -0.02 for path in ways_of for c in prove(path[:5], scenario).checks if c.limit == "obstacles")
         for ways_of in samples.paths
     ]
     exact = {int(seq) for seq, is_broken in zip(paths.stops().seqs_at(samples.times), single, strict=True) if is_broken}
-    told = {int(seq) for seq in paths.stops().seqs_at(samples.times[~samples.clear])}
-    assert told == exact
+    reported = {int(seq) for seq in paths.stops().seqs_at(samples.times[~samples.clear])}
+    assert reported == exact
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -152,7 +152,7 @@ def test_the_way_home_is_reported_where_it_comes_nearer_than_the_braking(
     whole = paths.samples(Contingency.RTL)
     near, worst = np.full_like(whole.near, np.inf), int(np.argmin(whole.slack))
     near[worst, :, 0], near[worst, :, ReturnLeg.RETURNS] = paths.required - 1.0, paths.required - 1.0 - nearer
-    found = replace(whole, near=near)
-    monkeypatch.setattr(ContingencyPaths, "samples", lambda *_: found)
+    lowered = replace(whole, near=near)
+    monkeypatch.setattr(ContingencyPaths, "samples", lambda *_: lowered)
     findings = [finding.message for finding in check_failsafe_return(forecast)]
     assert [next(verb for verb in ("brakes", "flies") if f" {verb} " in words) for words in findings] == verbs

@@ -21,15 +21,15 @@ MAKERS = {"Finding", "error", "warning", "report"}
 
 
 def codes_given() -> set[str]:
-    found = set()
+    codes = set()
     for path in [*PACKAGE.glob("checks/*.py"), *PACKAGE.glob("mission/*.py"), *PACKAGE.glob("maps/*.py")]:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[-1] in MAKERS:
                 first = node.args[0]
                 if not (path.name == "numbered_finding.py" and isinstance(first, ast.Name)):
                     assert isinstance(first, ast.Constant), f"{path}:{node.lineno}: expected a code"
-                    found.add(str(first.value))
-    return found
+                    codes.add(str(first.value))
+    return codes
 
 
 def test_every_finding_is_of_a_rule_and_every_rule_is_used() -> None:
@@ -41,8 +41,8 @@ def test_the_page_has_them_all() -> None:
 
 
 def test_what_may_be_ignored_is_left_out_and_what_may_crash_is_not() -> None:
-    told = {finding.code for finding in check_mission(OPEN_END)}
-    assert told == {"far", "ends-in-the-air"}
+    codes = {finding.code for finding in check_mission(OPEN_END)}
+    assert codes == {"far", "ends-in-the-air"}
     assert {finding.code for finding in check_mission(OPEN_END, ignore=["far"])} == {"ends-in-the-air"}
     with refuses("bad-input", "ends-in-the-air"):
         check_mission(OPEN_END, ignore=["ends-in-the-air"])
@@ -67,8 +67,8 @@ def test_a_scenario_ignores_what_may_be_ignored(code: str) -> None:
 
 
 def test_sarif_has_each_finding_with_its_rule() -> None:
-    found = check_mission(OPEN_END)
-    (run,) = json.loads(sarif({Path("open.plan"): found}))["runs"]
+    findings = check_mission(OPEN_END)
+    (run,) = json.loads(sarif({Path("open.plan"): findings}))["runs"]
     rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
-    assert [(one["ruleId"], one["level"]) for one in run["results"]] == [(f.code, str(f.severity)) for f in found]
-    assert all(rules[one["ruleIndex"]] == one["ruleId"] for one in run["results"])
+    assert [(each["ruleId"], each["level"]) for each in run["results"]] == [(f.code, str(f.severity)) for f in findings]
+    assert all(rules[result["ruleIndex"]] == result["ruleId"] for result in run["results"])

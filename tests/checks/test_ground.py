@@ -33,15 +33,15 @@ def slope(height: float, autopilot: Autopilot, at_home: float = 0.0) -> Scenario
     )
 
 
-def told(
+def warnings_of(
     scenario: Scenario, *, to_goal: bool = True, parameters: dict[str, float] | None = None
 ) -> list[tuple[str, str | None]]:
     home, goal = scenario.frame.home, scenario.frame.geodetic(np.array([200.0, 0.0, 0.0]))
     end = land(goal) if to_goal else return_to_launch()
     mission = Mission(home, (takeoff(home, 50.0), waypoint(goal, 50.0), end), scenario.vehicle.autopilot)
-    found = check_mission(mission.with_parameters(parameters or {}), scenario)
-    assert not any(finding.severity is Severity.ERROR for finding in found), found
-    return [(finding.message, finding.hint) for finding in found if "ground" in finding.message]
+    findings = check_mission(mission.with_parameters(parameters or {}), scenario)
+    assert not any(finding.severity is Severity.ERROR for finding in findings), findings
+    return [(finding.message, finding.hint) for finding in findings if "ground" in finding.message]
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def told(
 def test_on_higher_ground_it_touches_down_at_the_speed_of_its_descent(
     autopilot: Autopilot, height: float, speed: str, slow: str, remedy: str
 ) -> None:
-    ((message, hint),) = told(slope(height, autopilot))
+    ((message, hint),) = warnings_of(slope(height, autopilot))
     assert message == (
         f"item 3 (NAV_LAND): at east 200.0, north 0.0 the ground is {height:.1f} m above home: without a rangefinder "
         f"the vehicle touches down at up to {speed} m/s, not at {slow}"
@@ -66,21 +66,21 @@ def test_on_higher_ground_it_touches_down_at_the_speed_of_its_descent(
 
 @pytest.mark.parametrize(("autopilot", "height"), [(ARDUPILOT, 9.0), (PX4, 4.0), (PX4, 0.0), (ARDUPILOT, -4.0)])
 def test_where_it_slows_down_in_time_nothing_is_said(autopilot: Autopilot, height: float) -> None:
-    assert told(slope(height, autopilot)) == []
+    assert warnings_of(slope(height, autopilot)) == []
 
 
 @pytest.mark.parametrize(("autopilot", "words"), [(ARDUPILOT, "50 m are flown at 0.5"), (PX4, "45 m are flown at 0.7")])
 def test_on_lower_ground_the_landing_is_long(autopilot: Autopilot, words: str) -> None:
-    ((message, _),) = told(slope(-40.0, autopilot))
+    ((message, _),) = warnings_of(slope(-40.0, autopilot))
     assert "the ground is 40.0 m below home: without a rangefinder the last " + words in message
 
 
 def test_the_way_home_ends_on_the_ground_at_home() -> None:
-    assert told(slope(12.0, PX4), to_goal=False) == []
+    assert warnings_of(slope(12.0, PX4), to_goal=False) == []
 
 
 def test_ground_at_home_off_homes_altitude_shifts_the_whole_flight() -> None:
-    ((message, hint), *_) = told(slope(-3.0, PX4, at_home=-3.0))
+    ((message, hint), *_) = warnings_of(slope(-3.0, PX4, at_home=-3.0))
     assert "3.0 m below home's altitude" in message
     assert "flies 3.0 m lower than planned" in message
     assert hint == "set home.altitude_amsl = 497.0"
@@ -88,13 +88,13 @@ def test_ground_at_home_off_homes_altitude_shifts_the_whole_flight() -> None:
 
 @pytest.mark.parametrize("remedy", [{"LAND_ALT_LOW": 2200.0}, {"LAND_ALT_LOW_M": 22.0}])
 def test_the_remedy_is_one(remedy: dict[str, float]) -> None:
-    assert told(slope(12.0, ARDUPILOT), parameters=remedy) == []
-    assert told(slope(12.0, PX4), parameters={"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}) == []
+    assert warnings_of(slope(12.0, ARDUPILOT), parameters=remedy) == []
+    assert warnings_of(slope(12.0, PX4), parameters={"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}) == []
 
 
 def test_a_range_finder_slows_arducopter_down_in_time() -> None:
-    assert told(slope(12.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
-    assert told(slope(-40.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
+    assert warnings_of(slope(12.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
+    assert warnings_of(slope(-40.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))

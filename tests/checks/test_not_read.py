@@ -37,7 +37,7 @@ def box(west: float) -> dict[str, object]:
 
 
 def errors(scenario: Scenario, mission: Mission, ignore: tuple[str, ...] = ()) -> list[str]:
-    return [one.code for one in check_mission(mission, scenario, ignore) if one.severity is Severity.ERROR]
+    return [finding.code for finding in check_mission(mission, scenario, ignore) if finding.severity is Severity.ERROR]
 
 
 @pytest.mark.parametrize(

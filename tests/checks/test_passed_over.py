@@ -54,15 +54,15 @@ def straight(scenario: Scenario) -> Mission:
 
 
 def errors(scenario: Scenario) -> list[Finding]:
-    found = check_mission(straight(scenario), scenario)
-    return [finding for finding in found if finding.severity is Severity.ERROR]
+    findings = check_mission(straight(scenario), scenario)
+    return [finding for finding in findings if finding.severity is Severity.ERROR]
 
 
 @pytest.mark.parametrize(("north", "refused"), [(6.4, True), (6.6, False)])
 def test_within_reach_of_the_path_a_thing_passed_over_is_an_error(read: Read, north: float, refused: bool) -> None:
-    told = errors(read(north))
-    assert [finding.code for finding in told] == ["map-not-understood"] * refused
-    assert all(f"{north:.1f} m from thing" in finding.message for finding in told)
+    findings = errors(read(north))
+    assert [finding.code for finding in findings] == ["map-not-understood"] * refused
+    assert all(f"{north:.1f} m from thing" in finding.message for finding in findings)
 
 
 def test_the_scenario_may_say_itself_that_it_is_nothing_or_an_obstacle(read: Read) -> None:
@@ -73,16 +73,16 @@ def test_the_scenario_may_say_itself_that_it_is_nothing_or_an_obstacle(read: Rea
 
 
 def test_an_open_line_among_no_fly_zones_is_an_error_too(read: Read) -> None:
-    (told,) = errors(read(3.0, kind="no_fly", geometry="LineString"))
-    assert told.code == "map-not-understood"
+    (finding,) = errors(read(3.0, kind="no_fly", geometry="LineString"))
+    assert finding.code == "map-not-understood"
 
 
 def test_plan_refuses_it(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
     search_quickly(monkeypatch.setattr)
-    with refuses("unsafe", "", "thing on m.geojson") as told:
+    with refuses("unsafe", "", "thing on m.geojson") as caught:
         plan_flight(read(-5.0), seed=0)
-    assert told.value.hint
-    assert 'take = "tagged" excludes it' in told.value.hint
+    assert caught.value.hint
+    assert 'take = "tagged" excludes it' in caught.value.hint
 
 
 def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,9 +18,9 @@ def mission(heights: list[float], hold: float, version: Version) -> Mission:
     return Mission(HOME, items, Autopilot.PX4, firmware_version=version)
 
 
-def codes(given: Mission) -> dict[str, int | None]:
-    found = {finding.code: finding.seq for finding in check_mission(given)}
-    return {code: found[code] for code in ("waypoint-passed", "waypoint-may-be-passed") if code in found}
+def codes(mission: Mission) -> dict[str, int | None]:
+    seq_by_code = {finding.code: finding.seq for finding in check_mission(mission)}
+    return {code: seq_by_code[code] for code in ("waypoint-passed", "waypoint-may-be-passed") if code in seq_by_code}
 
 
 def test_a_waypoint_without_hold_before_a_climb_is_an_error_from_1_18_on() -> None:

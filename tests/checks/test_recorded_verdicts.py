@@ -49,11 +49,11 @@ def test_check_passes_what_the_real_one_takes_and_nothing_else(file: Path) -> No
             errors.setdefault(finding.seq, []).append(finding.code)
     compared = 0
     for seq, (item, sent) in enumerate(zip(items, to_wire(mission)[-len(items) :], strict=True), start=1):
-        result, said = known.get(repr(sent)), errors.get(seq, [])
+        result, findings = known.get(repr(sent)), errors.get(seq, [])
         if result is None or item.command == Command.DO_JUMP:  # other values on the wire; another count of items
             continue
-        is_refused = not {"param-refused", "command-not-taken"}.isdisjoint(said)
-        assert said or result is Result.ACCEPTED, (item, result)
-        assert result is not Result.ACCEPTED or not is_refused, (item, said)
+        is_refused = not {"param-refused", "command-not-taken"}.isdisjoint(findings)
+        assert findings or result is Result.ACCEPTED, (item, result)
+        assert result is not Result.ACCEPTED or not is_refused, (item, findings)
         compared += 1
     assert compared > 2_000

@@ -43,7 +43,7 @@ def world_of(autopilot: Autopilot) -> Scenario:
 
 def clearance_is_known(mission: Mission) -> bool:
     forecast = Forecast(mission, world_of(mission.autopilot))
-    errors = {one.code for one in check(forecast) if one.severity is Severity.ERROR}
+    errors = {finding.code for finding in check(forecast) if finding.severity is Severity.ERROR}
     unknown = bool(errors & {"way-unknown", "never-reached", "command-never-flown"})
     if unknown:
         assert forecast.guarantee_if_known is None
@@ -91,7 +91,7 @@ def test_a_spline_before_a_command_without_a_place_is_flown_or_an_error(
     command: Command, params: tuple[float, float, float, float], dives: bool
 ) -> None:
     mission = after_a_spline(Item(command, Frame.MISSION, params))
-    assert ("never-reached" in {one.code for one in check_mission(mission)}) == dives
+    assert ("never-reached" in {finding.code for finding in check_mission(mission)}) == dives
     assert clearance_is_known(mission) != dives
 
 
@@ -124,9 +124,9 @@ def test_a_large_circle_has_no_clearance(radius: float, is_known: bool) -> None:
 @pytest.mark.parametrize("hold_s", [0.0, 1.0])
 def test_a_spline_too_short_to_stop_on_has_no_clearance(gap: int, speed: float, is_known: bool, hold_s: float) -> None:
     """ArduCopter 4.8.0-dev at 8 m/s: 1.4, 0.7, 0.1 m beyond the forecast after held splines of 10, 20 and 30 m."""
-    *way, last = (spline_waypoint(at(0, gap * n), 20.0, hold_s if n == 4 else 0.0) for n in range(1, 5))
+    *splines, last = (spline_waypoint(at(0, gap * n), 20.0, hold_s if n == 4 else 0.0) for n in range(1, 5))
     mission = Mission(
-        HOME, (takeoff(HOME, 20.0), change_speed(speed), *way, last, return_to_launch()), Autopilot.ARDUPILOT
+        HOME, (takeoff(HOME, 20.0), change_speed(speed), *splines, last, return_to_launch()), Autopilot.ARDUPILOT
     )
     assert clearance_is_known(mission) is is_known
     at_once = Mission(HOME, (takeoff(HOME, 20.0), change_speed(speed), last, return_to_launch()), Autopilot.ARDUPILOT)
@@ -143,6 +143,6 @@ def test_a_spline_too_short_to_stop_on_has_no_clearance(gap: int, speed: float, 
 )
 def test_the_speed_on_such_a_spline_is_the_greatest_that_may_be(later: tuple[Item, ...], is_known: bool) -> None:
     """The second pass of a jump flies at the later speed; the speed of climbs does not count."""
-    *way, last = (spline_waypoint(at(0, 10 * n), 20.0, 1.0 if n == 4 else 0.0) for n in range(1, 5))
-    items = (takeoff(HOME, 20.0), change_speed(3.0), *way, last, *later, return_to_launch())
+    *splines, last = (spline_waypoint(at(0, 10 * n), 20.0, 1.0 if n == 4 else 0.0) for n in range(1, 5))
+    items = (takeoff(HOME, 20.0), change_speed(3.0), *splines, last, *later, return_to_launch())
     assert clearance_is_known(Mission(HOME, items, Autopilot.ARDUPILOT)) is is_known

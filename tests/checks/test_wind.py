@@ -20,9 +20,9 @@ goal = { east = 90.0, north = 0.0, up = 15.0 }
 
 def too_strong(wind: Wind) -> bool:
     forecast = Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"), wind)
-    found = [finding for finding in check(forecast) if finding.code == "wind-too-strong"]
-    assert all(finding.severity is Severity.ERROR for finding in found)
-    return bool(found)
+    findings = [finding for finding in check(forecast) if finding.code == "wind-too-strong"]
+    assert all(finding.severity is Severity.ERROR for finding in findings)
+    return bool(findings)
 
 
 def test_a_wind_too_strong_by_itself_or_with_its_spread_is_an_error() -> None:

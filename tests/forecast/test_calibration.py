@@ -22,12 +22,12 @@ SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 @cache
 def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
     """For each flight: is it judged; second, bend, east, north, up (n, 5)."""
-    found: dict[str, tuple[bool, list[list[float]]]] = {}
+    by_name: dict[str, tuple[bool, list[list[float]]]] = {}
     for row in csv.DictReader((Path(__file__).parent / "traces.csv").read_text().splitlines()):
         if row["autopilot"] == autopilot.name:
             numbers = [float(row[name]) for name in ("second", "across", "east", "north", "up")]
-            found.setdefault(row["flight"], (row["judged"] == "1", []))[1].append(numbers)
-    return [(judged, np.array(rows)) for judged, rows in found.values()]
+            by_name.setdefault(row["flight"], (row["judged"] == "1", []))[1].append(numbers)
+    return [(judged, np.array(rows)) for judged, rows in by_name.values()]
 
 
 def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray) -> ProximityRisks:
@@ -40,24 +40,24 @@ def beside_a_wall(autopilot: Autopilot, seconds: np.ndarray, across: np.ndarray)
 
 def chances(autopilot: Autopilot, judged: tuple[bool, ...], longest: float, shortest: float = 0.0) -> np.ndarray:
     """Return the chance of each flight and side to be as near as it was."""
-    found = []
+    probabilities = []
     for is_judged, rows in traces(autopilot):
         seconds, across, level = rows[:, 0], rows[:, 1], rows[:, 2:4]
         if is_judged in judged and shortest <= seconds[-1] < longest:
             wall = beside_a_wall(autopilot, seconds, across)
-            found += [wall.chance(10.0 - float((level @ side).max())) for side in SIDES]
-    return np.array(found)
+            probabilities += [wall.chance(10.0 - float((level @ side).max())) for side in SIDES]
+    return np.array(probabilities)
 
 
-def shares(found: np.ndarray) -> list[float]:
+def shares(probabilities: np.ndarray) -> list[float]:
     """Return the shares below what 50, 90 and 99 % keep."""
-    return [float((found <= chance).mean()) for chance in (0.5, 0.1, 0.01)]
+    return [float((probabilities <= chance).mean()) for chance in (0.5, 0.1, 0.01)]
 
 
 def test_of_short_px4_flights_as_many_fall_short_as_are_said_to() -> None:
-    found = chances(Autopilot.PX4, (False,), LONG)
-    half, ninety, most = shares(found)
-    assert len(found) >= 100
+    probabilities = chances(Autopilot.PX4, (False,), LONG)
+    half, ninety, most = shares(probabilities)
+    assert len(probabilities) >= 100
     assert 0.35 <= half <= 0.65
     assert 0.04 <= ninety <= 0.15
     assert most <= 0.02
@@ -70,10 +70,10 @@ def test_of_no_group_more_fall_short_than_are_said_to(
     autopilot: Autopilot, judged: bool, shortest: float, longest: float
 ) -> None:
     """Four sides a flight."""
-    found = chances(autopilot, (judged,), longest, shortest)
-    assert len(found) >= 12
-    for share, chance in zip(shares(found), (0.5, 0.1, 0.01), strict=True):
-        assert scipy.stats.binomtest(round(share * len(found)), len(found), chance, "greater").pvalue > 0.05
+    chances_of = chances(autopilot, (judged,), longest, shortest)
+    assert len(chances_of) >= 12
+    for share, chance in zip(shares(chances_of), (0.5, 0.1, 0.01), strict=True):
+        assert scipy.stats.binomtest(round(share * len(chances_of)), len(chances_of), chance, "greater").pvalue > 0.05
 
 
 @pytest.mark.parametrize("autopilot", list(registered()))

@@ -51,12 +51,12 @@ def by_times(forecast: Forecast, done: dict[int, float], time: float) -> int | N
 def deviations(
     forecast: Forecast, samples: Iterable[tuple[float, float, float, float]], done: dict[int, float]
 ) -> list[Deviation]:
-    monitor, found = ConformanceMonitor(forecast), []
+    monitor, reported = ConformanceMonitor(forecast), []
     for time, east, north, up in samples:
         item = by_times(forecast, done, time)
-        if item is not None and up > 0.5 and (one := monitor.see(time, np.array([east, north, up]), item)):
-            found.append(one)
-    return found
+        if item is not None and up > 0.5 and (deviation := monitor.see(time, np.array([east, north, up]), item)):
+            reported.append(deviation)
+    return reported
 
 
 @pytest.mark.parametrize("folder", RECORDED, ids=lambda folder: f"{folder.parent.name}-{folder.name}")
@@ -83,15 +83,15 @@ def flown_away() -> Iterator[tuple[float, np.ndarray, int]]:
 def test_a_fly_away_is_found_long_before_it_is_50_m_from_the_item() -> None:
     forecast = rally_on_px4()
     monitor, goal = ConformanceMonitor(forecast), forecast.itinerary.program.places[2]
-    found = {}
+    reported = {}
     for time, place, item in flown_away():
-        if place[2] > 0.5 and (one := monitor.see(time, place, item)):
-            found[one.kind] = float(np.linalg.norm(place - goal))
-            assert one.item == 3
-            assert one.measured > one.allowed
-    assert found.keys() == {DeviationKind.OUTSIDE, DeviationKind.PASSED, DeviationKind.LATE}
-    assert found[DeviationKind.OUTSIDE] < 31.0
-    assert found[DeviationKind.PASSED] < 35.0
+        if place[2] > 0.5 and (deviation := monitor.see(time, place, item)):
+            reported[deviation.kind] = float(np.linalg.norm(place - goal))
+            assert deviation.item == 3
+            assert deviation.measured > deviation.allowed
+    assert reported.keys() == {DeviationKind.OUTSIDE, DeviationKind.PASSED, DeviationKind.LATE}
+    assert reported[DeviationKind.OUTSIDE] < 31.0
+    assert reported[DeviationKind.PASSED] < 35.0
 
 
 def test_the_fly_away_that_was_recorded_first_is_found_within_50_m() -> None:
@@ -106,10 +106,10 @@ def test_the_fly_away_that_was_recorded_first_is_found_within_50_m() -> None:
     for time in np.arange(112.0, 240.0, 0.2):
         place = np.array([np.interp(time, track[:, 0], axis) for axis in track.T[1:]])
         item += item < 4 and math.dist(place[:2], goals[item][:2]) < 2.5
-        if (found := monitor.see(time, place, item)) is not None:
+        if (deviation := monitor.see(time, place, item)) is not None:
             break
-    assert found is not None
-    assert (found.kind, found.item) == (DeviationKind.PASSED, 5)
+    assert deviation is not None
+    assert (deviation.kind, deviation.item) == (DeviationKind.PASSED, 5)
     assert np.linalg.norm(place - goals[4]) < 30.0
 
 
@@ -164,8 +164,8 @@ OUT_AND_ASIDE = mission(
 
 
 def flown(monitor: ConformanceMonitor, *samples: tuple[float, ...]) -> list[Deviation]:
-    found = (monitor.see(time, np.array([east, north, up]), int(item)) for time, east, north, up, item in samples)
-    return [one for one in found if one is not None]
+    answers = (monitor.see(time, np.array([east, north, up]), int(item)) for time, east, north, up, item in samples)
+    return [deviation for deviation in answers if deviation is not None]
 
 
 def test_a_vehicle_that_moves_away_from_its_item_is_found() -> None:
@@ -173,9 +173,9 @@ def test_a_vehicle_that_moves_away_from_its_item_is_found() -> None:
     outward = [(20.0 + t, 5.0 * t, 0.0, 20.0, 1) for t in range(15)]
     back = [(40.0 + t, 70.0 - 5.0 * t, 0.0, 20.0, 1) for t in range(12)]
     assert flown(monitor, *outward) == []
-    (found,) = flown(monitor, *back)
-    assert (found.kind, found.item) == (DeviationKind.AWAY, 2)
-    assert str(found).startswith("item 2: the vehicle moves away from it: it was 130 m away, and is ")
+    (deviation,) = flown(monitor, *back)
+    assert (deviation.kind, deviation.item) == (DeviationKind.AWAY, 2)
+    assert str(deviation).startswith("item 2: the vehicle moves away from it: it was 130 m away, and is ")
 
 
 def test_a_late_vehicle_is_found_and_one_that_was_held_is_not_late() -> None:
@@ -190,8 +190,8 @@ def test_a_late_vehicle_is_found_and_one_that_was_held_is_not_late() -> None:
     monitor.interrupt()
     assert flown(monitor, *((100.0 + time, *there) for time, *there in stands)) == []
     late = [(200.0 + t, 60.0, 0.0, 20.0, 1) for t in np.arange(0.0, 10.0, 1.0)]
-    (found,) = flown(monitor, *late)
-    assert (found.kind, found.allowed) == (DeviationKind.LATE, pytest.approx(2.0 * longest))
+    (deviation,) = flown(monitor, *late)
+    assert (deviation.kind, deviation.allowed) == (DeviationKind.LATE, pytest.approx(2.0 * longest))
 
 
 def test_the_way_back_to_its_item_from_where_it_was_held_is_no_deviation() -> None:
@@ -203,7 +203,7 @@ def test_the_way_back_to_its_item_from_where_it_was_held_is_no_deviation() -> No
     monitor.interrupt()
     assert flown(monitor, (90.0, 100.0, 60.0, 20.0, 1)) == []
     aside = [(91.0 + t, 100.0, 90.0, 20.0, 1) for t in range(3)]
-    assert [found.kind for found in flown(monitor, *aside)] == [DeviationKind.OUTSIDE]
+    assert [deviation.kind for deviation in flown(monitor, *aside)] == [DeviationKind.OUTSIDE]
 
 
 def test_a_loop_is_followed_visit_by_visit() -> None:
@@ -244,8 +244,8 @@ def test_where_nobody_knows_the_flight_there_is_no_monitor() -> None:
 
 
 def test_a_hold_is_flown_where_it_is() -> None:
-    held = mission(waypoint(place(100.0, 0.0), 20.0, 60.0), land(place(100.0, 0.0)))
-    monitor = ConformanceMonitor(Forecast(held))
+    holding = mission(waypoint(place(100.0, 0.0), 20.0, 60.0), land(place(100.0, 0.0)))
+    monitor = ConformanceMonitor(Forecast(holding))
     assert flown(monitor, *((20.0 + t, 100.0, 0.0, 20.0, 1) for t in range(70))) == []
 
 
@@ -256,20 +256,20 @@ ITEMS = [folder for folder in ITEMS_FLOWN if folder.name != "spline_arc-ardupilo
 @pytest.mark.parametrize("folder", ITEMS, ids=lambda folder: folder.name)
 def test_circles_payloads_and_splines_are_compared_and_do_not_deviate(folder: Path) -> None:
     forecast, begins, trace = read_items(folder)
-    monitor, found = ConformanceMonitor(forecast), []
+    monitor, reported = ConformanceMonitor(forecast), []
     for time, east, north, up in trace:
         seq = max((seq for seq, begin in begins.items() if begin <= time), default=0)
         if 0 < seq <= len(forecast.mission.items) and up > 0.5:
-            found.append(monitor.see(time, np.array([east, north, up]), seq - 1))
-    assert len(found) > 20
-    assert not any(found)
+            reported.append(monitor.see(time, np.array([east, north, up]), seq - 1))
+    assert len(reported) > 20
+    assert not any(reported)
 
 
 def test_a_circle_of_another_radius_deviates() -> None:
     forecast, begins, trace = read_items(next(folder for folder in ITEMS if folder.name == "circle60-ardupilot"))
-    monitor, found = ConformanceMonitor(forecast), []
+    monitor, reported = ConformanceMonitor(forecast), []
     center = np.array(forecast.itinerary.program.places[2])
     for time, east, north, up in trace[(trace[:, 0] > begins[3] + 15.0) & (trace[:, 0] < begins[4])]:
         wider = center + 1.3 * (np.array([east, north, up]) - center) * [1.0, 1.0, 0.0]
-        found.append(monitor.see(time, np.array([*wider[:2], up]), 2))
-    assert any(one and one.kind is DeviationKind.OUTSIDE for one in found)
+        reported.append(monitor.see(time, np.array([*wider[:2], up]), 2))
+    assert any(deviation and deviation.kind is DeviationKind.OUTSIDE for deviation in reported)

@@ -58,10 +58,10 @@ def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]
 def test_every_second_in_the_air_is_in_some_row(
     campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], contingency: Contingency
 ) -> None:
-    told = rows[contingency]
-    assert all(one.to_s == other.from_s for one, other in pairwise(told))
-    assert told[0].from_s < 6.0
-    assert campus.forecast.estimate.total_s - told[-1].to_s < 6.0
+    of_contingency = rows[contingency]
+    assert all(earlier.to_s == later.from_s for earlier, later in pairwise(of_contingency))
+    assert of_contingency[0].from_s < 6.0
+    assert campus.forecast.estimate.total_s - of_contingency[-1].to_s < 6.0
 
 
 def test_the_first_example_comes_home_clear_from_every_second(campus: Contingencies) -> None:
@@ -101,16 +101,16 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
 @pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
 def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: Contingency) -> None:
     for row in sitl.rows(contingency, timed=False):
-        one = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
-        assert (one.grade, one.goal) == (row.grade, row.goal)
-        assert one.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
+        second = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
+        assert (second.grade, second.goal) == (row.grade, row.goal)
+        assert second.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
 def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
-    found = campus.paths.samples(Contingency.LAND)
-    samples = found.times[~found.clear]
+    samples_of_land = campus.paths.samples(Contingency.LAND)
+    samples = samples_of_land.times[~samples_of_land.clear]
     assert samples[0] - unclear[0].from_s >= 0.6
     assert unclear[-1].to_s - samples[-1] >= 0.6
     assert unclear[1].from_s == pytest.approx(samples[0], abs=0.5)
@@ -120,8 +120,8 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
     """ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
     autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
     paths = [
-        autopilot.stopping_offset({}, level, 0.0 * level, one)[0, 0]
-        for one in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
+        autopilot.stopping_offset({}, level, 0.0 * level, contingency)[0, 0]
+        for contingency in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
     ]
     assert paths == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
 
@@ -155,7 +155,7 @@ def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
 def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: float) -> None:
     landed = forecast_of("sitl", RTL_TYPE=kind)
     away = replace(landed.given, items=landed.given.items[:-1])
-    typed, home = (Forecast(away.with_parameters({"RTL_TYPE": one}), landed.scenario) for one in (kind, 0.0))
+    typed, home = (Forecast(away.with_parameters({"RTL_TYPE": rtl_type}), landed.scenario) for rtl_type in (kind, 0.0))
     time = home.estimate.total_s / 2
     lasts = [predict_contingency(each, Contingency.RTL, time).lasts for each in (typed, home)]
     assert lasts[0] == lasts[1]
@@ -175,8 +175,8 @@ def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float])
     forecast = forecast_of("sitl", **parameters)
     home = forecast.mission.home
     round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
-    held = (replace(one, params=(0.1, *one.params[1:])) for one in forecast.given.items)  # or 1.19 passes them
-    fenced = replace(forecast.given, items=tuple(held), fence=(round_all,), firmware_version=Version(1, 19))
+    items = (replace(item, params=(0.1, *item.params[1:])) for item in forecast.given.items)  # or 1.19 passes them
+    fenced = replace(forecast.given, items=tuple(items), fence=(round_all,), firmware_version=Version(1, 19))
     (row,) = Contingencies(Forecast(fenced, forecast.scenario)).rows(Contingency.RTL)
     assert not row.clear
     assert math.isnan(row.least_m)
@@ -225,12 +225,12 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
     begin, end = back.paths.in_air
     time = begin + share * (end - begin)
     samples = back.paths.at(Contingency.RTL, np.array([time]))
-    way = samples.paths[0][samples.possible[0]][0]
-    dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
+    path = samples.paths[0][samples.possible[0]][0]
+    dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(path)])
     nearest = back.paths.enlarged.airspace.obstacle_distance(dense).min()
     noted = samples.near[0][samples.possible[0]].min()
     assert noted <= nearest + 1e-6 or nearest > back.paths.required + SAMPLING.max_slack
-    assert np.linalg.norm(way[-1] - way[-2]) > 1.0
+    assert np.linalg.norm(path[-1] - path[-2]) > 1.0
 
 
 def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
@@ -246,7 +246,7 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     sunk = samples.paths.copy()
     sunk[0, ~samples.possible[0], :, 2] -= 100.0
     low, same = (
-        over.paths.lowest(Contingency.RTL, one, 0).nearest.distance for one in (samples, replace(samples, paths=sunk))
+        over.paths.lowest(Contingency.RTL, each, 0).nearest.distance for each in (samples, replace(samples, paths=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # may not see the ground: as over home
@@ -295,10 +295,10 @@ def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeyp
 
 def test_check_lists_contingencies_and_what_leads_to_them() -> None:
     words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--endings"]
-    told = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
-    assert list(dict.fromkeys(row["ending"] for row in told["endings"])) == ["rtl", "land", "hold"]
+    document = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
+    assert list(dict.fromkeys(row["ending"] for row in document["endings"])) == ["rtl", "land", "hold"]
     assert {"cause": "radio control lost", "parameter": "NAV_RCL_ACT", "value": 2.0} in [
-        {key: one[key] for key in ("cause", "parameter", "value")} for one in told["failsafes"]
+        {key: failsafe[key] for key in ("cause", "parameter", "value")} for failsafe in document["failsafes"]
     ]
     assert "stretches are not clear" in CliRunner().invoke(app, words).output
 

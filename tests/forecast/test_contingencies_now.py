@@ -46,11 +46,11 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
     begin, end = contingencies.in_air
     time = begin + share * (end - begin)
     place = contingencies.stops().at(np.array([time]))[0][0]
-    found, aside = now.time_at(place, time + late)
+    nearest_s, aside = now.time_at(place, time + late)
     assert aside < 1.0
-    told = {row.contingency: (row, seconds) for row, seconds in now.at(found)}
-    assert set(told) == {Contingency.RTL, Contingency.LAND}
-    for contingency, (row, seconds) in told.items():
+    rows = {row.contingency: (row, seconds) for row, seconds in now.at(nearest_s)}
+    assert set(rows) == {Contingency.RTL, Contingency.LAND}
+    for contingency, (row, seconds) in rows.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
         lasts = contingencies.lasts(contingency, time)
         assert lasts is not None
@@ -65,7 +65,7 @@ def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
     for time in np.linspace(12.0, 26.0, 29):
         lasts = contingencies.lasts(Contingency.RTL, float(time))
         assert lasts is not None
-        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].contingency is Contingency.RTL]
+        ((_, seconds),) = [row for row in now.at(float(time)) if row[0].contingency is Contingency.RTL]
         took.append(sum(lasts) / 2)
         assert seconds == pytest.approx(took[-1], abs=6.0)
     assert max(took) - min(took) > 40.0
@@ -81,9 +81,9 @@ def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast)
     held_s, at = 60.0, len(times) // 2
     clock = [*times[:at], *(times[at] + np.arange(held_s)), *(times[at:] + held_s)]
     flown = [*times[:at], *([times[at]] * int(held_s)), *times[at:]]
-    for told, time in zip(clock, flown, strict=True):
-        found, aside = now.time_at(contingencies.stops().at(np.array([time]))[0][0], told)
-        assert abs(found - time) < 1.5
+    for clock_s, time in zip(clock, flown, strict=True):
+        nearest_s, aside = now.time_at(contingencies.stops().at(np.array([time]))[0][0], clock_s)
+        assert abs(nearest_s - time) < 1.5
         assert aside < 1.0
     assert now.time_at(contingencies.stops().places[-1] + 300.0, clock[-1])[1] > 300.0  # it has been sent elsewhere
     assert [(row.contingency, seconds is None) for row, seconds in now.at(float(times[at]))] == [
@@ -94,26 +94,26 @@ def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast)
 
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:
-    contingencies, told, reserves = Contingencies(forecast), list[str](), list[ReserveNow]()
+    contingencies, printed, reserves = Contingencies(forecast), list[str](), list[ReserveNow]()
     time = sum(contingencies.in_air) / 2
     there = forecast.frame.geodetic(contingencies.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
     teller = ContingencyDisplay(
-        forecast, vehicle, lambda _, words: told.append(words), reserves, ContingenciesNow(forecast)
+        forecast, vehicle, lambda _, words: printed.append(words), reserves, ContingenciesNow(forecast)
     )
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
     for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock
         vehicle.state.battery_left = left
         teller.hear(Position(time + later, *at))
-    assert told[0] == "item 3 of 6"
-    assert len(told) == 5
-    assert all(words.startswith("item 3 of 6  now: rtl ") and "; land " in words for words in told[1:])
-    assert ["; battery " in words for words in told[1:]] == [False, True, True, True]
-    assert "battery 80%, " in told[2]
-    assert told[4].endswith("NOT the 25% required")
-    assert [one.left for one in reserves] == [0.8, 0.2]
+    assert printed[0] == "item 3 of 6"
+    assert len(printed) == 5
+    assert all(words.startswith("item 3 of 6  now: rtl ") and "; land " in words for words in printed[1:])
+    assert ["; battery " in words for words in printed[1:]] == [False, True, True, True]
+    assert "battery 80%, " in printed[2]
+    assert printed[4].endswith("NOT the 25% required")
+    assert [reserve.left for reserve in reserves] == [0.8, 0.2]
 
 
 def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Forecast) -> None:

@@ -54,9 +54,9 @@ def wall(distance: float, length: float = 100.0) -> Obstacle:
 @pytest.mark.parametrize("chance", [0.1, 0.05, 0.01, 0.002])
 def test_recorded_passes_go_beyond_a_quantile_no_oftener_than_it_says(autopilot: Autopilot, chance: float) -> None:
     """Four seconds have a moment's chance and one more for each memory."""
-    found, law = beside(autopilot, "01"), law_of(autopilot)
-    assert len(found) >= 600
-    assert (found > law.level.distance(chance)).mean() <= (1 + 4.0 / law.memory) * chance
+    distances, law = beside(autopilot, "01"), law_of(autopilot)
+    assert len(distances) >= 600
+    assert (distances > law.level.distance(chance)).mean() <= (1 + 4.0 / law.memory) * chance
 
 
 @pytest.mark.parametrize("side", ["down", "up"])
@@ -79,10 +79,10 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
 
 
 def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
-    one, world = straight(wall(5.0))
-    once = proximity_risks(one, world, PX4, 4.0).chance(3.5)
+    course, world = straight(wall(5.0))
+    once = proximity_risks(course, world, PX4, 4.0).chance(3.5)
     both = straight(wall(5.0), wall(-10.0))[1]
-    assert proximity_risks(one, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
+    assert proximity_risks(course, both, PX4, 4.0).chance(3.5) == pytest.approx(2 * once, rel=1e-6)
     longer = straight(seconds=7.9)[0]
     assert proximity_risks(longer, world, PX4, 4.0).chance(3.5) == pytest.approx(1 - (1 - once) ** 2, rel=1e-6)
 

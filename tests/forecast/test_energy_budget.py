@@ -37,9 +37,9 @@ def budget(capacity: float | None = None, wind: Wind = CALM, learned: bool = Tru
     half = scenario.frame.geodetic(np.array([AWAY / 2, 0.0, 15.0]))
     items = (takeoff(home, 15.0), change_speed(8.0), waypoint(half, 15.0), waypoint(there, 15.0), land(there))
     mission = Mission(home, items, Autopilot.ARDUPILOT, vehicle=LEARNED if learned else None)
-    found = budget_of(Forecast(mission, scenario, wind))
-    assert found is not None
-    return found
+    energy = budget_of(Forecast(mission, scenario, wind))
+    assert energy is not None
+    return energy
 
 
 def planning(forecast: Forecast) -> Forecast:
@@ -56,9 +56,9 @@ def codes(capacity: float, planned: bool = False) -> dict[str, Severity]:
 
 @pytest.mark.parametrize("missing", [0.0, 0.1, 0.7])
 def test_the_reserve_in_flight_is_the_measured_one_less_the_remaining_use(missing: float) -> None:
-    found = budget(20.0)
-    middle, left = float(found.used.times[-1]) / 2, found.left(found.used.between)
-    now = found.against_plan(1.0 - found.used.until(middle).likely / 20.0 - missing, middle)
+    energy = budget(20.0)
+    middle, left = float(energy.used.times[-1]) / 2, energy.left(energy.used.between)
+    now = energy.against_plan(1.0 - energy.used.until(middle).likely / 20.0 - missing, middle)
     assert now is not None
     assert left is not None
     assert now.planned - now.left == pytest.approx(missing)
@@ -69,11 +69,11 @@ def test_the_reserve_in_flight_is_the_measured_one_less_the_remaining_use(missin
 
 
 def test_items_come_to_the_whole_and_the_share_left_falls() -> None:
-    found = budget(20.0)
-    assert sum(item.takes.likely for item in found.items) == pytest.approx(found.used.energy_wh)
-    left = [item.left.likely for item in found.items if item.left is not None]
+    energy = budget(20.0)
+    assert sum(item.takes.likely for item in energy.items) == pytest.approx(energy.used.energy_wh)
+    left = [item.left.likely for item in energy.items if item.left is not None]
     assert left == sorted(left, reverse=True)
-    assert left[-1] == pytest.approx(1.0 - found.used.energy_wh / 20.0)
+    assert left[-1] == pytest.approx(1.0 - energy.used.energy_wh / 20.0)
     assert budget().items[0].left is None
 
 

@@ -38,12 +38,12 @@ def out_and_back(autopilot: Autopilot, *between: Item) -> Mission:
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_items_are_numbered_as_in_the_file_and_done_in_order(autopilot: Autopilot) -> None:
-    found = estimate(out_and_back(autopilot, change_speed(8.0)))
-    assert [item.seq for item in found.items] == [1, 2, 3, 4, 5]
-    times = [item.done_s for item in found.items]
+    predicted = estimate(out_and_back(autopilot, change_speed(8.0)))
+    assert [item.seq for item in predicted.items] == [1, 2, 3, 4, 5]
+    times = [item.done_s for item in predicted.items]
     assert times == sorted(times)
-    assert found.total_s == times[-1]
-    assert all(item.low_s <= item.done_s <= item.high_s for item in found.items)
+    assert predicted.total_s == times[-1]
+    assert all(item.low_s <= item.done_s <= item.high_s for item in predicted.items)
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -51,10 +51,10 @@ def test_a_jump_is_flown_as_often_as_it_asks(autopilot: Autopilot) -> None:
     once = estimate(out_and_back(autopilot))
     jump = Item(Command.DO_JUMP, Frame.MISSION, (2.0, 2.0, 0.0, 0.0))
     mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), jump), autopilot)
-    found = estimate(mission)
-    assert [item.seq for item in found.items] == [1, 2, 3, 2, 3, 2, 3]
+    predicted = estimate(mission)
+    assert [item.seq for item in predicted.items] == [1, 2, 3, 2, 3, 2, 3]
     leg = once.items[2].duration_s
-    assert found.total_s == pytest.approx(once.items[1].done_s + 5 * leg, rel=0.15)
+    assert predicted.total_s == pytest.approx(once.items[1].done_s + 5 * leg, rel=0.15)
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -68,17 +68,17 @@ def test_a_loop_without_end_has_no_time(autopilot: Autopilot) -> None:
 def test_a_hold_lasts_at_least_as_long_as_it_says(autopilot: Autopilot) -> None:
     plain = estimate(out_and_back(autopilot))
     mission = out_and_back(autopilot)
-    held = replace(mission, items=(*mission.items[:1], waypoint(HOME, 20.0, hold_s=30.0), *mission.items[2:]))
-    assert estimate(held).items[1].duration_s - plain.items[1].duration_s == pytest.approx(30.0, abs=1.0)
-    assert estimate(held).total_s - plain.total_s == pytest.approx(30.0, abs=4.0)
+    holding = replace(mission, items=(*mission.items[:1], waypoint(HOME, 20.0, hold_s=30.0), *mission.items[2:]))
+    assert estimate(holding).items[1].duration_s - plain.items[1].duration_s == pytest.approx(30.0, abs=1.0)
+    assert estimate(holding).total_s - plain.total_s == pytest.approx(30.0, abs=4.0)
 
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_parameters_count_by_the_autopilots_names_and_unused_ones_do_not(autopilot: Autopilot) -> None:
     mission = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), land(EAST)), autopilot)
     slow = {Autopilot.ARDUPILOT: {"WPNAV_SPEED": 200.0}, Autopilot.PX4: {"MPC_XY_CRUISE": 2.0}}[autopilot]
-    other = {Autopilot.ARDUPILOT: "FRAME_CLASS", Autopilot.PX4: "SYS_AUTOSTART"}[autopilot]
-    assert estimate(mission, {**slow, other: 7.0}).total_s > estimate(mission).total_s + 10.0
+    unused = {Autopilot.ARDUPILOT: "FRAME_CLASS", Autopilot.PX4: "SYS_AUTOSTART"}[autopilot]
+    assert estimate(mission, {**slow, unused: 7.0}).total_s > estimate(mission).total_s + 10.0
     with refuses("unknown-parameter", "", "NONSENSE", kind=BadInput):
         estimate(mission, {**slow, "NONSENSE": 7.0})
 
@@ -87,11 +87,11 @@ def test_parameters_count_by_the_autopilots_names_and_unused_ones_do_not(autopil
 def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopilot) -> None:
     """86.4 m at 5 m/s, from rest to rest: 17.3 s and one acceleration, and a little of its jerk."""
     items = (takeoff(HOME, 20.0), change_speed(5.0), waypoint(HOME, 20.0, 0.1, 2.0), waypoint(EAST, 20.0, 0.1, 2.0))
-    found = estimate(Mission(HOME, (*items, return_to_launch()), autopilot))
+    predicted = estimate(Mission(HOME, (*items, return_to_launch()), autopilot))
     accel = {Autopilot.ARDUPILOT: 2.5, Autopilot.PX4: 3.0}[autopilot]
-    assert found.route.seconds == pytest.approx(found.items[3].done_s - found.items[0].done_s)
-    assert 86.4 / 5.0 + 5.0 / accel < found.route.least < 86.4 / 5.0 + 5.0 / accel + 4.0
-    assert found.route.ratio == found.route.seconds / found.route.least > 1.0
+    assert predicted.route.seconds == pytest.approx(predicted.items[3].done_s - predicted.items[0].done_s)
+    assert 86.4 / 5.0 + 5.0 / accel < predicted.route.least < 86.4 / 5.0 + 5.0 / accel + 4.0
+    assert predicted.route.ratio == predicted.route.seconds / predicted.route.least > 1.0
     assert math.isnan(estimate(Mission(HOME, (takeoff(HOME, 20.0),), autopilot)).route.seconds)
 
 

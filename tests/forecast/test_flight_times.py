@@ -88,12 +88,12 @@ def test_px4s_take_off_within_ten_per_cent(flight: Recorded) -> None:
 @pytest.mark.parametrize("flight", PX4, ids=lambda f: f.name)
 def test_px4s_landing_within_ten_per_cent_but_for_one(flight: Recorded) -> None:
     """`climb_gentle` hung over home for 12 s more than any other flight: 13 %."""
-    contingency, found = len(flight.mission.items), estimated(flight)
+    contingency, predicted = len(flight.mission.items), estimated(flight)
     if contingency in flight.runs[0]:
         flown = float(np.mean([run[contingency] - run[flight.last] for run in flight.runs]))
         ours = done(flight)[contingency] - done(flight)[flight.last]
     else:
-        flown, ours = flight.end_s - flight.runs[0][flight.last], found.total_s - done(flight)[flight.last]
+        flown, ours = flight.end_s - flight.runs[0][flight.last], predicted.total_s - done(flight)[flight.last]
     assert ours == pytest.approx(flown, rel=0.14 if flight.name == "climb_gentle-px4" else 0.10)
 
 
@@ -107,7 +107,7 @@ def test_the_interval_keeps_what_was_flown(flights: tuple[Recorded, ...]) -> Non
         if item.seq in run
     ]
     assert 0.85 < np.mean(inside) <= 0.95, "nine in ten are promised: fewer is wrong, and more is too wide"
-    assert np.mean([found.high_s / found.low_s for found in map(estimated, flights)]) < 1.25, "not by being wide"
+    assert np.mean([item.high_s / item.low_s for item in map(estimated, flights)]) < 1.25, "not by being wide"
 
 
 def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
@@ -127,11 +127,11 @@ def test_px4s_waypoints_are_missed_as_often_as_predicted() -> None:
 @pytest.mark.parametrize("flight", [*COPTER, *PX4], ids=lambda f: f.name)
 def test_the_flown_path_keeps_near_the_predicted_one(flight: Recorded) -> None:
     """ArduCopter's place is known within centimeters in the simulator, PX4's within a meter and more."""
-    trace, found = flight.trace, estimated(flight)
+    trace, predicted = flight.trace, estimated(flight)
     inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
     frame = LocalFrame(flight.mission.home)
     flown = frame.to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)[:, :2]
-    path = found.track.points[:, :2]
+    path = predicted.track.points[:, :2]
     beside = np.array([np.linalg.norm(path - place, axis=1).min() for place in flown])
     between = float(np.linalg.norm(np.diff(path, axis=0), axis=1).max()) / 2
     assert np.quantile(beside, 0.95) < between + (0.25 if flight in COPTER else 1.3)

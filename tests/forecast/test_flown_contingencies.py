@@ -122,7 +122,7 @@ def test_contingencies_last_as_long_as_expected(autopilot: str, contingency: Con
 def test_contingencies_last_as_long_as_their_intervals_say(autopilot: str, contingency: Contingency) -> None:
     rows = timed(autopilot, contingency)
     within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
-    later = [one for row, one in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
+    later = [is_within for row, is_within in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
     assert sum(within) >= WITHIN * len(within)
     assert sum(later) >= WITHIN_LATER * len(later)
 
@@ -140,16 +140,16 @@ def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency:
 
 
 def said_of(row: Row) -> str:
-    found = re.fullmatch(r"(.+) \(([^()]*)\)", row["trigger"])
-    assert found
-    cause, settings = found.groups()
-    parameters = {name: float(value) for name, value in (one.split() for one in settings.split(", ") if one)}
+    match = re.fullmatch(r"(.+) \(([^()]*)\)", row["trigger"])
+    assert match
+    cause, settings = match.groups()
+    parameters = {name: float(value) for name, value in (each.split() for each in settings.split(", ") if each)}
     autopilot, version = autopilot_named(row["autopilot"]), FLOWN_ON[row["autopilot"]]
     stage = FlightStage(row["stage"])
-    route = next(one for one in autopilot.failsafes(parameters, version) if one.cause == cause).at(stage)
+    route = next(failsafe for failsafe in autopilot.failsafes(parameters, version) if failsafe.cause == cause).at(stage)
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
-        said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
-        route = next(one for one in said if one.cause == cause).at(stage)
+        failsafes = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
+        route = next(failsafe for failsafe in failsafes if failsafe.cause == cause).at(stage)
     if route.contingency is Contingency.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
     if route.contingency is Contingency.UNKNOWN:
@@ -200,15 +200,15 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
         float(row["second"]),
     )
     second = float(np.clip(second, *contingencies.in_air))
-    told = contingencies.at(contingency, second, timed=False)
+    predicted = contingencies.at(contingency, second, timed=False)
     if float(row["flown_least"]) < float(row["required"]):
-        assert not told.clear
+        assert not predicted.clear
     elif row["clear"] == "True":
-        assert told.clear
-    assert told.grade.name.lower() == (row["grade"] or told.grade.name.lower())
+        assert predicted.clear
+    assert predicted.grade.name.lower() == (row["grade"] or predicted.grade.name.lower())
     if contingency in (Contingency.RTL, Contingency.LAND) and row["did"] == contingency:
         mission, forecast = contingencies.mission, contingencies.forecast
         model, order = mission.autopilot.part(FlightModel), Abort(second, contingency)
-        found = model.predict_abort(forecast.itinerary, mission, forecast.wind, order)
+        prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, order)
         share, seconds = OFF[row["autopilot"]]
-        assert float(found.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)
+        assert float(prediction.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)

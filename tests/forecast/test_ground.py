@@ -46,13 +46,13 @@ def test_a_landing_takes_as_long_as_the_ground_asks_for(
     autopilot: Autopilot, parameters: dict[str, float], ground: float, flown: tuple[float, ...], near: float
 ) -> None:
     asked = mission(autopilot, ground, parameters)
-    told = estimate(asked)
+    predicted = estimate(asked)
     here = [fly(asked, seed=seed) for seed in range(len(flown))]  # each differs by 2 s
-    landings = [one.item_reached_s[2] - one.item_reached_s[1] for one in here]
-    assert told.items[2].duration_s == pytest.approx(np.mean(flown), abs=near)
+    landings = [flight.item_reached_s[2] - flight.item_reached_s[1] for flight in here]
+    assert predicted.items[2].duration_s == pytest.approx(np.mean(flown), abs=near)
     assert np.mean(landings) == pytest.approx(np.mean(flown), abs=near)
-    assert told.track.points[-1, 2] == pytest.approx(ground, abs=1.0)
-    assert [one.path[-1].height for one in here] == pytest.approx([ground] * len(here), abs=1.0)
+    assert predicted.track.points[-1, 2] == pytest.approx(ground, abs=1.0)
+    assert [flight.path[-1].height for flight in here] == pytest.approx([ground] * len(here), abs=1.0)
 
 
 def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:

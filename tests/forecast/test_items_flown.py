@@ -28,13 +28,13 @@ SHARE, SECONDS = 0.025, 0.3  # from the end of the take-off; 2 % in all but loit
 
 def read(folder: Path) -> tuple[Forecast, dict[int, float], NDArray[np.float64]]:
     """The forecast; when each item began [s]; the trace (n, 4): time, east, north, up."""
-    told = json.loads((folder / "flight.json").read_text())
+    document = json.loads((folder / "flight.json").read_text())
     mission = read_mission_file(folder / "mission.waypoints", Autopilot.ARDUPILOT).mission
-    mission = mission.with_parameters(told["params"])
+    mission = mission.with_parameters(document["params"])
     forecast = Forecast(Forecast(mission).on(Version(4, 8)).given)
     rows = np.loadtxt(folder / "trace.csv", delimiter=",", skiprows=1)
     flat = LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], np.full(len(rows), mission.home.altitude))
-    begins = {int(seq): float(at) for seq, at in told["item_begins_s"].items()}
+    begins = {int(seq): float(at) for seq, at in document["item_begins_s"].items()}
     return forecast, begins, np.column_stack([rows[:, 0], flat[:, :2], rows[:, 3]])
 
 
@@ -63,7 +63,7 @@ def test_every_item_is_done_when_it_was(folder: Path) -> None:
     assert not forecast.unknown
     done = dict(zip((visit.seq for visit in forecast.itinerary.visits), forecast.expected.done.tolist(), strict=True))
     for seq, at in begins.items():
-        before = max((one for one in done if one < seq), default=None)
+        before = max((earlier for earlier in done if earlier < seq), default=None)
         if before is not None and seq > 2:
             flown, estimated = at - begins[2], done[before] - done[1]
             assert abs(estimated - flown) < max(SHARE * flown, SECONDS), seq

@@ -47,13 +47,13 @@ def flown(folder: Path) -> tuple[Forecast, dict[int, float], Points]:
 def test_a_flight_keeps_what_its_forecast_promises(folder: Path) -> None:
     forecast, done, track = flown(folder)
     times = sorted(done.values())
-    way = track[(track[:, 0] >= times[0]) & (track[:, 0] <= times[-2]), 1:]
+    positions = track[(track[:, 0] >= times[0]) & (track[:, 0] <= times[-2]), 1:]
     airspace = forecast.world.airspace
-    found = {"obstacles": airspace.obstacle_clearance(way), "ground": airspace.terrain_clearance(way)}
-    held = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in found]
-    assert held
-    for kept in held:
-        distance = found[kept.limit].distance
+    clearances = {"obstacles": airspace.obstacle_clearance(positions), "ground": airspace.terrain_clearance(positions)}
+    limits = [kept for kept in forecast.guarantee.limits if kept.in_cruise and kept.limit in clearances]
+    assert limits
+    for kept in limits:
+        distance = clearances[kept.limit].distance
         assert distance >= kept.required
         assert distance >= kept.guaranteed - BELOW_99.get(folder.name, 0.0)
 

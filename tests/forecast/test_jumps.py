@@ -17,7 +17,7 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.world.frame import Geodetic
-from tests.finding_codes import found
+from tests.finding_codes import codes_of
 from tests.refused import refuses
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -81,13 +81,13 @@ def test_jumps_to_a_tag_take_as_long_as_their_passes_written_out() -> None:
 def test_the_leg_back_is_held_against_the_world_and_named_by_both_ends(items: tuple[Item, ...]) -> None:
     findings = check(Forecast(mission(*items), parse_scenario(TOWER, Path("tower.toml"))))
     begins, ends = [n for n, item in enumerate(items, 1) if item in (A, C)][::-1]
-    assert f"error leg-too-near {ends}" in found(findings)
-    assert any(f"the leg to it from item {begins}, after a jump: " in one.message for one in findings)
+    assert f"error leg-too-near {ends}" in codes_of(findings)
+    assert any(f"the leg to it from item {begins}, after a jump: " in finding.message for finding in findings)
 
 
 def test_arducopter_flies_on_past_a_jump_to_what_is_no_place() -> None:
     """ArduPilot #31021: 4.8.0-dev (531699d652) flew from C to D, called it A, and went on from there."""
-    assert found(check_mission(mission(*LOOP))) == ["error jump-flown-elsewhere 5"]
+    assert codes_of(check_mission(mission(*LOOP))) == ["error jump-flown-elsewhere 5"]
     known = Forecast(mission(*LOOP), parse_scenario(TOWER, Path("tower.toml")))
     assert known.guarantee_if_known is known.proof_if_known is None
     with refuses("jump-flown-elsewhere", "item 5"):
@@ -95,7 +95,7 @@ def test_arducopter_flies_on_past_a_jump_to_what_is_no_place() -> None:
     with refuses("jump-flown-elsewhere", "item 5"):
         known.estimate  # noqa: B018
     to_an_action = mission(UP, change_speed(5.0), A, B, jump(2, 1), D, BACK)
-    assert found(check_mission(to_an_action)) == ["error jump-flown-elsewhere 4"]
+    assert codes_of(check_mission(to_an_action)) == ["error jump-flown-elsewhere 4"]
     holds = replace(C, params=(1.0, 0.0, 0.0, 0.0))
     for clear in (
         mission(UP, tag(1), A, B, holds, to_tag(1, 2), D, BACK),
@@ -116,7 +116,7 @@ def test_the_leg_back_is_a_line_of_the_exports() -> None:
 def test_a_loop_without_end_is_found_and_has_no_time(again: Item) -> None:
     items = mission(UP, A, tag(1), B, C, again, at(-1, 2), at(-1, 0), BACK)
     elsewhere = ["error jump-flown-elsewhere 5"] if again.command == Command.DO_JUMP_TAG else []
-    assert found(check_mission(items)) == [*elsewhere, "warning jump-without-end 6"]
+    assert codes_of(check_mission(items)) == [*elsewhere, "warning jump-without-end 6"]
     with refuses("endless-flight", "item 6: param2"):
         itinerary(items)
 
@@ -140,7 +140,7 @@ def test_arducopter_counts_a_finished_jump_anew_since_4_7() -> None:
 def test_arducopter_runs_an_action_behind_a_jump_as_its_last_pass_begins() -> None:
     written_out = (UP, FAR, EAST, FAR, EAST, change_speed(2.0), FAR, EAST, SOUTH, BACK)
     assert seconds(*ACTION) == seconds(*written_out) == pytest.approx(666.4, abs=7.0)
-    assert found(check_mission(mission(*ACTION))) == ["warning action-at-other-time 6"]
+    assert codes_of(check_mission(mission(*ACTION))) == ["warning action-at-other-time 6"]
     assert not check_mission(replace(mission(*ACTION, autopilot=PX4), firmware_version=Version(1, 17)))
     order = [visit.seq for visit in itinerary(mission(*ACTION, autopilot=PX4)).visits]
     assert order == [1, 2, 3, 4, 2, 3, 4, 2, 3, 4, 6, 7, 8]
@@ -177,18 +177,18 @@ FOUND = {
 
 @pytest.mark.parametrize(("items", "wanted"), FOUND.values(), ids=FOUND)
 def test_what_a_jump_can_be_wrong_in(items: tuple[Item, ...], wanted: list[str]) -> None:
-    assert found(check_mission(mission(*items))) == wanted
+    assert codes_of(check_mission(mission(*items))) == wanted
 
 
 def test_jumps_beyond_the_counters_of_the_firmware_are_not_taken() -> None:
     loops = [item for n in range(101) for item in (A, jump(2 + 2 * n, 1))]
     items = mission(UP, *loops, BACK)
-    assert found(check_mission(items)) == ["error too-many-jumps"]
+    assert codes_of(check_mission(items)) == ["error too-many-jumps"]
     assert len(visits(items)) == 201
 
 
 def test_px4_ends_a_mission_at_the_tenth_jump_in_a_row() -> None:
-    assert found(check_mission(mission(*CHAIN, autopilot=PX4))) == ["error jump-no-way-on 12"]
+    assert codes_of(check_mission(mission(*CHAIN, autopilot=PX4))) == ["error jump-no-way-on 12"]
     assert visits(mission(*CHAIN[:3], *CHAIN[4:], autopilot=PX4)) == [2, 12]
 
 
@@ -199,23 +199,23 @@ def test_the_table_says_how_often_a_leg_is_flown() -> None:
 def test_a_wait_for_a_time_of_day_is_found_and_said_beside_the_time() -> None:
     delay = order(Command.NAV_DELAY, -1, 18, 30, 0)
     items = mission(UP, A, delay, B, BACK)
-    assert found(check_mission(items)) == ["warning waits-until-clock 3"]
+    assert codes_of(check_mission(items)) == ["warning waits-until-clock 3"]
     estimate = Forecast(items).estimate
     assert estimate.waits == ("of item 3 until 18:30:00 UTC",)
     assert estimate.besides == " and the wait of item 3 until 18:30:00 UTC"
     assert estimate.remarks == ("item 3: the wait until 18:30:00 UTC is not in the times",)
     assert not Forecast(replace(items, autopilot=PX4)).estimate.waits
     midnight = mission(UP, A, order(Command.NAV_DELAY), B, BACK)
-    assert found(check_mission(midnight)) == ["warning waits-until-clock 3"]
+    assert codes_of(check_mission(midnight)) == ["warning waits-until-clock 3"]
 
 
 @pytest.mark.parametrize("autopilot", [ARDUPILOT, PX4])
 def test_an_endless_loiter_before_other_items_is_found(autopilot: Autopilot) -> None:
     stays = replace(A, command=Command.NAV_LOITER_UNLIM)
-    held = (replace(one, params=(0.1, 2.0, 0.0, 0.0)) for one in (A, B))
-    first, last = held if autopilot is PX4 else (A, B)
+    items = (replace(item, params=(0.1, 2.0, 0.0, 0.0)) for item in (A, B))
+    first, last = items if autopilot is PX4 else (A, B)
     flown = mission(UP, first, stays, last, BACK, autopilot=autopilot)
-    assert found(check_mission(flown)) == ["warning waits-for-someone 3"]
+    assert codes_of(check_mission(flown)) == ["warning waits-for-someone 3"]
     assert not check_mission(mission(UP, first, stays, autopilot=autopilot))
 
 
@@ -237,4 +237,4 @@ def test_waypoint_that_may_be_passed_is_named_by_item_after_jumps() -> None:
     errors = [finding for finding in check_mission(flown) if finding.code == "waypoint-passed"]
     assert [finding.message.partition(":")[0] for finding in errors] == ["items 2, 3"]
     endless = replace(flown, items=(*flown.items[:4], jump(2, -1), *flown.items[5:]))
-    assert "error waypoint-passed 2" in found(check_mission(endless))
+    assert "error waypoint-passed 2" in codes_of(check_mission(endless))

@@ -17,13 +17,13 @@ BY_NAME = {flight.name: flight for flight in (*COPTER, *PX4)}
 
 
 @cache
-def found(name: str) -> Estimate:
+def predicted(name: str) -> Estimate:
     return estimate(BY_NAME[name].mission, BY_NAME[name].parameters, fast=BY_NAME[name] in PX4)
 
 
 def parts(flight: Recorded) -> tuple[float, float]:
     """Return estimated seconds of take-off and landing."""
-    done = {item.seq: item.done_s for item in found(flight.name).items}
+    done = {item.seq: item.done_s for item in predicted(flight.name).items}
     return done[flight.first], done[len(flight.mission.items)] - done[flight.last]
 
 
@@ -60,7 +60,7 @@ def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Record
     def inside(estimated: Estimate, run: dict[int, float]) -> list[bool]:
         return [item.low_s <= run[item.seq] <= item.high_s for item in estimated.items if item.seq in run]
 
-    kept = [one for flight in flights for run in flight.runs for one in inside(found(flight.name), run)]
+    kept = [is_inside for flight in flights for run in flight.runs for is_inside in inside(predicted(flight.name), run)]
     # few items: not distinguishable from a share of 85 to 95 %
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
     assert scipy.stats.binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05

@@ -73,7 +73,7 @@ ODD: Mapping[str, tuple[Item, ...]] = {
 }  # fmt: skip
 
 
-def found(autopilot: Autopilot, *items: Item, first: tuple[Item, ...] = (takeoff(HOME, 30.0),)) -> Estimate:
+def predicted(autopilot: Autopilot, *items: Item, first: tuple[Item, ...] = (takeoff(HOME, 30.0),)) -> Estimate:
     return estimate(Mission(HOME, (*first, *items), autopilot), fast=autopilot is Autopilot.PX4)
 
 
@@ -83,7 +83,7 @@ def found(autopilot: Autopilot, *items: Item, first: tuple[Item, ...] = (takeoff
 )
 @pytest.mark.parametrize("name", ODD)
 def test_odd_missions_have_a_time_like_any_other(autopilot: Autopilot, name: str, first: tuple[Item, ...]) -> None:
-    result = found(autopilot, *ODD[name], first=first)
+    result = predicted(autopilot, *ODD[name], first=first)
     assert all(math.isfinite(item.duration_s) and item.duration_s >= 0 for item in result.items)
     assert all(0 <= item.low_s <= item.done_s <= item.high_s for item in result.items)
     assert np.isfinite(result.track.points).all()
@@ -95,8 +95,8 @@ def test_odd_missions_have_a_time_like_any_other(autopilot: Autopilot, name: str
 def test_a_loiter_to_a_height_over_terrain_may_be_passed_over(frame: Frame) -> None:
     """ArduCopter, with a range finder and without terrain data: "bad do_loiter_to_alt"."""
     item = replace(at(Command.NAV_LOITER_TO_ALT, 0, 60, 50), frame=frame)
-    said = any("skips it" in remark for remark in found(Autopilot.ARDUPILOT, item, to(0, 90)).remarks)
-    assert said == (frame is Frame.GLOBAL_TERRAIN_ALT)
+    is_skipped = any("skips it" in remark for remark in predicted(Autopilot.ARDUPILOT, item, to(0, 90)).remarks)
+    assert is_skipped == (frame is Frame.GLOBAL_TERRAIN_ALT)
 
 
 @BOTH
@@ -114,7 +114,7 @@ def test_a_loiter_to_a_height_over_terrain_may_be_passed_over(frame: Frame) -> N
 def test_what_asks_for_nothing_costs_nothing(
     autopilot: Autopilot, odd: tuple[Item, ...], plain: tuple[Item, ...]
 ) -> None:
-    assert found(autopilot, *odd).total_s == pytest.approx(found(autopilot, *plain).total_s, abs=1.0)
+    assert predicted(autopilot, *odd).total_s == pytest.approx(predicted(autopilot, *plain).total_s, abs=1.0)
 
 
 @BOTH
@@ -133,13 +133,13 @@ def test_long_simple_things_take_what_one_reckons_and_a_little_more(
 ) -> None:
     if autopilot.name in seconds:
         most = 1.1 if autopilot is Autopilot.ARDUPILOT else 1.3
-        assert 0.99 < lasted(found(autopilot, *leg), 1 + len(leg)) / seconds[autopilot.name] < most
+        assert 0.99 < lasted(predicted(autopilot, *leg), 1 + len(leg)) / seconds[autopilot.name] < most
 
 
 @BOTH
 def test_without_a_take_off_the_vehicle_flies_already_and_that_is_said(autopilot: Autopilot) -> None:
     there, legs = to(0, 0), (to(0, 90), to(90, 90))
-    climbing, flying = found(autopilot, there, *legs), found(autopilot, there, *legs, first=())
+    climbing, flying = predicted(autopilot, there, *legs), predicted(autopilot, there, *legs, first=())
     assert any("no take-off" in remark for remark in flying.remarks)
     assert flying.total_s == pytest.approx(climbing.total_s - climbing.items[1].done_s, abs=2.5)
 

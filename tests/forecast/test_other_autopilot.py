@@ -18,8 +18,8 @@ def test_a_return_keeps_the_same_whichever_autopilot_the_scenario_names(flies: A
     mission = replace(read_mission(MISSIONS / "sitl.plan"), autopilot=flies, parameters={}, firmware_version=None)
     scenario = read_scenario(MISSIONS / "sitl.toml")
     worlds = [
-        scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"autopilot": one})})
-        for one in (Autopilot.PX4, Autopilot.ARDUPILOT)
+        scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"autopilot": autopilot})})
+        for autopilot in (Autopilot.PX4, Autopilot.ARDUPILOT)
     ]
-    one, other = (Forecast(mission, world).cached(ContingencyPaths).samples(Contingency.RTL) for world in worlds)
-    assert np.array_equal(one.slack, other.slack)
+    ours, theirs = (Forecast(mission, world).cached(ContingencyPaths).samples(Contingency.RTL) for world in worlds)
+    assert np.array_equal(ours.slack, theirs.slack)

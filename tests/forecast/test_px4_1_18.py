@@ -42,12 +42,12 @@ def test_the_time_to_the_last_waypoint_is_within_three_per_cent(folder: Path) ->
 
 @pytest.mark.parametrize("folder", FLIGHTS, ids=lambda folder: folder.name)
 def test_the_true_track_is_within_what_a_flight_in_a_hundred_exceeds(folder: Path) -> None:
-    flown, one = done(folder), forecast(folder)
+    flown, here = done(folder), forecast(folder)
     with (folder / "track.csv").open() as lines:
         rows = np.array([[float(cell) for cell in row.values()] for row in csv.DictReader(lines)])
     rows = rows[(rows[:, 0] >= min(flown.values())) & (rows[:, 0] <= sorted(flown.values())[-2])]
-    places = LocalFrame(one.mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + one.mission.home.altitude)
-    path = np.asarray(one.expected.track.points)
+    places = LocalFrame(here.mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + here.mission.home.altitude)
+    path = np.asarray(here.expected.track.points)
     beside = np.array([np.hypot(*(path[:, :2] - place[:2]).T).min() for place in places])
     assert np.quantile(beside, 0.9) < 1.7
     assert beside.max() < 2.5
@@ -65,5 +65,5 @@ def test_a_waypoint_without_a_radius_of_its_own_is_reached_at_10_m() -> None:
     items = (replace(item, params=(*item.params[:1], 0.0, *item.params[2:])) for item in mission.items)
     itinerary = Forecast(replace(mission, items=tuple(items)), None).itinerary
     missions = (replace(mission, firmware_version=version) for version in (VERSION, Version(1, 17)))
-    radii = [{order.radius for order in Flights(itinerary, one).orders[2:4]} for one in missions]
+    radii = [{order.radius for order in Flights(itinerary, mission).orders[2:4]} for mission in missions]
     assert radii == [{10.0}, {2.0}]

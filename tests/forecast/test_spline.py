@@ -68,9 +68,9 @@ def test_mast_on_a_spline_is_found_but_not_one_on_its_chord() -> None:
     mast = tuple(curve[np.argmax(away), :2])
     assert away.max() > 5.0
 
-    findings = [str(found) for found in check_mission(*zigzag(mast, is_spline=True))]
+    findings = [str(finding) for finding in check_mission(*zigzag(mast, is_spline=True))]
     assert any("the leg to it: 0.50 m inside mast" in text for text in findings), findings
-    assert not any("mast" in str(found) for found in check_mission(*zigzag(mast, is_spline=False)))
+    assert not any("mast" in str(finding) for finding in check_mission(*zigzag(mast, is_spline=False)))
 
 
 def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:

@@ -40,8 +40,8 @@ def test_jerk_costs_half_its_ramp_at_either_end() -> None:
 def test_on_a_circle_the_bend_sets_the_speed() -> None:
     angle = np.linspace(0, 6 * math.pi, 600)
     circle = np.column_stack([20 * np.cos(angle), 20 * np.sin(angle), np.full(600, 30.0)])
-    found = least_time(circle, PLAIN)
-    middle = found.speeds[len(found.speeds) // 2]
+    fastest = least_time(circle, PLAIN)
+    middle = fastest.speeds[len(fastest.speeds) // 2]
     assert middle == pytest.approx(math.sqrt(2.5 * 20), rel=1e-3)
 
 

@@ -42,8 +42,8 @@ def fly(autopilot: Autopilot, *items: Item, wind: Wind | None = None, **paramete
     return estimate(mission, parameters, wind or Wind(), fast=autopilot is Autopilot.PX4)
 
 
-def lasted(found: Estimate, seq: int) -> float:
-    return next(item.duration_s for item in found.items if item.seq == seq)
+def lasted(predicted: Estimate, seq: int) -> float:
+    return next(item.duration_s for item in predicted.items if item.seq == seq)
 
 
 BOTH = pytest.mark.parametrize("autopilot", registered())
@@ -52,10 +52,10 @@ BOTH = pytest.mark.parametrize("autopilot", registered())
 @BOTH
 def test_a_changed_speed_holds_for_the_legs_after_it(autopilot: Autopilot) -> None:
     far, back = waypoint(place(200.0, 0.0), 30.0), waypoint(HOME, 30.0)
-    found = fly(autopilot, change_speed(4.0), far, change_speed(8.0), back)
-    assert lasted(found, 3) == pytest.approx(200.0 / 4.0, rel=0.12)
-    assert lasted(found, 5) < 0.75 * lasted(found, 3)
-    assert found.items[2].peak_speed < 4.5 < 7.0 < found.items[4].peak_speed < 8.6
+    predicted = fly(autopilot, change_speed(4.0), far, change_speed(8.0), back)
+    assert lasted(predicted, 3) == pytest.approx(200.0 / 4.0, rel=0.12)
+    assert lasted(predicted, 5) < 0.75 * lasted(predicted, 3)
+    assert predicted.items[2].peak_speed < 4.5 < 7.0 < predicted.items[4].peak_speed < 8.6
 
 
 @BOTH
@@ -69,16 +69,16 @@ def test_a_corner_costs_time_and_is_named(autopilot: Autopilot) -> None:
 
 @BOTH
 def test_reasons_name_the_hold_the_stop_and_the_short_leg(autopilot: Autopilot) -> None:
-    found = fly(
+    predicted = fly(
         autopilot,
         change_speed(10.0),
         waypoint(place(0, 20), 30.0),
         waypoint(place(0, 120), 30.0, hold_s=5.0),
         waypoint(place(0, 140), 30.0),
     )
-    assert "leg shorter than its braking distance" in found.items[2].reason
-    assert found.items[3].reason == "hold"
-    assert "stop" in found.items[4].reason
+    assert "leg shorter than its braking distance" in predicted.items[2].reason
+    assert predicted.items[3].reason == "hold"
+    assert "stop" in predicted.items[4].reason
 
 
 @BOTH
@@ -119,10 +119,10 @@ def test_a_parameter_without_sense_is_named(autopilot: Autopilot, value: float) 
 @BOTH
 def test_the_greatest_lean_and_drag_limit_what_can_be_asked_for(autopilot: Autopilot) -> None:
     fast: dict[str, Any] = {"MPC_XY_VEL_MAX": 20.0} if autopilot is Autopilot.PX4 else {}
-    found = fly(autopilot, change_speed(18.0), waypoint(place(0, 600), 30.0), **fast)
-    assert 9.0 < found.items[2].peak_speed < 11.5
+    predicted = fly(autopilot, change_speed(18.0), waypoint(place(0, 600), 30.0), **fast)
+    assert 9.0 < predicted.items[2].peak_speed < 11.5
     if autopilot is Autopilot.ARDUPILOT:
-        assert "drag at the greatest lean" in found.items[2].reason
+        assert "drag at the greatest lean" in predicted.items[2].reason
 
 
 @BOTH
@@ -137,10 +137,10 @@ def test_landing_where_one_is_and_landing_elsewhere(autopilot: Autopilot) -> Non
 
 @BOTH
 def test_return_to_launch_ends_on_the_ground_at_home(autopilot: Autopilot) -> None:
-    found = fly(autopilot, waypoint(place(80, 60), 30.0), return_to_launch())
-    assert math.hypot(*found.track.points[-1, :2]) < 2.5
-    assert found.track.points[-1, 2] == pytest.approx(0.0, abs=0.1)
-    assert list(found.track.times) == sorted(found.track.times)
+    predicted = fly(autopilot, waypoint(place(80, 60), 30.0), return_to_launch())
+    assert math.hypot(*predicted.track.points[-1, :2]) < 2.5
+    assert predicted.track.points[-1, 2] == pytest.approx(0.0, abs=0.1)
+    assert list(predicted.track.times) == sorted(predicted.track.times)
 
 
 def test_arducopter_counts_whole_seconds_of_a_hold() -> None:
@@ -192,15 +192,15 @@ def test_what_a_model_does_not_know_is_said(autopilot: Autopilot) -> None:
     terrain = Item(
         Command.NAV_WAYPOINT, Frame.GLOBAL_TERRAIN_ALT, (0, 0, 0, math.nan), there.latitude_deg, there.longitude_deg, 30
     )
-    found = fly(autopilot, odd, terrain)
-    assert "item 2: command 83 is not modeled and counts as no time" in found.remarks
-    assert "item 3: height over terrain taken as height over home" in found.remarks
+    predicted = fly(autopilot, odd, terrain)
+    assert "item 2: command 83 is not modeled and counts as no time" in predicted.remarks
+    assert "item 3: height over terrain taken as height over home" in predicted.remarks
 
 
 @BOTH
 def test_an_empty_mission_takes_no_time(autopilot: Autopilot) -> None:
-    found = estimate(Mission(HOME, (), autopilot))
-    assert (found.total_s, found.items) == (0.0, ())
+    predicted = estimate(Mission(HOME, (), autopilot))
+    assert (predicted.total_s, predicted.items) == (0.0, ())
 
 
 @BOTH
@@ -209,9 +209,9 @@ def test_loitering_for_a_time_is_counted_and_without_end_refused(autopilot: Auto
     at = (there.latitude_deg, there.longitude_deg, 30.0)
     loiter = Item(Command.NAV_LOITER_TIME, Frame.GLOBAL_RELATIVE_ALT, (20.0, 0.0, 0.0, 0.0), *at)
     delay = Item(Command.NAV_DELAY, Frame.MISSION, (7.0, -1.0, -1.0, -1.0))
-    found = fly(autopilot, loiter, delay)
+    predicted = fly(autopilot, loiter, delay)
     plain = fly(autopilot, waypoint(there, 30.0))
-    assert found.total_s == pytest.approx(plain.total_s + 27.0, abs=2.0)
+    assert predicted.total_s == pytest.approx(plain.total_s + 27.0, abs=2.0)
     with refuses("endless-flight", "item 2"):
         fly(autopilot, Item(Command.NAV_LOITER_UNLIM, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, 0.0), *at))
 

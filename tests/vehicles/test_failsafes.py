@@ -85,7 +85,7 @@ LOOKED_FOR = {
 
 def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
     """Return each value, and the contingencies that its words name in order."""
-    pairs = (one.split(":", 1) for one in values.split(","))
+    pairs = (pair.split(":", 1) for pair in values.split(","))
     return [
         (
             float(value),
@@ -96,7 +96,7 @@ def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
 
 
 def by(name: str, parameters: Parameters, autopilot: Autopilot = AP, version: Version | None = None) -> Failsafe:
-    return next(one for one in autopilot.failsafes(parameters, version) if one.parameter == name)
+    return next(failsafe for failsafe in autopilot.failsafes(parameters, version) if failsafe.parameter == name)
 
 
 @pytest.mark.parametrize(("autopilot", "version", "table"), OF_VERSIONS)
@@ -106,10 +106,10 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
     wrong = {}
     for name, values in table.items():
         for value, (first, *others) in documented(values):
-            given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
-            found = by(name, given | {name: value}, autopilot, version).action
-            if (found.contingency, *found.otherwise[: len(others)]) != (first, *others):
-                wrong[name, value] = str(found)
+            parameters = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
+            action = by(name, parameters | {name: value}, autopilot, version).action
+            if (action.contingency, *action.otherwise[: len(others)]) != (first, *others):
+                wrong[name, value] = str(action)
     assert not wrong
 
 
@@ -119,17 +119,17 @@ def test_who_lands_by_choice_returns_with_the_value_that_is_named(
 ) -> None:
     """The documented values have a return as well."""
     for name, values in table.items():
-        given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
+        parameters = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
         returns = [value for value, (first, *_) in documented(values) if first is Contingency.RTL]
         for value, _ in documented(values):
-            found = by(name, given | {name: value}, autopilot, version)
-            assert found.lands_by_choice == (found.action.contingency is Contingency.LAND and bool(returns)), (
+            failsafe = by(name, parameters | {name: value}, autopilot, version)
+            assert failsafe.lands_by_choice == (failsafe.action.contingency is Contingency.LAND and bool(returns)), (
                 name,
                 value,
             )
-            if found.lands_by_choice:
-                assert found.returns_at in returns
-                there = by(name, given | {name: float(returns[0])}, autopilot, version)
+            if failsafe.lands_by_choice:
+                assert failsafe.returns_at in returns
+                there = by(name, parameters | {name: float(returns[0])}, autopilot, version)
                 assert there.action.contingency is Contingency.RTL
 
 
@@ -147,29 +147,29 @@ def test_every_parameter_that_decides_is_held_against_its_documentation(
 )
 def test_px4_takes_a_battery_by_its_stage(value: float, critical: str, emergency: str) -> None:
     """COM_LOW_BAT_ACT: warning; land mode; return at critical, land at emergency level; or terminate there (1.19)."""
-    found = {one.cause: one.action.contingency for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, MAIN)}
-    assert (found["low battery"], found["critical battery"]) == ("continue", critical)
-    assert found["emergency battery"] == emergency
+    by_cause = {each.cause: each.action.contingency for each in PX4.failsafes({"COM_LOW_BAT_ACT": value}, MAIN)}
+    assert (by_cause["low battery"], by_cause["critical battery"]) == ("continue", critical)
+    assert by_cause["emergency battery"] == emergency
 
 
 def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
     for earlier in (OLD, NEW):
         assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).action.contingency is Contingency.CONTINUE
-        assert {one.parameter for one in PX4.failsafes({}, earlier)}.isdisjoint({"COM_TRAFF_AVOID", "COM_POS_FS_ACT"})
-    assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}, OLD))
-    assert all(one.parameter != "COM_IMB_PROP_ACT" for one in PX4.failsafes({}, NEW))
+        assert {each.parameter for each in PX4.failsafes({}, earlier)}.isdisjoint({"COM_TRAFF_AVOID", "COM_POS_FS_ACT"})
+    assert all(failsafe.parameter != "COM_PARACHUTE" for failsafe in PX4.failsafes({}, OLD))
+    assert all(failsafe.parameter != "COM_IMB_PROP_ACT" for failsafe in PX4.failsafes({}, NEW))
 
 
 @pytest.mark.parametrize("autopilot", [AP, PX4])
 @pytest.mark.parametrize("value", [*(float(n) for n in range(-3, 20)), 2.5, 1e6, math.nan, math.inf])
 def test_any_value_of_any_parameter_has_an_answer_at_every_stage(autopilot: Autopilot, value: float) -> None:
-    given = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_rules if rule.parameter}
-    for one in autopilot.failsafes(given):
+    parameters = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_rules if rule.parameter}
+    for failsafe in autopilot.failsafes(parameters):
         for stage in FlightStage:
-            assert one.at(stage).contingency in Contingency
-            assert (one.at(stage).contingency is Contingency.UNKNOWN) <= bool(one.at(stage).words)
-        if one.parameter and not math.isfinite(value):
-            assert one.action.contingency is Contingency.UNKNOWN
+            assert failsafe.at(stage).contingency in Contingency
+            assert (failsafe.at(stage).contingency is Contingency.UNKNOWN) <= bool(failsafe.at(stage).words)
+        if failsafe.parameter and not math.isfinite(value):
+            assert failsafe.action.contingency is Contingency.UNKNOWN
 
 
 @pytest.mark.parametrize(
@@ -194,9 +194,9 @@ def test_a_critical_battery_less_urgent_than_a_low_one_changes_nothing() -> None
         (3, 4, "smart_rtl"),
         (4, 3, "smart_rtl"),
     ):
-        found = by("BATT_FS_CRT_ACT", base | {"BATT_FS_LOW_ACT": low, "BATT_FS_CRT_ACT": critical}).action
-        assert found.contingency == then
-        assert ("less urgent" in found.words) == ((low, critical) in {(1, 2), (0, 7), (4, 3)})
+        action = by("BATT_FS_CRT_ACT", base | {"BATT_FS_LOW_ACT": low, "BATT_FS_CRT_ACT": critical}).action
+        assert action.contingency == then
+        assert ("less urgent" in action.words) == ((low, critical) in {(1, 2), (0, 7), (4, 3)})
     unwatched = base | {"BATT_LOW_VOLT": 0.0, "BATT_FS_CRT_ACT": 7}
     assert by("BATT_FS_CRT_ACT", unwatched).action.contingency is Contingency.HOLD
 
@@ -209,7 +209,7 @@ def test_what_is_not_looked_for_is_said_so() -> None:
 
 
 def test_a_second_battery_has_failsafes_of_its_own() -> None:
-    names = [one.parameter for one in AP.failsafes({"BATT2_MONITOR": 4.0, "BATT2_FS_LOW_ACT": 1.0})]
+    names = [failsafe.parameter for failsafe in AP.failsafes({"BATT2_MONITOR": 4.0, "BATT2_FS_LOW_ACT": 1.0})]
     assert {"BATT2_FS_LOW_ACT", "BATT2_FS_CRT_ACT"} <= set(names)
     second = {
         "BATT2_MONITOR": 4.0,
@@ -228,7 +228,7 @@ def test_smart_rtl_without_points_is_what_stands_behind_it() -> None:
         Contingency.LAND,
         4.0,
     )
-    assert Contingency.SMART_RTL not in {one.action.contingency for one in AP.failsafes(none)}
+    assert Contingency.SMART_RTL not in {failsafe.action.contingency for failsafe in AP.failsafes(none)}
 
 
 def test_px4_excepts_modes_of_a_lost_link() -> None:

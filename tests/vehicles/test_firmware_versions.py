@@ -12,7 +12,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.world.frame import Geodetic
-from tests.finding_codes import found
+from tests.finding_codes import codes_of
 from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -30,14 +30,14 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
 def others(mission: Mission) -> tuple[Finding, ...]:
     """Leave out unmeasured versions, and waypoints that 1.18 may pass."""
     aside = (NOT_MEASURED, "waypoint-passed", "waypoint-may-be-passed")
-    return tuple(one for one in check_mission(mission) if one.code not in aside)
+    return tuple(finding for finding in check_mission(mission) if finding.code not in aside)
 
 
 def test_tables_reach_from_the_oldest_to_the_newest() -> None:
     assert PX4.tables.series == ((1, 15), (1, 16), (1, 17), (1, 18))
     assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7), (4, 8))
     assert all(len(a.firmware(Version(*s)).commit) == 40 for a in registered() for s in a.tables.series)
-    assert all(one.series in a.tables.series for a in registered() for one in a.measured)
+    assert all(version.series in a.tables.series for a in registered() for version in a.measured)
 
 
 @pytest.mark.parametrize(
@@ -58,8 +58,8 @@ def test_a_version_has_the_table_of_its_series_or_the_nearest(
 
 def test_1_18_refuses_params_that_it_does_not_use() -> None:
     findings = others(mission(THIRD, BACK, version="1.18"))
-    assert found(findings) == ["error param-refused 2", "error param-refused 3"]
-    assert ["param3" in one.message and "not 5" in one.message for one in findings] == [True, False]
+    assert codes_of(findings) == ["error param-refused 2", "error param-refused 3"]
+    assert ["param3" in finding.message and "not 5" in finding.message for finding in findings] == [True, False]
     assert others(mission(THIRD, BACK, version="1.17")) == ()
 
 
@@ -84,7 +84,7 @@ def test_a_development_version_may_not_take_yet_what_its_series_does() -> None:
     items = (HELD, arc, return_to_launch())
     assert others(mission(*items, autopilot=ARDUPILOT, version="4.7.1")) == ()
     findings = others(mission(*items, autopilot=ARDUPILOT, version="4.7.0-dev"))
-    assert found(findings) == ["warning command-of-development 3"]
+    assert codes_of(findings) == ["warning command-of-development 3"]
 
 
 def test_a_read_back_agrees_that_one_of_the_versions_gives() -> None:

@@ -80,8 +80,8 @@ def test_a_speed_changed_on_the_way_still_ends_where_it_should(speed: float, sha
     limit = SCurveLimits(8.0, 2.5, 1.0, math.pi / 0.6)
     shape = profile(120.0, limit)
     changed = change(shape, share * shape.lasts, 120.0, SCurveLimits(speed, 2.5, 1.0, math.pi / 0.6))
-    accel, flown, way = sampled(changed, 120.0).T
-    assert way[-1] == pytest.approx(120.0, rel=1e-5)
+    accel, flown, distance = sampled(changed, 120.0).T
+    assert distance[-1] == pytest.approx(120.0, rel=1e-5)
     assert np.abs(accel).max() < 2.5 * (1 + 1e-6)
     if speed < 8.0:
         assert (np.abs(flown - speed) < 0.01 * speed).sum() > 3, "it flies at the new speed for a while"
