@@ -21,26 +21,26 @@ class Flown:
 
     def upload(self, items: Sequence[Item]) -> list[Message]:
         wire = [*items_of(Autopilot.ARDUPILOT, 1), *items] if self.first else [*items]
-        said = self.hear(Count(len(wire)))
-        return said + [plain(answer) for seq, item in enumerate(wire) for answer in self.hear(ItemAt(seq, item))]
+        messages = self.hear(Count(len(wire)))
+        return messages + [plain(answer) for seq, item in enumerate(wire) for answer in self.hear(ItemAt(seq, item))]
 
     @property
     def current(self) -> Current:
-        return next(replace(said, mission_mode=0, mission_id=0) for said in self.fly(1.1) if isinstance(said, Current))
+        return next(replace(each, mission_mode=0, mission_id=0) for each in self.fly(1.1) if isinstance(each, Current))
 
     def hear(self, message: Message) -> list[Message]:
         self.mock.receive(message, CLIENT, self.now)
-        return [said for said, _ in self.mock.outgoing()]
+        return [message for message, _ in self.mock.outgoing()]
 
     def command(self, number: int, *params: float) -> int:
         answers = self.hear(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
         return next(answer.result for answer in answers if isinstance(answer, CommandAck))
 
     def fly(self, seconds: float) -> list[Message]:
-        said: list[Message] = []
+        messages: list[Message] = []
         until = self.now + seconds
         while self.now < until:
             self.now += 0.05
             self.mock.tick(self.now)
-            said += [message for message, _ in self.mock.outgoing()]
-        return said
+            messages += [message for message, _ in self.mock.outgoing()]
+        return messages

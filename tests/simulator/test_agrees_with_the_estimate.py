@@ -81,12 +81,12 @@ def by_built_in(
 @pytest.mark.parametrize(("autopilot", "name"), CASES)
 def test_other_missions_and_parameters_take_as_long_by_both_models(autopilot: Autopilot, name: str) -> None:
     items, parameters = (COPTER if autopilot is Autopilot.ARDUPILOT else PX4)[name]
-    found = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4)
+    predicted = estimate(Mission(HOME, items, autopilot), parameters, fast=autopilot is Autopilot.PX4)
     flown, over = zip(*(by_built_in(autopilot, items, parameters, seed) for seed in SEEDS[autopilot]), strict=True)
-    estimated = {item.seq: item.done_s for item in found.items}
+    estimated = {item.seq: item.done_s for item in predicted.items}
     last, end = len(items) - 1, len(items)
     first, route, landing = np.mean(
-        [(one[2], one[last] - one[2], ends - one[last]) for one, ends in zip(flown, over, strict=True)], axis=0
+        [(t[2], t[last] - t[2], ends - t[last]) for t, ends in zip(flown, over, strict=True)], axis=0
     )
     nearly = (0.005, 0.005, 0.005) if autopilot is Autopilot.ARDUPILOT else (0.08, 0.06, 0.1)
     assert estimated[2] == pytest.approx(first, rel=nearly[0])

@@ -48,5 +48,5 @@ def test_px4_stands_on_the_ground_as_long_as_recorded() -> None:
     here = [fly_here(flight, seed)[0] for flight in flights for seed in range(24)]
     there = [run for flight in flights for run in flight.runs]
     for first, last in ((0, flights[0].first), (flights[0].last, land)):
-        ours, theirs = (np.mean([one[last] - one.get(first, 0.0) for one in flown]) for flown in (here, there))
+        ours, theirs = (np.mean([flight[last] - flight.get(first, 0.0) for flight in flown]) for flown in (here, there))
         assert ours == pytest.approx(theirs, rel=0.06)

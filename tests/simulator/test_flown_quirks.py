@@ -44,7 +44,7 @@ def short(*extra: Item) -> list[Item]:
 def test_px4_accepts_a_take_off_too_low_and_then_reports_it_invalid() -> None:
     flown = Flown(PX4, [takeoff(HOME, 1.0), waypoint(HOME, 20.0)])
     assert Ack(OK) in flown.uploaded
-    assert any(isinstance(said, Event) for said in flown.uploaded)
+    assert any(isinstance(message, Event) for message in flown.uploaded)
     assert flown.current == Current(0, 2, 1)
     assert flown.command(176, 1.0, 4.0, 4.0) == OK  # on the ground it shows any mode
     assert flown.command(400, 1.0) == CommandResult.TEMPORARILY_REJECTED
@@ -54,7 +54,7 @@ def test_ardupilot_will_not_start_a_mission_without_take_off() -> None:
     flown = Flown(ARDUPILOT, [waypoint(HOME, 20.0)])
     assert flown.command(400, 1.0) == OK
     answers = flown.hear(CommandLong(300))
-    assert any(isinstance(said, Text) and said.text == "Auto: Missing Takeoff Cmd" for said in answers)
+    assert any(isinstance(answer, Text) and answer.text == "Auto: Missing Takeoff Cmd" for answer in answers)
 
 
 @pytest.mark.parametrize(("disarm_delay", "lasts"), [(10.0, 10.0), (0.0, 110.0)])
@@ -77,7 +77,7 @@ def test_the_first_item_of_a_list_without_home_vanishes_on_ardupilot(autopilot: 
     mock = Mock(autopilot, HOME)
     for message in (Count(2), ItemAt(0, takeoff(HOME, 10.0)), ItemAt(1, waypoint(HOME, 10.0))):
         mock.receive(message, CLIENT, 1.0)
-    assert Ack(OK) in [plain(said) for said, _ in mock.outgoing()]
+    assert Ack(OK) in [plain(message) for message, _ in mock.outgoing()]
     first = mock.transfers.listed(MissionType.MISSION)[0].command
     assert first == (22 if autopilot is PX4 else 16)
     arm_and_start(flown := Flown(autopilot, [], mock))
@@ -91,9 +91,9 @@ def test_ardupilot_takes_a_mission_then_arms_and_has_a_position_last() -> None:
     assert Request(0, legacy=True) in flown.hear(Count(3))
     for now, result, words in ((10.0, 4, "Arm: Gyros inconsistent"), (24.0, 0, "Arming motors")):
         flown.now = now
-        said = flown.hear(CommandLong(400, (1.0, *(0.0,) * 6)))
-        at = said.index(CommandAck(400, result))
-        assert said[at + 1] == Text(6 if result == OK else 2, words)
+        messages = flown.hear(CommandLong(400, (1.0, *(0.0,) * 6)))
+        at = messages.index(CommandAck(400, result))
+        assert messages[at + 1] == Text(6 if result == OK else 2, words)
 
 
 def test_what_is_current_before_a_flight_and_after_other_orders() -> None:
@@ -115,9 +115,9 @@ def test_what_is_current_before_a_flight_and_after_other_orders() -> None:
 def test_setting_the_current_item_out_of_range(autopilot: Autopilot) -> None:
     flown = Flown(autopilot, short())
     assert flown.command(224, 77.0) == (CommandResult.DENIED if autopilot is ARDUPILOT else CommandResult.UNSUPPORTED)
-    assert not any(isinstance(said, Current) for said in flown.hear(SetCurrent(77)))
+    assert not any(isinstance(each, Current) for each in flown.hear(SetCurrent(77)))
     first = 1 if autopilot is ARDUPILOT else 0
-    assert any(isinstance(said, Current) and said.seq == first + 1 for said in flown.hear(SetCurrent(first + 1)))
+    assert any(isinstance(each, Current) and each.seq == first + 1 for each in flown.hear(SetCurrent(first + 1)))
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -125,10 +125,10 @@ def test_an_item_is_told_as_reached_with_the_words_of_the_firmware(autopilot: Au
     flown = Flown(autopilot, short(return_to_launch()))
     assert flown.command(400, 1.0) == OK
     assert flown.command(*((300,) if autopilot is ARDUPILOT else (176, 1.0, 4.0, 4.0))) == OK
-    said = flown.fly(25.0)
-    assert Reached(flown.first) in said
-    assert (Text(6, "Mission: 2 WP") in said) == (Text(6, "Reached command #2") in said) == (autopilot is ARDUPILOT)
-    assert Text(6, "Reached command #1") not in said  # the take-off is told without words
+    heard = flown.fly(25.0)
+    assert Reached(flown.first) in heard
+    assert (Text(6, "Mission: 2 WP") in heard) == (Text(6, "Reached command #2") in heard) == (autopilot is ARDUPILOT)
+    assert Text(6, "Reached command #1") not in heard  # the take-off is told without words
 
 
 # --- in flight ------------------------------------------------------------------------------------------------------
@@ -197,18 +197,18 @@ def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Messa
 
 def reached(flown: Flown) -> list[int]:
     """Return the numbers reported as reached until disarmed, as in a file: home is 0."""
-    told: list[int] = []
+    seqs: list[int] = []
     while flown.mock.flight.armed:
-        told += [said.seq + 1 - flown.first for said in flown.fly(1.0) if isinstance(said, Reached)]
-    return told
+        seqs += [message.seq + 1 - flown.first for message in flown.fly(1.0) if isinstance(message, Reached)]
+    return seqs
 
 
 def test_px4_omits_reached_before_do_jump_and_rtl_and_repeats_the_rest() -> None:
     jump = Item(177, 2, (1.0, 1.0, 0.0, 0.0))
     items = [takeoff(HOME, 10.0), north(20.0), change_speed(4.0), north(40.0), jump, north(60.0), return_to_launch()]
-    told = reached(arm_and_start(Flown(PX4, items)))
-    assert set(told) == {1, 3, 7}
-    assert told.count(7) == 11
+    seqs = reached(arm_and_start(Flown(PX4, items)))
+    assert set(seqs) == {1, 3, 7}
+    assert seqs.count(7) == 11
 
 
 def test_ardupilot_reports_reached_items_once_but_no_final_landing() -> None:

@@ -111,8 +111,8 @@ def fly_something_absurd(chance: random.Random) -> None:
             number = chance.choice(COMMANDS)
             params = tuple(chance.choice(ABSURD) for _ in range(7))
             mock.receive(m.CommandLong(number, params), client, now)  # type: ignore[arg-type]
-        for said, target in mock.outgoing():
-            codec.encode(said, target, 0.0)
+        for answer, target in mock.outgoing():
+            codec.encode(answer, target, 0.0)
 
 
 def storm_an_autopilot(chance: random.Random) -> None:
@@ -129,8 +129,8 @@ def storm_an_autopilot(chance: random.Random) -> None:
             data = spoil(chance, data)
         station.receive(data, f"peer {chance.randrange(50)}", now)
         station.tick(now)
-        said = station.outgoing()
-        assert len(said) < 5000, f"{len(said)} messages at once"
+        frames = station.outgoing()
+        assert len(frames) < 5000, f"{len(frames)} messages at once"
     if signed:
         assert not mock.flight.armed, "a stranger has armed a vehicle with a key"
         assert not any(store.items for store in mock.transfers.stores.values()), "a stranger has changed a list"
@@ -219,8 +219,8 @@ def tear_a_stream(chance: random.Random) -> None:
     framer = Framer()
     while data:
         size = chance.randrange(1, 80)
-        for one in [*framer.feed(data[:size]), *frames(data[:size])]:
-            heard = judge.decode(one)
+        for piece in [*framer.feed(data[:size]), *frames(data[:size])]:
+            heard = judge.decode(piece)
             assert heard is None or isinstance(heard.target, Target)
         data = data[size:]
         assert len(framer._buffer) <= 300, "the framer hoards"

@@ -52,15 +52,15 @@ OK = CommandResult.ACCEPTED
 def test_px4_tells_its_version_of_mavlink_when_asked(autopilot: Autopilot, number: int, result: int) -> None:
     """Without it QGroundControl takes the old mission protocol, which has neither fence nor rally points."""
     params = (float(message_number("PROTOCOL_VERSION")), *(0.0,) * 6)
-    said = Flown(autopilot, []).hear(CommandLong(number, params))
-    assert CommandAck(number, result) in said
-    told = [message for message in said if isinstance(message, ProtocolVersion)]
-    assert told == ([ProtocolVersion(200, 100, 203)] if result == CommandResult.ACCEPTED else [])
+    messages = Flown(autopilot, []).hear(CommandLong(number, params))
+    assert CommandAck(number, result) in messages
+    versions = [message for message in messages if isinstance(message, ProtocolVersion)]
+    assert versions == ([ProtocolVersion(200, 100, 203)] if result == CommandResult.ACCEPTED else [])
 
 
 def rates(flown: Flown, *kinds: type) -> list[int]:
-    said = flown.fly(10.0)
-    return [sum(isinstance(message, kind) for message in said) for kind in kinds]
+    messages = flown.fly(10.0)
+    return [sum(isinstance(message, kind) for message in messages) for kind in kinds]
 
 
 def test_ardupilot_turns_groups_of_messages_on_and_off_the_old_way() -> None:
@@ -100,17 +100,17 @@ WANTED = {
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_the_parameters_that_a_ground_station_looks_for_are_there(autopilot: Autopilot) -> None:
-    values = [said for said in Flown(autopilot, []).hear(ParamRequestList()) if isinstance(said, ParamValue)]
-    told = {value.param_id: value for value in values}
-    assert set(WANTED[autopilot].split()) <= set(told)
-    assert {value.param_count for value in values} == {len(told)}
+    values = [message for message in Flown(autopilot, []).hear(ParamRequestList()) if isinstance(message, ParamValue)]
+    by_name = {value.param_id: value for value in values}
+    assert set(WANTED[autopilot].split()) <= set(by_name)
+    assert {value.param_count for value in values} == {len(by_name)}
     name, value, kind = ("BAT1_N_CELLS", 4.0, 6) if autopilot is PX4 else ("RC3_DZ", 30.0, 4)
-    assert (parameter_value(told[name], autopilot), told[name].param_type) == (value, kind)
+    assert (parameter_value(by_name[name], autopilot), by_name[name].param_type) == (value, kind)
 
 
 def test_a_battery_is_told() -> None:
     flown = Flown(PX4, [])
-    battery = next(said for said in flown.fly(2.1) if isinstance(said, BatteryStatus))
+    battery = next(message for message in flown.fly(2.1) if isinstance(message, BatteryStatus))
     assert battery.battery_remaining == 100
     assert battery.voltage > 10.0
 
@@ -143,16 +143,16 @@ def test_px4_takes_off_by_command_and_holds_up_there() -> None:
     flown.fly(12.0)
     assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(25.0, abs=1.5))
     assert flown.command(Command.NAV_TAKEOFF, -1.0, 0.0, 0.0, NAN, NAN, NAN, HOME.altitude + 5.0) == OK
-    said = flown.fly(5.0)
+    messages = flown.fly(5.0)
     assert flown.mock.flight.local[2] == pytest.approx(25.0, abs=1.5), "it does not go down"
-    assert not any(isinstance(message, CommandAck) for message in said)
+    assert not any(isinstance(message, CommandAck) for message in messages)
 
 
 def test_px4_takes_off_to_its_parameters_height_where_none_is_given() -> None:
     flown = Flown(PX4, [])
     assert flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 2.0) == OK
-    said = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
-    assert any(isinstance(one, Text) and one.text == "Using default takeoff altitude: 2.5 m\t" for one in said)
+    messages = flown.hear(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, *(0.0,) * 6)))
+    assert any(isinstance(each, Text) and each.text == "Using default takeoff altitude: 2.5 m\t" for each in messages)
     flown.fly(10.0)
     assert (flown.mock.vehicle.mode, flown.mock.flight.local[2]) == (HOLD, pytest.approx(2.5, abs=1.2))
 
@@ -207,8 +207,8 @@ def test_px4_without_a_mission_accepts_its_mode_and_then_refuses_it() -> None:
     assert flown.mock.vehicle.mode == MISSION
     flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 3.0)
     flown.hear(ClearAll())
-    said = flown.hear(CommandLong(VehicleCommand.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
-    results = [one.result for one in said if isinstance(one, CommandAck)]
+    messages = flown.hear(CommandLong(VehicleCommand.DO_SET_MODE, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0)))
+    results = [each.result for each in messages if isinstance(each, CommandAck)]
     assert results == [OK, CommandResult.TEMPORARILY_REJECTED]
-    assert any(isinstance(one, Text) and "Switching to Mission is currently not available" in one.text for one in said)
+    assert any(isinstance(m, Text) and "Switching to Mission is currently not available" in m.text for m in messages)
     assert flown.mock.vehicle.mode == HOLD

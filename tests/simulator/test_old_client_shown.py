@@ -52,30 +52,30 @@ class Session:
         return [message for message, _ in self.vehicle.outgoing()]
 
     def order(self, number: int, *params: float) -> list[object]:
-        said = self.say(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
+        messages = self.say(CommandLong(number, (*params, *(0.0,) * (7 - len(params)))))  # type: ignore[arg-type]
         return [
-            one.result if isinstance(one, CommandAck) else one.text
-            for one in said
-            if isinstance(one, CommandAck | Text)
+            message.result if isinstance(message, CommandAck) else message.text
+            for message in messages
+            if isinstance(message, CommandAck | Text)
         ]
 
     def wait(self, seconds: float) -> list[Message]:
-        until, said = self.now + seconds, []
+        until, messages = self.now + seconds, []
         while self.now < until:
             self.now += 0.05
             self.vehicle.tick(self.now)
-            said += [message for message, _ in self.vehicle.outgoing()]
-        return said
+            messages += [message for message, _ in self.vehicle.outgoing()]
+        return messages
 
     def upload(self, items: Sequence[Item], kind: int = MissionType.MISSION) -> list[Message]:
         wire = [home_item(HOME), *items] if self.first and kind == MissionType.MISSION else items
         return self.say(Count(len(wire), kind), *(ItemAt(seq, item, kind) for seq, item in enumerate(wire)))
 
     def land(self) -> list[Message]:
-        said: list[Message] = []
+        messages: list[Message] = []
         while self.vehicle.flight.armed:
-            said += self.wait(1.0)
-        return said
+            messages += self.wait(1.0)
+        return messages
 
 
 def test_px4_flown_again_begins_where_it_was_broken_off() -> None:
@@ -90,11 +90,11 @@ def test_px4_flown_again_begins_where_it_was_broken_off() -> None:
     session.upload(LEGS)
     session.order(400, 1.0)
     words = session.order(176, 1.0, 4.0, 4.0)
-    flown = {one.seq for one in session.land() if isinstance(one, Reached)}
+    flown = {message.seq for message in session.land() if isinstance(message, Reached)}
     assert "Climb to 10.0 meters above home\t" in [str(word) for word in words] or flown
     assert 0 not in flown
     session.say(SetCurrent(0))  # what the client says now
-    assert next(one for one in session.wait(1.5) if isinstance(one, Current)).seq == 0
+    assert next(message for message in session.wait(1.5) if isinstance(message, Current)).seq == 0
 
 
 def test_ardupilot_reports_only_waypoints_unasked() -> None:
@@ -102,10 +102,10 @@ def test_ardupilot_reports_only_waypoints_unasked() -> None:
     session.upload(LEGS)
     session.order(400, 1.0)
     session.order(300)
-    said = session.land()
-    kinds = {type(one) for one in said}
+    messages = session.land()
+    kinds = {type(message) for message in messages}
     assert not kinds & {Current, Position}
-    assert len(LEGS) not in {one.seq for one in said if isinstance(one, Reached)}
+    assert len(LEGS) not in {message.seq for message in messages if isinstance(message, Reached)}
 
 
 def test_fence_items_come_back_with_another_flag() -> None:
@@ -113,8 +113,8 @@ def test_fence_items_come_back_with_another_flag() -> None:
     for autopilot in registered():
         session = Session(autopilot)
         session.upload([circle], MissionType.FENCE)
-        said = session.say(RequestList(MissionType.FENCE), Request(0, MissionType.FENCE))
-        assert [one.item.autocontinue for one in said if isinstance(one, ItemAt)] == [False]
+        messages = session.say(RequestList(MissionType.FENCE), Request(0, MissionType.FENCE))
+        assert [message.item.autocontinue for message in messages if isinstance(message, ItemAt)] == [False]
 
 
 def test_ardupilot_without_a_position_arms_and_refuses_the_mission() -> None:
@@ -124,7 +124,7 @@ def test_ardupilot_without_a_position_arms_and_refuses_the_mission() -> None:
     assert session.order(400, 1.0) == [0, "Arming motors"]
     assert session.order(300) == [4, "Mode change to AUTO failed: requires position"]
     assert session.vehicle.flight.armed
-    assert "Disarming motors" in [one.text for one in session.wait(11.0) if isinstance(one, Text)]  # DISARM_DELAY
+    assert "Disarming motors" in [each.text for each in session.wait(11.0) if isinstance(each, Text)]  # DISARM_DELAY
     assert session.order(176, 1.0, 4.0)[0] == 0  # disarmed, it takes any mode
     assert session.order(400, 1.0) == [4, "Arm: Need Position Estimate"]
     assert session.order(401) == [0, "PreArm: Need Position Estimate"]
@@ -168,11 +168,11 @@ def test_nobody_ends_the_heartbeat_for_another(autopilot: Autopilot) -> None:
     session = Session(autopilot)
     session.vehicle.receive(Heartbeat(6, 8), STRANGER, session.now)
     assert session.order(511, 0.0, -1.0) == [0 if autopilot is ARDUPILOT else 4]
-    assert sum(isinstance(one, Heartbeat) for one in session.wait(5.0)) == 5
+    assert sum(isinstance(message, Heartbeat) for message in session.wait(5.0)) == 5
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "name", "kind", "told"),
+    ("autopilot", "name", "kind", "expected"),
     [
         (ARDUPILOT, "FENCE_ENABLE", 2, 0.0),
         (ARDUPILOT, "RTL_ALT", 6, 1500.0),
@@ -181,10 +181,10 @@ def test_nobody_ends_the_heartbeat_for_another(autopilot: Autopilot) -> None:
     ],
 )
 def test_a_parameter_has_the_type_that_its_firmware_declares(
-    autopilot: Autopilot, name: str, kind: int, told: float
+    autopilot: Autopilot, name: str, kind: int, expected: float
 ) -> None:
     session = Session(autopilot)
-    (value,) = [one for one in session.say(ParamRequestRead(name)) if isinstance(one, ParamValue)]
-    assert (value.param_type, value.param_value) == (kind, told)
+    (value,) = [message for message in session.say(ParamRequestRead(name)) if isinstance(message, ParamValue)]
+    assert (value.param_type, value.param_value) == (kind, expected)
     session.say(ParamSet(name, 1.0, 9))
     assert session.vehicle.table.values[name] == (1.0 if autopilot is ARDUPILOT or kind == 9 else 2.0)

@@ -43,7 +43,7 @@ def test_frames_are_taken_as_they_took_them(autopilot: Autopilot, kind: MissionT
     assert taken == TAKEN_FRAMES[autopilot]
 
 
-def given(command: Command, *params: float, place: tuple[float, float, float] = PLACE, frame: int = 6) -> Item:
+def item_of(command: Command, *params: float, place: tuple[float, float, float] = PLACE, frame: int = 6) -> Item:
     first, second, third, fourth = (*params, *[0.0] * (4 - len(params)))
     return Item(command, frame, (first, second, third, fourth), *place)
 
@@ -51,28 +51,28 @@ def given(command: Command, *params: float, place: tuple[float, float, float] = 
 TAKEOFF, GATE, NAN = Command.NAV_TAKEOFF, Command.CONDITION_GATE, math.nan
 BETA, RELEASED = Version(1, 18, 0, "beta"), Version(1, 17)
 ROWS = [
-    (PX4, BETA, given(TAKEOFF, 15.0, 0, 0, NAN), Result.ACCEPTED),
-    (PX4, BETA, given(TAKEOFF, 0, NAN, 0, NAN), Result.ACCEPTED),
-    (PX4, BETA, given(TAKEOFF, 0, 1.0, 0, NAN), Result.INVALID_PARAM2),
-    (PX4, BETA, given(TAKEOFF, 0, 0, 1.0, NAN), Result.INVALID_PARAM3),
-    (PX4, BETA, given(TAKEOFF, 0, 0, 2.0, NAN), Result.INVALID_PARAM3),
-    (PX4, BETA, given(TAKEOFF, 0, 0, 0, 450.0), Result.ACCEPTED),
-    (PX4, BETA, given(TAKEOFF, place=(NAN, NAN, 20.0)), Result.ACCEPTED),
-    (PX4, BETA, given(TAKEOFF, place=(*PLACE[:2], NAN)), Result.ACCEPTED),
-    (PX4, BETA, given(GATE), Result.INVALID_PARAM5_X),  # as released; they mended that in theirs
-    (PX4, RELEASED, given(TAKEOFF, 15.0, 1.0, 1.0, 137.0), Result.ACCEPTED),
-    (PX4, RELEASED, given(GATE, 7.0, 1.0), Result.ACCEPTED),
-    (PX4, RELEASED, given(Command.NAV_WAYPOINT, frame=2), Result.UNSUPPORTED),
-    (ARDUPILOT, LATER, given(TAKEOFF, 15.0), Result.ACCEPTED),
-    (ARDUPILOT, LATER, given(TAKEOFF, 0, NAN), Result.INVALID_PARAM2),
-    (ARDUPILOT, LATER, given(TAKEOFF, 0, 1.0), Result.ACCEPTED),
-    (ARDUPILOT, LATER, given(TAKEOFF, 0, 0, 2.0), Result.ACCEPTED),
-    (ARDUPILOT, LATER, given(TAKEOFF, 0, 0, 0, NAN), Result.ACCEPTED),
-    (ARDUPILOT, LATER, given(TAKEOFF, place=(NAN, NAN, 20.0)), Result.INVALID_PARAM5_X),
-    (ARDUPILOT, LATER, given(TAKEOFF, place=(*PLACE[:2], NAN)), Result.INVALID_PARAM7),
-    (ARDUPILOT, LATER, given(GATE), Result.UNSUPPORTED),
-    (ARDUPILOT, LATER, given(GATE, 0, 0, NAN, NAN), Result.INVALID_PARAM3),
-    (ARDUPILOT, LATER, given(Command.NAV_WAYPOINT, frame=2), Result.ACCEPTED),
+    (PX4, BETA, item_of(TAKEOFF, 15.0, 0, 0, NAN), Result.ACCEPTED),
+    (PX4, BETA, item_of(TAKEOFF, 0, NAN, 0, NAN), Result.ACCEPTED),
+    (PX4, BETA, item_of(TAKEOFF, 0, 1.0, 0, NAN), Result.INVALID_PARAM2),
+    (PX4, BETA, item_of(TAKEOFF, 0, 0, 1.0, NAN), Result.INVALID_PARAM3),
+    (PX4, BETA, item_of(TAKEOFF, 0, 0, 2.0, NAN), Result.INVALID_PARAM3),
+    (PX4, BETA, item_of(TAKEOFF, 0, 0, 0, 450.0), Result.ACCEPTED),
+    (PX4, BETA, item_of(TAKEOFF, place=(NAN, NAN, 20.0)), Result.ACCEPTED),
+    (PX4, BETA, item_of(TAKEOFF, place=(*PLACE[:2], NAN)), Result.ACCEPTED),
+    (PX4, BETA, item_of(GATE), Result.INVALID_PARAM5_X),  # as released; they mended that in theirs
+    (PX4, RELEASED, item_of(TAKEOFF, 15.0, 1.0, 1.0, 137.0), Result.ACCEPTED),
+    (PX4, RELEASED, item_of(GATE, 7.0, 1.0), Result.ACCEPTED),
+    (PX4, RELEASED, item_of(Command.NAV_WAYPOINT, frame=2), Result.UNSUPPORTED),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, 15.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, 0, NAN), Result.INVALID_PARAM2),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, 0, 1.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, 0, 0, 2.0), Result.ACCEPTED),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, 0, 0, 0, NAN), Result.ACCEPTED),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, place=(NAN, NAN, 20.0)), Result.INVALID_PARAM5_X),
+    (ARDUPILOT, LATER, item_of(TAKEOFF, place=(*PLACE[:2], NAN)), Result.INVALID_PARAM7),
+    (ARDUPILOT, LATER, item_of(GATE), Result.UNSUPPORTED),
+    (ARDUPILOT, LATER, item_of(GATE, 0, 0, NAN, NAN), Result.INVALID_PARAM3),
+    (ARDUPILOT, LATER, item_of(Command.NAV_WAYPOINT, frame=2), Result.ACCEPTED),
 ]
 
 

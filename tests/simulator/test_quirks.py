@@ -33,23 +33,23 @@ FENCE = MissionType.FENCE
 
 
 def vehicle(autopilot: Autopilot, old: int = 0) -> Vehicle:
-    one = Vehicle(autopilot)
-    one.store(items_of(autopilot, old, shift=0.01))
-    return one
+    mock = Vehicle(autopilot)
+    mock.store(items_of(autopilot, old, shift=0.01))
+    return mock
 
 
 def begun(autopilot: Autopilot, count: int = 3, received: int = 0, old: int = 0) -> Vehicle:
-    one = vehicle(autopilot, old)
-    one.hear(Count(count))
+    mock = vehicle(autopilot, old)
+    mock.hear(Count(count))
     for seq in range(received):
-        one.hear(ItemAt(seq, items_of(autopilot, count)[seq]))
-    return one
+        mock.hear(ItemAt(seq, items_of(autopilot, count)[seq]))
+    return mock
 
 
 def begun_list(autopilot: Autopilot, kind: int, old: Sequence[Item]) -> Vehicle:
-    one = Vehicle(autopilot)
-    one.store(tuple(old), kind)
-    return one
+    mock = Vehicle(autopilot)
+    mock.store(tuple(old), kind)
+    return mock
 
 
 # --- single items ---------------------------------------------------------------------------------------------------
@@ -110,13 +110,13 @@ ITEM_ROWS = [
 
 @pytest.mark.parametrize("row", ITEM_ROWS, ids=lambda row: f"{row.autopilot}: {row.name}")
 def test_an_item_gets_the_measured_result(row: ItemRow) -> None:
-    one = begun(row.autopilot, received=1)
-    answer = one.hear(ItemAt(1, row.item))
+    mock = begun(row.autopilot, received=1)
+    answer = mock.hear(ItemAt(1, row.item))
     if row.result == OK:
         assert answer == [Request(2, legacy=row.autopilot is ARDUPILOT)]
     else:
         assert answer[0] == Ack(row.result)
-        assert one.wait(60.0) == []  # and the transfer is over
+        assert mock.wait(60.0) == []  # and the transfer is over
 
 
 # --- conversations --------------------------------------------------------------------------------------------------
@@ -128,7 +128,7 @@ class Row:
 
     name: str
     vehicle: Vehicle
-    said: Sequence[Message]
+    answers: Sequence[Message]
     answer: Sequence[Message | str]
     source: Target = CLIENT
     after: int | None = None  # items in the store
@@ -211,9 +211,9 @@ def conversation_rows() -> list[Row]:
           for kind, item in ((1, CIRCLE), (2, RALLY))],
         Row("px4: an item is an item, whatever its current", begun(PX4, 3, 1), [ItemAt(1, px[1], 0, 2)], [Request(2)]),
         # both
-        *[Row(f"{one}: a list of no known kind", vehicle(one),
+        *[Row(f"{autopilot}: a list of no known kind", vehicle(autopilot),
               [Count(1, 7), RequestList(7), Request(0, 7)], [Ack(Result.UNSUPPORTED, 7)] * 2)
-          for one in registered()],
+          for autopilot in registered()],
         *[Row(f"ardupilot: clearing list {kind}", vehicle(ARDUPILOT, 4), [ClearAll(kind)],
               [Ack(Result.UNSUPPORTED, kind)], after=4) for kind in (7, 255)],
         Row("px4: clearing list 7", vehicle(PX4, 4), [ClearAll(7)], [Ack(OK, 7)], after=4),
@@ -224,7 +224,7 @@ def conversation_rows() -> list[Row]:
 @pytest.mark.parametrize("row", conversation_rows(), ids=lambda row: row.name)
 def test_a_vehicle_answers_as_measured(row: Row) -> None:
     answers: list[Message] = []
-    for message in row.said:
+    for message in row.answers:
         answers += row.vehicle.hear(message, source=row.source)
     assert len(answers) == len(row.answer), answers
     for got, expected in zip(answers, row.answer, strict=True):
@@ -238,34 +238,34 @@ def test_a_vehicle_answers_as_measured(row: Row) -> None:
 
 
 def test_ardupilot_asks_again_every_second_and_gives_up_after_eight() -> None:
-    said = begun(ARDUPILOT).wait(60.0)
-    assert said[:-2] == [(float(second), Request(0, legacy=True)) for second in range(1, 8)]
-    assert [message for _, message in said[-2:]] == [Ack(15), Text(4, "Mission upload timeout")]
-    assert said[-1][0] == 8.0
+    answers = begun(ARDUPILOT).wait(60.0)
+    assert answers[:-2] == [(float(second), Request(0, legacy=True)) for second in range(1, 8)]
+    assert [message for _, message in answers[-2:]] == [Ack(15), Text(4, "Mission upload timeout")]
+    assert answers[-1][0] == 8.0
 
 
 def test_px4_repeats_item_requests_and_gives_up_after_five() -> None:
-    one = begun(PX4, old=4)
-    said = one.wait(60.0)
-    assert [when for when, _ in said[:4]] == [0.25, 0.5, 0.75, 1.0]
-    assert said[-1] == (5.0, Text(4, "Operation timeout"))
-    assert not any(isinstance(message, Ack) for _, message in said)
-    assert len(one.holds()) == 4
+    mock = begun(PX4, old=4)
+    answers = mock.wait(60.0)
+    assert [when for when, _ in answers[:4]] == [0.25, 0.5, 0.75, 1.0]
+    assert answers[-1] == (5.0, Text(4, "Operation timeout"))
+    assert not any(isinstance(message, Ack) for _, message in answers)
+    assert len(mock.holds()) == 4
 
 
 def test_px4_never_repeats_in_a_download() -> None:
-    one = vehicle(PX4, 3)
-    assert one.hear(RequestList()) == [Count(3)]
-    assert not any(isinstance(message, Count | ItemAt) for _, message in one.wait(60.0))
+    mock = vehicle(PX4, 3)
+    assert mock.hear(RequestList()) == [Count(3)]
+    assert not any(isinstance(message, Count | ItemAt) for _, message in mock.wait(60.0))
 
 
 def test_ardupilots_item_0_is_its_own_home() -> None:
-    one = begun(ARDUPILOT, 2)
+    mock = begun(ARDUPILOT, 2)
     elsewhere = having(frame=0, latitude_deg=10.0, longitude_deg=20.0)
-    one.hear(ItemAt(0, elsewhere))
-    one.hear(ItemAt(1, WAYPOINT))
-    one.hear(RequestList())
-    (first,) = one.hear(Request(0))
+    mock.hear(ItemAt(0, elsewhere))
+    mock.hear(ItemAt(1, WAYPOINT))
+    mock.hear(RequestList())
+    (first,) = mock.hear(Request(0))
     assert isinstance(first, ItemAt)
     assert (first.item.latitude_deg, first.item.longitude_deg) == (HOME.latitude_deg, HOME.longitude_deg)
 
@@ -288,10 +288,10 @@ READ_BACK = [
 
 @pytest.mark.parametrize(("autopilot", "item", "field", "kept"), READ_BACK, ids=lambda value: str(value)[:40])
 def test_what_is_read_back_differs_as_measured(autopilot: Autopilot, item: Item, field: str, kept: object) -> None:
-    one = begun(autopilot, 2, 1)
-    one.hear(ItemAt(1, item))
-    one.hear(RequestList())
-    (read,) = one.hear(Request(1))
+    mock = begun(autopilot, 2, 1)
+    mock.hear(ItemAt(1, item))
+    mock.hear(RequestList())
+    (read,) = mock.hear(Request(1))
     assert isinstance(read, ItemAt)
     assert getattr(read.item, field) == pytest.approx(kept, abs=1e-5)
     assert read.current == 0

@@ -23,9 +23,9 @@ FLIGHTS = Path(__file__).parent.parent / "flights"
 
 def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:
     """A recorded mission, the mock's place at each item (numbered as in the file), and the record."""
-    told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
+    flight = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
     mission = read_mission(folder / "mission.waypoints", autopilot_named(folder.name.rsplit("-", 1)[1]))
-    parameters = {name: float(value) for name, value in told["params"].items()}
+    parameters = {name: float(value) for name, value in flight["params"].items()}
     conditions = Conditions(version=FLOWN_ON[mission.autopilot])
     mock = Mock(mission.autopilot, mission.home, parameters, conditions=conditions)
     first = int(mission.autopilot is Autopilot.ARDUPILOT)
@@ -44,27 +44,27 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
         for message, _ in mock.outgoing():
             if isinstance(message, Reached):
                 reached.setdefault(message.seq + 1 - first, (float(east), float(north)))
-    return mission, reached, told
+    return mission, reached, flight
 
 
 @pytest.mark.parametrize("name", some(1, ["land-px4", "corners-px4", "hold-px4"]))
 def test_px4_tells_of_the_items_that_the_real_one_told_of(name: str) -> None:
-    _, reached, told = flown(FLIGHTS / name)
-    assert set(reached) == {int(seq) for seq in told["item_done_s"]}  # type: ignore[attr-defined]
+    _, reached, recorded = flown(FLIGHTS / name)
+    assert set(reached) == {int(seq) for seq in recorded["item_done_s"]}  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("name", ["corners-ardupilot", "ways_dp4-ardupilot"])
 def test_ardupilot_tells_of_a_waypoint_where_the_real_one_did(name: str) -> None:
-    mission, reached, told = flown(FLIGHTS / name)
+    mission, reached, recorded = flown(FLIGHTS / name)
     frame = LocalFrame(mission.home)
     times, latitudes, longitudes = np.loadtxt(FLIGHTS / name / "trace.csv", delimiter=",", skiprows=1).T[:3]
     before = []
     for seq, item in enumerate(mission.items, start=1):
         if item.command != 16:
             continue
-        at = float(told["item_done_s"][str(seq)])  # type: ignore[index]
+        at = float(recorded["item_done_s"][str(seq)])  # type: ignore[index]
         there = Geodetic(float(np.interp(at, times, latitudes)), float(np.interp(at, times, longitudes)))
-        point, place = (frame.local(one)[:2] for one in (Geodetic(item.latitude_deg, item.longitude_deg), there))
+        point, place = (frame.local(each)[:2] for each in (Geodetic(item.latitude_deg, item.longitude_deg), there))
         before.append(math.dist(point, place))
         assert math.dist(point, reached[seq]) == pytest.approx(before[-1], abs=0.4), seq
     assert max(before) > 0.5

@@ -102,9 +102,9 @@ def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot
     assert autopilot.transfers_with(STATION)
     run(server, channel, begun + 9.0)
     assert not autopilot.transfers_with(STATION)
-    told = channel.sent
+    sent = channel.sent
     run(server, channel, begun + 10.0)
-    assert channel.sent > told + 50  # a hundred seconds' worth of telemetry
+    assert channel.sent > sent + 50  # a hundred seconds' worth of telemetry
 
 
 @pytest.mark.parametrize("family", registered())
@@ -120,9 +120,9 @@ def test_whoever_arms_it_has_as_long_to_begin_as_beside_a_real_one(family: Autop
 
 def test_no_more_is_said_than_a_busy_station_reads() -> None:
     channel, _, server = beside(Autopilot.PX4, 1000.0)
-    begun, told = channel.now(), channel.sent
+    begun, sent = channel.now(), channel.sent
     run(server, channel, begun + 3.0)
     at_once = 12  # its streams, when all are due
     assert (
-        0.8 * 3.0 * LIMITS.frames_hz < channel.sent - told <= 3.0 * LIMITS.frames_hz + LIMITS.frames_at_once + at_once
+        0.8 * 3.0 * LIMITS.frames_hz < channel.sent - sent <= 3.0 * LIMITS.frames_hz + LIMITS.frames_at_once + at_once
     )

@@ -68,14 +68,14 @@ class Said:
     frame: bytes
 
 
-def said(name: str) -> list[Said]:
-    codec, told = Codec(250, 1), []
+def recorded_session(name: str) -> list[Said]:
+    codec, records = Codec(250, 1), []
     for record in read_tlog(SESSIONS / f"{name}.tlog"):
         heard = codec.decode(record.frame)
         assert heard is not None
         assert heard.message is not None
-        told.append(Said(record.unix_s, heard.system == STATION, heard.message, record.frame))
-    return [Said(one.at - told[0].at, one.by_client, one.message, one.frame) for one in told]
+        records.append(Said(record.unix_s, heard.system == STATION, heard.message, record.frame))
+    return [Said(record.at - records[0].at, record.by_client, record.message, record.frame) for record in records]
 
 
 def autopilot_of(name: str) -> Autopilot:
@@ -92,15 +92,15 @@ class Playback:
         self._ahead: list[Said] = []
         asked: Message | None = None
         acknowledged: set[Message] = set()
-        for one in recorded:
-            if one.by_client and one.message != asked:
-                asked = one.message
+        for each in recorded:
+            if each.by_client and each.message != asked:
+                asked = each.message
                 acknowledged.clear()
-            elif one.by_client or one.message in acknowledged:
+            elif each.by_client or each.message in acknowledged:
                 continue  # repeated; a stream was requested up to three times
-            elif isinstance(one.message, CommandAck) and one.message.command == VehicleCommand.SET_MESSAGE_INTERVAL:
-                acknowledged.add(one.message)
-            self._ahead.append(one)
+            elif isinstance(each.message, CommandAck) and each.message.command == VehicleCommand.SET_MESSAGE_INTERVAL:
+                acknowledged.add(each.message)
+            self._ahead.append(each)
         self._codec = Codec(250, 1)
         self._clock = 0.0, 0.0  # a moment of the channel, and the recorded one
         self._outbox: list[bytes] = []
@@ -110,7 +110,7 @@ class Playback:
         if heard is not None and heard.message is not None and (asked := self._asked(heard.message)) is not None:
             self._clock = now, self._ahead[asked].at
             before = self._ahead[:asked]
-            self._outbox.extend(one.frame for one in before if not one.by_client)
+            self._outbox.extend(record.frame for record in before if not record.by_client)
             del self._ahead[: asked + 1]
         self.tick(now)
 
@@ -118,12 +118,12 @@ class Playback:
         """Return which message ahead this is: the next, or one after what may go unsaid."""
         if self._waits is None:
             return None
-        for number, one in enumerate(self._ahead):
-            if not one.by_client:
+        for number, own in enumerate(self._ahead):
+            if not own.by_client:
                 continue
-            if type(one.message) is type(spoken) and getattr(one.message, "params", 0) == getattr(spoken, "params", 0):
+            if type(own.message) is type(spoken) and getattr(own.message, "params", 0) == getattr(spoken, "params", 0):
                 return number
-            if not isinstance(one.message, MAY_GO_UNSAID):
+            if not isinstance(own.message, MAY_GO_UNSAID):
                 return None
         return None
 
@@ -132,8 +132,8 @@ class Playback:
             self._outbox.append(self._ahead.pop(0).frame)
 
     def outgoing(self) -> list[tuple[bytes, Peer | None]]:
-        told, self._outbox = self._outbox, []
-        return [(frame, None) for frame in told]
+        sent, self._outbox = self._outbox, []
+        return [(frame, None) for frame in sent]
 
     @property
     def deadline(self) -> float:
@@ -143,21 +143,21 @@ class Playback:
     def _waits(self) -> Said | None:
         return self._ahead[0] if self._ahead and self._ahead[0].by_client else None
 
-    def _due(self, one: Said) -> float:
-        return self._clock[0] + max(one.at - self._clock[1], 0.0)
+    def _due(self, record: Said) -> float:
+        return self._clock[0] + max(record.at - self._clock[1], 0.0)
 
 
 def first_checksum(recorded: list[Said]) -> int:
     """Return the number of the first question for a checksum."""
-    asked = [unpack(one.message) for one in recorded if one.by_client and isinstance(one.message, FileTransfer)]
-    return next((one.sequence for one in asked if one.opcode == Opcode.CALC_FILE_CRC32), 0)
+    asked = [unpack(each.message) for each in recorded if each.by_client and isinstance(each.message, FileTransfer)]
+    return next((message.sequence for message in asked if message.opcode == Opcode.CALC_FILE_CRC32), 0)
 
 
 @pytest.mark.parametrize("name", FLOWN)
 def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> None:
     autopilot = autopilot_of(name)
-    vehicle = meet(Line(Loopback(Playback(said(name))), Codec(STATION, 190)))
-    vehicle._numbers = count(first_checksum(said(name)), 2)
+    vehicle = meet(Line(Loopback(Playback(recorded_session(name))), Codec(STATION, 190)))
+    vehicle._numbers = count(first_checksum(recorded_session(name)), 2)
     assert vehicle.autopilot is autopilot
     vehicle.home()
     vehicle.upload(read_mission_file(SESSIONS / f"{autopilot}.plan").mission)
@@ -174,70 +174,70 @@ def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> N
 
 def clock(recorded: list[Said]) -> Iterator[tuple[float, Said]]:
     """Yield the client's messages by the vehicle's own clock."""
-    known = [(one.at, one.message.time_s) for one in recorded if isinstance(one.message, Position)] or [(0.0, 100.0)]
-    down = [one.at for one in recorded if isinstance(one.message, Text) and one.message.text.startswith("Disarm")]
-    for one in recorded:
-        at, time_s = min(known, key=lambda pair: abs(pair[0] - one.at))
-        if one.by_client:
-            later = LANDS_WITHIN_S if down and one.at > down[-1] else 0.0
-            yield time_s + SPEEDUP * (one.at - at) + later, one
+    known = [(r.at, r.message.time_s) for r in recorded if isinstance(r.message, Position)] or [(0.0, 100.0)]
+    down = [each.at for each in recorded if isinstance(each.message, Text) and each.message.text.startswith("Disarm")]
+    for record in recorded:
+        at, time_s = min(known, key=lambda pair: abs(pair[0] - record.at))
+        if record.by_client:
+            later = LANDS_WITHIN_S if down and record.at > down[-1] else 0.0
+            yield time_s + SPEEDUP * (record.at - at) + later, record
 
 
 def answers(name: str) -> list[tuple[float, Message]]:
     """Return the built-in autopilot's answers, with times."""
     autopilot = autopilot_of(name)
-    recorded = said(name)
+    recorded = recorded_session(name)
     home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
     mock = BuiltIn(autopilot, home, conditions=Conditions(version=PX4_117.get(autopilot), cold=True))
-    told: list[tuple[float, Message]] = []
+    answered: list[tuple[float, Message]] = []
 
     def live(until: float) -> None:
         while mock.deadline < until:
             mock.tick(mock.deadline)
-            told.extend((mock.vehicle.now, message) for message, _ in mock.outgoing())
+            answered.extend((mock.vehicle.now, message) for message, _ in mock.outgoing())
 
     session = list(clock(recorded))
     if not name.startswith("fly"):  # the mission of the flight before lies there
-        for when, one in clock(said(f"upload-{autopilot}")):
+        for when, record in clock(recorded_session(f"upload-{autopilot}")):
             live(when)
-            mock.receive(one.message, Target(STATION, 190), max(when, mock.vehicle.now))
+            mock.receive(record.message, Target(STATION, 190), max(when, mock.vehicle.now))
         live(mock.vehicle.now + 3.0)
-        told.clear()
-        session = [(mock.vehicle.now + SPEEDUP * one.at, one) for _, one in session]
-    for when, one in session:
+        answered.clear()
+        session = [(mock.vehicle.now + SPEEDUP * record.at, record) for _, record in session]
+    for when, record in session:
         live(when)
-        mock.receive(one.message, Target(STATION, 190), max(when, mock.vehicle.now))
+        mock.receive(record.message, Target(STATION, 190), max(when, mock.vehicle.now))
     live(mock.vehicle.now + (60.0 if name.startswith("fly") else 2.0))
-    return told
+    return answered
 
 
 def talk(messages: list[Message]) -> dict[str, list[Any]]:
     """Return what matters of a vehicle's messages, by kind, without repetitions."""
     mine = ("Arm", "Disarm", "Mission", "Reached command", "Executing", "Climb to", "Flight plan", "Mode change")
     kinds: dict[str, list[Any]] = {
-        "commands": [(one.command, one.result) for one in messages if isinstance(one, CommandAck)],
-        "lists": [(one.result, one.kind) for one in messages if isinstance(one, Ack)],
+        "commands": [(message.command, message.result) for message in messages if isinstance(message, CommandAck)],
+        "lists": [(message.result, message.kind) for message in messages if isinstance(message, Ack)],
         "items": [
-            (one.seq, one.kind, one.item.command, one.item.frame, one.item.autocontinue)
-            for one in messages
-            if isinstance(one, ItemAt)
+            (message.seq, message.kind, message.item.command, message.item.frame, message.item.autocontinue)
+            for message in messages
+            if isinstance(message, ItemAt)
         ],
-        "reached": [one.seq for one in messages if isinstance(one, Reached)],
-        "words": [one.text for one in messages if isinstance(one, Text) and one.text.startswith(mine)],
-        "current": [(one.seq, one.total) for one in messages if isinstance(one, Current)],
-        "modes": [(one.custom_mode, one.armed) for one in messages if isinstance(one, Heartbeat)],
+        "reached": [message.seq for message in messages if isinstance(message, Reached)],
+        "words": [message.text for message in messages if isinstance(message, Text) and message.text.startswith(mine)],
+        "current": [(message.seq, message.total) for message in messages if isinstance(message, Current)],
+        "modes": [(each.custom_mode, each.armed) for each in messages if isinstance(each, Heartbeat)],
         "parameters": [
-            (one.param_id, one.param_type, one.param_value) for one in messages if isinstance(one, ParamValue)
+            (each.param_id, each.param_type, each.param_value) for each in messages if isinstance(each, ParamValue)
         ],
     }
-    return {kind: [one for one, _ in groupby(told)] for kind, told in kinds.items()}
+    return {kind: [content for content, _ in groupby(contents)] for kind, contents in kinds.items()}
 
 
 @pytest.mark.parametrize("name", [f"{verb}-{autopilot}" for verb in VERBS for autopilot in registered()])
 def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
-    real = talk([one.message for one in said(name) if not one.by_client])
+    real = talk([record.message for record in recorded_session(name) if not record.by_client])
     ours = talk([message for _, message in answers(name)])
-    for kind, told in real.items():
+    for kind, contents in real.items():
         got = ours[kind]
         if not name.startswith("fly") and kind in (
             "current",
@@ -247,12 +247,12 @@ def test_the_built_in_autopilot_answers_as_the_real_one_did(name: str) -> None:
         ):  # they depend on what was before
             continue
         if kind == "commands":  # the client may leave before the last answer
-            got = got[: len(told)]
+            got = got[: len(contents)]
         if kind == "modes":  # a short one falls between heartbeats
-            heard = iter(told)
+            heard = iter(contents)
             assert all(mode in heard for mode in got[1:]), kind
-            assert got[-1] == told[-1]
+            assert got[-1] == contents[-1]
             continue
         if kind == "current":  # what it was before the session is not recorded
-            got = got[-len(told) :]
-        assert got == told, kind
+            got = got[-len(contents) :]
+        assert got == contents, kind

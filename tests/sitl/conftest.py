@@ -18,10 +18,10 @@ LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 def simulation(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sitl]:
     """One simulation for a module; its lists come back at the end."""
     family: Autopilot = request.param
-    given = request.config.getoption(f"--{family}")
-    if given is None:
+    option = request.config.getoption(f"--{family}")
+    if option is None:
         pytest.skip(f"no --{family} LINK was given")
-    command, at, link = str(given).rpartition("@")
+    command, at, link = str(option).rpartition("@")
     started = subprocess.Popen(shlex.split(command), start_new_session=True) if at else None
     sitl = Sitl(family, link.strip(), tmp_path_factory.mktemp(f"{family}-sitl"))
     try:

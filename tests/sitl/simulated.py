@@ -27,9 +27,9 @@ class Ended:
     err: str
 
     @property
-    def found(self) -> dict[str, Any]:
-        told: dict[str, Any] = json.loads(self.out)
-        return told
+    def result(self) -> dict[str, Any]:
+        result: dict[str, Any] = json.loads(self.out)
+        return result
 
 
 @dataclass

@@ -28,16 +28,16 @@ GOOD = Row(
 )
 
 
-def asked(**other: object) -> argparse.Namespace:
-    return argparse.Namespace(**({"scenarios": [], "count": 8, "seed": 1, "times": 1} | other))
+def asked(**options: object) -> argparse.Namespace:
+    return argparse.Namespace(**({"scenarios": [], "count": 8, "seed": 1, "times": 1} | options))
 
 
 @pytest.mark.parametrize("number", range(len(KINDS)))
 def test_a_random_scene_is_a_scenario_and_follows_from_its_seed(number: int, tmp_path: Path) -> None:
     path = written(number, 1, Autopilot.PX4, tmp_path / "scene.toml")
-    again, other = (written(number, seed, Autopilot.PX4, tmp_path / f"{seed}.toml") for seed in (1, 2))
+    again, of_other_seed = (written(number, seed, Autopilot.PX4, tmp_path / f"{seed}.toml") for seed in (1, 2))
     assert read_scenario(path).vehicle.autopilot is Autopilot.PX4
-    assert path.read_bytes() == again.read_bytes() != other.read_bytes()
+    assert path.read_bytes() == again.read_bytes() != of_other_seed.read_bytes()
 
 
 def test_a_set_has_every_kind_slow_and_fast() -> None:
@@ -128,9 +128,9 @@ def test_rows_are_read_as_they_were_written(tmp_path: Path) -> None:
 def test_a_whole_run_on_the_built_in_autopilot(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     start = f"{sys.executable} -m ipoa_mission mock --autopilot ardupilot --link tcpin:127.0.0.1:19770"
     start += " --speedup 30 --home {latitude} {longitude} {altitude}"
-    told = ["--autopilot", "ardupilot", "--sitl", "tcp:127.0.0.1:19770", "--start", start, "--out", str(tmp_path)]
-    admit.main([*told, "--count", "1"])
+    words = ["--autopilot", "ardupilot", "--sitl", "tcp:127.0.0.1:19770", "--start", start, "--out", str(tmp_path)]
+    admit.main([*words, "--count", "1"])
     assert "ArduCopter 4.8.0-dev: measured" in capsys.readouterr().out
     assert (tmp_path / "campus-ardupilot__0" / "track.csv").exists()
-    admit.main([*told, "--count", "1"])
+    admit.main([*words, "--count", "1"])
     assert "campus 0: completed" not in capsys.readouterr().out

@@ -23,15 +23,15 @@ def flown(sitl: Sitl, words: str = "", link: str | None = None) -> dict[str, obj
     plan = sitl.write(sitl.mission())
     ended = sitl.run(f"fly {plan} --json {words}", link)
     assert ended.code == 0, ended.err + ended.out
-    found = ended.found
-    assert found["completed"]
-    assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
-    seqs = [item["seq"] for item in found["items"]]
-    times = [item["done_s"] for item in found["items"]]
+    result = ended.result
+    assert result["completed"]
+    assert (result["armed"], result["in_air"], result["time_zero"]) == (False, False, "armed")
+    seqs = [item["seq"] for item in result["items"]]
+    times = [item["done_s"] for item in result["items"]]
     assert seqs == list(range(1, len(sitl.mission().items) + 1))
     assert times == sorted(times)
-    assert 0.0 < times[0] < times[-1] == found["flown_s"]
-    return found
+    assert 0.0 < times[0] < times[-1] == result["flown_s"]
+    return result
 
 
 def bring_home(sitl: Sitl) -> None:
@@ -42,7 +42,7 @@ def bring_home(sitl: Sitl) -> None:
 
 
 def test_the_vehicle_is_found(sitl: Sitl) -> None:
-    assert [one["autopilot"] for one in sitl.run("scan --json").found] == [sitl.autopilot]  # type: ignore[index]
+    assert [vehicle["autopilot"] for vehicle in sitl.run("scan --json").result] == [sitl.autopilot]  # type: ignore[index]
 
 
 def test_lists_go_up_come_down_and_go_away(sitl: Sitl) -> None:
@@ -57,11 +57,11 @@ def test_lists_go_up_come_down_and_go_away(sitl: Sitl) -> None:
     sent = sitl.run(f"upload {plan} --json")
     assert sent.code == 0, sent.err
     if sitl.autopilot is Autopilot.ARDUPILOT:
-        assert any("FENCE_ENABLE is 0" in remark for remark in sent.found["remarks"])
-    got = sitl.run("download back.plan --json").found
+        assert any("FENCE_ENABLE is 0" in remark for remark in sent.result["remarks"])
+    got = sitl.run("download back.plan --json").result
     assert (got["items"], got["fence"], got["rally"]) == (len(sitl.mission().items), 2, 1)
     assert sitl.run("clear --json").code == 0
-    empty = sitl.run("download none.plan --json").found
+    empty = sitl.run("download none.plan --json").result
     assert (empty["items"], empty["fence"], empty["rally"]) == (0, 0, 0)
 
 
@@ -90,14 +90,14 @@ def test_a_flight_begins_with_another_item_where_that_is_asked_for(sitl: Sitl) -
     plan = sitl.write(sitl.mission())
     ended = sitl.run(f"fly {plan} --from 4 --json")
     assert ended.code == 0, ended.err + ended.out
-    assert next(item["seq"] for item in ended.found["items"]) == 4
+    assert next(item["seq"] for item in ended.result["items"]) == 4
 
 
 def test_a_mission_made_for_the_other_firmware_is_refused(sitl: Sitl) -> None:
-    other = next(family for family in registered() if family is not sitl.autopilot)
-    ended = sitl.run(f"upload {sitl.write(replace(sitl.mission(), autopilot=other))} --json")
+    other_family = next(family for family in registered() if family is not sitl.autopilot)
+    ended = sitl.run(f"upload {sitl.write(replace(sitl.mission(), autopilot=other_family))} --json")
     assert ended.code == 1
-    assert "was made for" in ended.found["error"]
+    assert "was made for" in ended.result["error"]
 
 
 def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
@@ -105,8 +105,8 @@ def test_a_vehicle_that_stands_elsewhere_is_not_armed(sitl: Sitl) -> None:
     assert apart(away, sitl.home) == pytest.approx(40.0, abs=0.1)
     ended = sitl.run(f"fly {sitl.write(replace(sitl.mission(), home=away))} --json")
     assert ended.code == 1
-    assert "m from the mission's home, and without a scenario" in ended.found["error"]
-    assert ended.found["armed"] is False
+    assert "m from the mission's home, and without a scenario" in ended.result["error"]
+    assert ended.result["armed"] is False
 
 
 def test_mavsdk_flies_it_with_the_same_result(sitl: Sitl) -> None:
