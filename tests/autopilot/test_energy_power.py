@@ -30,16 +30,16 @@ def test_without_tilt_the_induced_speed_is_that_of_zeng_xu_and_zhang(speed: floa
     """Eq. (12): v = v0 sqrt(sqrt(1 + V^4 / 4 v0^4) - V^2 / 2 v0^2)."""
     v0 = 5.3
     expected = v0 * np.sqrt(np.sqrt(1 + speed**4 / (4 * v0**4)) - speed**2 / (2 * v0**2))
-    one = np.ones(1)
-    assert induced_speed(v0**2 * one, 0 * one, speed * one, one)[0] == pytest.approx(expected, rel=1e-9)
+    unit = np.ones(1)
+    assert induced_speed(v0**2 * unit, 0 * unit, speed * unit, unit)[0] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("climb", [0.0, 1.0, 4.0, 12.0])
 def test_in_a_climb_the_induced_speed_is_the_axial_solution(climb: float) -> None:
     """Leishman, section 2.10: v / v0 = -w / 2 v0 + sqrt((w / 2 v0)^2 + 1)."""
-    v0, one = 5.3, np.ones(1)
+    v0, unit = 5.3, np.ones(1)
     expected = v0 * (-climb / (2 * v0) + np.sqrt((climb / (2 * v0)) ** 2 + 1))
-    assert induced_speed(v0**2 * one, climb * one, 0 * one, one)[0] == pytest.approx(expected, rel=1e-9)
+    assert induced_speed(v0**2 * unit, climb * unit, 0 * unit, unit)[0] == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("along", [0.0, 2.0, 9.0])
@@ -48,8 +48,8 @@ def test_glauerts_equation_is_solved_as_brent_solves_it(along: float, across: fl
     def residual(v: float) -> float:
         return float(v * np.hypot(across, along + v) - 28.0)
 
-    found = induced_speed(np.array([28.0]), np.array([along]), np.array([across]), np.array([1.0]))[0]
-    assert found == pytest.approx(brentq(residual, 0.0, 10.0, xtol=1e-13), rel=1e-9)
+    speed = induced_speed(np.array([28.0]), np.array([along]), np.array([across]), np.array([1.0]))[0]
+    assert speed == pytest.approx(brentq(residual, 0.0, 10.0, xtol=1e-13), rel=1e-9)
 
 
 @pytest.mark.parametrize("airframe", AIRFRAMES.values(), ids=AIRFRAMES)

@@ -19,8 +19,8 @@ BUILD = "import sys, hatchling.build as build; print(build.{call})"
 
 def built(folder: Path, call: str, **environment: str) -> str:
     command = [sys.executable, "-c", BUILD.format(call=call)]
-    told = os.environ | {"IPOA_MISSION_NO_PAGE": "1"} | environment
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True, env=told)
+    variables = os.environ | {"IPOA_MISSION_NO_PAGE": "1"} | environment
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True, env=variables)
     return run.stdout.splitlines()[-1]
 
 
@@ -153,7 +153,7 @@ def test_what_makes_machine_code_tells_of_itself_and_writes_nothing(
         with pytest.raises(SystemExit) as ended:
             maker.main()
         assert ended.value.code == code
-    told = capsys.readouterr()
-    assert "python -m tools.machine_code FOLDER [CPU ...]" in told.out
-    assert "the following arguments are required: folder" in told.err
+    captured = capsys.readouterr()
+    assert "python -m tools.machine_code FOLDER [CPU ...]" in captured.out
+    assert "the following arguments are required: folder" in captured.err
     assert list(tmp_path.iterdir()) == []

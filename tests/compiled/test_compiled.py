@@ -22,14 +22,14 @@ from ipoa_mission import plan_flight, read_scenario
 from ipoa_mission.compiled.library import shipped
 from tests.quick_search import search_quickly
 search_quickly()
-told = {}
+texts = {}
 for autopilot in ("px4", "ardupilot"):
     scenario = Path("missions/sitl.toml").read_text().replace('autopilot = "px4"', f'autopilot = "{autopilot}"')
     there = Path(sys.argv[1]) / f"{autopilot}.toml"
     there.write_text(scenario)
     for file in plan_flight(read_scenario(there), seed=3).write(sys.argv[1]):
-        told[file.name] = file.read_text()
-print(json.dumps([shipped() is not None, "numba" in sys.modules, told]))
+        texts[file.name] = file.read_text()
+print(json.dumps([shipped() is not None, "numba" in sys.modules, texts]))
 """
 
 
@@ -60,7 +60,7 @@ def test_all_that_a_kernel_is_made_of_counts_for_its_hash() -> None:
 
     counted = {name(path) for pattern in library.SOURCES for path in library.PACKAGE.glob(pattern)}
     written = {path: path.read_text(encoding="utf-8") for path in library.PACKAGE.rglob("*.py")}
-    modules = {one.__module__ for function in (fly_leg, fly) for one in (function, *called_by(function))}
+    modules = {part.__module__ for function in (fly_leg, fly) for part in (function, *called_by(function))}
     assert {module.split(".")[2] for module in modules} == {"arducopter", "px4_multicopter"}
     kernels = [path for path, text in written.items() if "@njit" in text or f"ipoa_mission.{name(path)}" in modules]
     assert {name(path) for path in kernels} <= counted
@@ -81,9 +81,9 @@ def test_other_sources_are_not_what_was_compiled(tmp_path: Path, monkeypatch: py
     source.parent.mkdir()
     source.write_text("x = 1\n")
     monkeypatch.setattr(library, "PACKAGE", tmp_path)
-    one = library.sources_digest()
+    digest = library.sources_digest()
     source.write_text("x = 2\n")
-    assert len({before, one, library.sources_digest()}) == 3
+    assert len({before, digest, library.sources_digest()}) == 3
 
 
 def test_without_machine_code_and_numba_the_error_names_the_way_out() -> None:
@@ -107,9 +107,9 @@ def test_a_library_that_does_not_load_here_is_none(made_of: str, tmp_path: Path)
     """As one of another system, or without exported names; then numba compiles."""
     import _ctypes
 
-    one = b"MZ" if made_of == "no library" else Path(_ctypes.__file__).read_bytes()
+    library_bytes = b"MZ" if made_of == "no library" else Path(_ctypes.__file__).read_bytes()
     for cpu in library.these_cpus():
-        (tmp_path / library.file_name(cpu)).write_bytes(one)
+        (tmp_path / library.file_name(cpu)).write_bytes(library_bytes)
     index = {"sources": library.sources_digest(), "kernels": {"planning.survey": [["int"], "float"]}}
     (tmp_path / library.INDEX).write_text(json.dumps(index))
     assert library.load(tmp_path) is None

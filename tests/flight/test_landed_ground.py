@@ -43,17 +43,17 @@ def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> 
     (fast,) = api.check_mission(again)  # its NAME.params may have stayed where it was
     assert (fast.code, fast.seq) == ("fast-touchdown", 3)
     assert api.check_mission(again.with_parameters({"LAND_ALT_LOW": 2200.0})) == ()
-    told = json.loads(path.read_text(encoding="utf-8"))
-    told["mission"]["items"][-1]["params"][4] += 0.0001  # moved: its ground is unknown
-    path.write_text(json.dumps(told), encoding="utf-8")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["mission"]["items"][-1]["params"][4] += 0.0001  # moved: its ground is unknown
+    path.write_text(json.dumps(document), encoding="utf-8")
     assert landing_height(api.read_mission(path)) is None
 
 
 def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
     path = tmp_path / "odd.plan"
-    told = json.loads(plan_text(landing_on(MISSION, 8.5)))
-    told["landingGround"]["aboveHome"] = "high"
-    path.write_text(json.dumps(told), encoding="utf-8")
+    document = json.loads(plan_text(landing_on(MISSION, 8.5)))
+    document["landingGround"]["aboveHome"] = "high"
+    path.write_text(json.dumps(document), encoding="utf-8")
     with refuses("bad-input", "odd.plan: landingGround.aboveHome"):
         api.read_mission(path)
 

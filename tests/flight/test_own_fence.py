@@ -54,7 +54,7 @@ def test_which_limits_are_in_force(
 
 
 @pytest.mark.parametrize(
-    ("away", "height", "types", "said"),
+    ("away", "height", "types", "parts"),
     [
         (149.7, 30.0, 15.0, ()),
         (
@@ -85,12 +85,12 @@ def test_which_limits_are_in_force(
         (100.0, 4.0, 7.0, ()),  # take-off and landing are below any least height
     ],
 )
-def test_each_limit_that_is_passed_is_named(away: float, height: float, types: float, said: tuple[str, ...]) -> None:
+def test_each_limit_that_is_passed_is_named(away: float, height: float, types: float, parts: tuple[str, ...]) -> None:
     fence = AP.own_fence(SET | {"FENCE_TYPE": types})
     assert fence is not None
     words = breaches(mission(AP, away, height), fence, HOME)
-    assert len(words) == (1 if said else 0)
-    assert all(part in words[0] for part in said)
+    assert len(words) == (1 if parts else 0)
+    assert all(part in words[0] for part in parts)
 
 
 def test_the_circle_is_around_where_the_vehicle_stands() -> None:

@@ -37,6 +37,6 @@ def test_a_broken_file_is_refused_with_its_message(name: str) -> None:
 )
 def test_the_commonest_reasons_why_a_plan_is_no_json_are_named(tmp_path: Path, text: str, hint: str | None) -> None:
     (tmp_path / "x.plan").write_text(text)
-    with refuses("wrong-format") as told:
+    with refuses("wrong-format") as caught:
         read_mission(tmp_path / "x.plan")
-    assert told.value.hint == hint
+    assert caught.value.hint == hint

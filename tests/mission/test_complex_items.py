@@ -27,8 +27,8 @@ def survey() -> dict[str, Any]:
     listed = [item | {"doJumpId": 2 + n} for n, item in enumerate(items)]
     corners = [[47.398, 8.546], [47.3995, 8.5462], [47.3993, 8.549]]
     style = {"CameraShots": 3, "Items": listed, "VisualTransectPoints": corners[:2], "version": 2}
-    told = {"angle": 33, "complexItemType": "survey", "polygon": corners, "type": "ComplexItem", "version": 5}
-    return told | {"TransectStyleComplexItem": style}
+    table = {"angle": 33, "complexItemType": "survey", "polygon": corners, "type": "ComplexItem", "version": 5}
+    return table | {"TransectStyleComplexItem": style}
 
 
 def read(text: str) -> Mission:
@@ -72,7 +72,7 @@ def test_scans_without_waypoints_stay_without(samples: Path) -> None:
         text = path.read_text()
         own = json.loads(text)["mission"]["items"]
         again = written(read(text))
-        assert [one for one in again if one["type"] == "ComplexItem"] == [
-            one for one in own if one["type"] == "ComplexItem"
+        assert [item for item in again if item["type"] == "ComplexItem"] == [
+            item for item in own if item["type"] == "ComplexItem"
         ], path
         assert repr(read(plan_text(read(text))).items) == repr(read(text).items)

@@ -18,8 +18,8 @@ def test_what_is_written_is_read_whatever_it_is_called(suffix: str, tmp_path: Pa
     path = tmp_path / f"a{suffix}"
     write_mission(MISSION, path)
     assert same(read_mission(path), MISSION)
-    other = path.rename(tmp_path / "a.txt")
-    assert same(read_mission(other), MISSION)
+    renamed = path.rename(tmp_path / "a.txt")
+    assert same(read_mission(renamed), MISSION)
 
 
 @pytest.mark.parametrize("suffix", [".plan", ".waypoints"])

@@ -62,9 +62,9 @@ def test_commands_without_position_are_in_frame_2(command: Command, autopilot: A
 
 def test_nan_becomes_0_only_where_ardupilot_refuses_it() -> None:
     items = (Item(Command.NAV_WAYPOINT, 3, (NAN, NAN, NAN, NAN)), Item(Command.CONDITION_YAW, 2, (1.0, 2.0, NAN, NAN)))
-    way, yaw = to_wire(Mission(HOME, items, Autopilot.ARDUPILOT))[1:]
-    assert way.params[:3] == (0.0, 0.0, 0.0)
-    assert math.isnan(way.params[3])
+    waypoints, yaw = to_wire(Mission(HOME, items, Autopilot.ARDUPILOT))[1:]
+    assert waypoints.params[:3] == (0.0, 0.0, 0.0)
+    assert math.isnan(waypoints.params[3])
     assert yaw.params == (1.0, 2.0, 0.0, 0.0)
     assert all(math.isnan(p) for p in to_wire(Mission(HOME, items[:1], Autopilot.PX4))[0].params)
 
@@ -150,9 +150,9 @@ def test_the_home_that_ardupilot_gives_back_is_its_own_and_not_compared() -> Non
 @BOTH
 def test_a_list_of_another_length_is_a_difference(autopilot: Autopilot) -> None:
     sent = to_wire(replace(FLIGHT, autopilot=autopilot))
-    found = compare(sent, sent[:-1], autopilot)
-    assert found is not None
-    assert str(found) == f"the list: number of items: sent {len(sent)}, the vehicle holds {len(sent) - 1}"
+    difference = compare(sent, sent[:-1], autopilot)
+    assert difference is not None
+    assert str(difference) == f"the list: number of items: sent {len(sent)}, the vehicle holds {len(sent) - 1}"
 
 
 SPOILED = {
@@ -172,18 +172,18 @@ def test_the_first_spoiled_field_is_named(autopilot: Autopilot, field: str) -> N
     seq = len(sent) - 3  # the waypoint
     got = [*sent]
     got[seq] = SPOILED[field](sent[seq])
-    found = compare(sent, got, autopilot)
-    assert found is not None
-    assert (found.seq, found.field) == (seq, field)
+    difference = compare(sent, got, autopilot)
+    assert difference is not None
+    assert (difference.seq, difference.field) == (seq, field)
 
 
 def test_a_changed_speed_is_a_difference_on_px4_and_on_ardupilot() -> None:
     for autopilot in registered():
         sent = to_wire(Mission(HOME, (change_speed(15.0),), autopilot))
         got = (*sent[:-1], replace(sent[-1], params=(1.0, 14.0, -1.0, 0.0)))
-        found = compare(sent, got, autopilot)
-        assert found is not None
-        assert str(found).endswith("param2: sent 15, the vehicle holds 14")
+        difference = compare(sent, got, autopilot)
+        assert difference is not None
+        assert str(difference).endswith("param2: sent 15, the vehicle holds 14")
 
 
 FINITE = st.floats(-1e4, 1e4, width=32)

@@ -43,10 +43,10 @@ def probe(path: Path) -> None:
 def places(node: Any, so_far: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """The path of keys to every value of a document."""
     pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
-    found = [so_far] if so_far else []
+    paths = [so_far] if so_far else []
     for key, value in pairs:
-        found += places(value, (*so_far, key))
-    return found
+        paths += places(value, (*so_far, key))
+    return paths
 
 
 @given(data=st.data())

@@ -31,21 +31,21 @@ def test_only_the_line_of_what_was_moved_differs(name: str) -> None:
     file = opened(MISSIONS / name)
     before, after = file.source.splitlines(), moved(file, 4).splitlines()
     assert len(before) == len(after)
-    assert sum(one != other for one, other in zip(before, after, strict=True)) == 1
+    assert sum(old != new for old, new in zip(before, after, strict=True)) == 1
 
 
 def test_what_nobody_here_reads_stays(tmp_path: Path) -> None:
-    told = json.loads((MISSIONS / "sitl.plan").read_text())
-    told["mission"] |= {"cruiseSpeed": 15, "theirs": {"a": [1, None]}}
-    told["geoFence"]["breachReturn"] = [47.0, 8.0, 20]
-    told["mission"]["items"][2] |= {"theirs": 3, "AMSLAltAboveTerrain": 500.0}
-    told["mission"]["items"][3]["theirs"] = 4
+    document = json.loads((MISSIONS / "sitl.plan").read_text())
+    document["mission"] |= {"cruiseSpeed": 15, "theirs": {"a": [1, None]}}
+    document["geoFence"]["breachReturn"] = [47.0, 8.0, 20]
+    document["mission"]["items"][2] |= {"theirs": 3, "AMSLAltAboveTerrain": 500.0}
+    document["mission"]["items"][3]["theirs"] = 4
     path = tmp_path / "a.plan"
-    path.write_text(json.dumps(told))
+    path.write_text(json.dumps(document))
     again = json.loads(moved(opened(path), 4))
-    for place in (told, again):
+    for place in (document, again):
         place["mission"]["items"][3]["params"] = []
-    assert again == told
+    assert again == document
 
 
 def test_comments_of_a_waypoints_file_stay(tmp_path: Path) -> None:

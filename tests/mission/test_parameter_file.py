@@ -122,12 +122,12 @@ def test_what_a_parameter_file_says_twice_or_oddly_is_named(
     path.write_text(text)
     read = read_parameter_file(path)
     assert read.parameters == parameters
-    assert [one.words for one in read.unread] == [f"a.params: not read: {each}" for each in words]
+    assert [thing.words for thing in read.unread] == [f"a.params: not read: {each}" for each in words]
     write_mission(MISSION, tmp_path / "a.plan")
     if "WP" not in text:
-        found = read_mission_file(tmp_path / "a.plan").findings
-        assert [finding.message for finding in found if finding.code == "file-parameters"] == [
-            one.words for one in read.unread
+        findings = read_mission_file(tmp_path / "a.plan").findings
+        assert [finding.message for finding in findings if finding.code == "file-parameters"] == [
+            thing.words for thing in read.unread
         ]
 
 

@@ -72,12 +72,12 @@ def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Miss
 
 def test_the_same_mission_gives_the_same_bytes(tmp_path: Path) -> None:
     mission = read_mission_file(FILES / "survey.plan").mission
-    one, other = tmp_path / "one.plan", tmp_path / "other.plan"
-    write_mission(mission, one)
-    write_mission(mission, other)
-    assert one.read_bytes() == other.read_bytes()
-    assert one.read_bytes().endswith(b"}\n")
-    assert b"\r" not in one.read_bytes()
+    first, second = tmp_path / "one.plan", tmp_path / "other.plan"
+    write_mission(mission, first)
+    write_mission(mission, second)
+    assert first.read_bytes() == second.read_bytes()
+    assert first.read_bytes().endswith(b"}\n")
+    assert b"\r" not in first.read_bytes()
 
 
 @pytest.mark.parametrize(("frames", "mode"), [((3, 3), 1), ((0, 0), 2), ((10, 10), 4), ((0, 3), 0), ((), 1)])
@@ -242,7 +242,7 @@ WITHOUT = (
 
 
 @pytest.mark.parametrize(
-    ("mode", "frame", "heights", "said"),
+    ("mode", "frame", "heights", "expected"),
     [  # Altitude, AMSLAltAboveTerrain, params[6]
         (1, 3, (30, None, 30), []),
         (1, 6, (30, None, 30), []),
@@ -262,16 +262,16 @@ WITHOUT = (
     ],
 )
 def test_each_altitude_mode_is_held_against_frame_and_params(
-    tmp_path: Path, mode: int, frame: int, heights: tuple[float | None, ...], said: list[str]
+    tmp_path: Path, mode: int, frame: int, heights: tuple[float | None, ...], expected: list[str]
 ) -> None:
     plan = written(MISSION, tmp_path)
     item = plan["mission"]["items"][1]
     item |= {"AltitudeMode": mode, "frame": frame, "Altitude": heights[0], "AMSLAltAboveTerrain": heights[1]}
     item["params"][6] = heights[2]
     (tmp_path / "changed.plan").write_text(json.dumps(plan))
-    found = read_mission_file(tmp_path / "changed.plan").findings
-    assert [finding.message for finding in found] == [f"mission.items[1].{words}" for words in said]
-    assert [finding.severity for finding in found] == [WARNING if words == WITHOUT else ERROR for words in said]
+    findings = read_mission_file(tmp_path / "changed.plan").findings
+    assert [finding.message for finding in findings] == [f"mission.items[1].{words}" for words in expected]
+    assert [finding.severity for finding in findings] == [WARNING if words == WITHOUT else ERROR for words in expected]
     item["AltitudeMode"] = 9
     (tmp_path / "changed.plan").write_text(json.dumps(plan))
     with refuses("bad-input", "changed.plan: mission.items[1].AltitudeMode"):

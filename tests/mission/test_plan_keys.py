@@ -28,9 +28,9 @@ def written(folder: Path, **changes: Any) -> Path:
         "version": 1,
     }
     for key, value in changes.items():
-        *way, last = key.split("__")
+        *keys, last = key.split("__")
         inner = plan
-        for step in way:
+        for step in keys:
             inner = inner[step]  # type: ignore[assignment]
         inner.pop(last, None) if value is None else inner.update({last: value})
     path = folder / "a.plan"
@@ -52,7 +52,7 @@ def written(folder: Path, **changes: Any) -> Path:
 )
 def test_a_limit_that_is_not_read_is_an_error(tmp_path: Path, changes: dict[str, Any], words: str) -> None:
     path = written(tmp_path, **changes)
-    assert next(str(one)[7:] for one in read_mission_file(path).findings if one.code == "not-read").startswith(words)
+    assert next(str(each)[7:] for each in read_mission_file(path).findings if each.code == "not-read").startswith(words)
     with refuses("not-read", path.name, kind=BadInput):
         read_mission(path)
 
@@ -73,7 +73,7 @@ def test_a_limit_that_is_not_read_is_an_error(tmp_path: Path, changes: dict[str,
 )  # fmt: skip
 def test_other_keys_are_warnings(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
     read = read_mission_file(written(tmp_path, **changes))
-    assert [str(finding) for finding in read.findings] == [f"warning: {one}" for one in words]
+    assert [str(finding) for finding in read.findings] == [f"warning: {word}" for word in words]
 
 
 def test_a_key_that_stands_twice_is_refused(tmp_path: Path) -> None:

@@ -66,12 +66,12 @@ def test_a_round_a_layer_runs_beside_the_structure(corners: list[list[float]], t
     assert {item.frame for item in flown} == {Frame.GLOBAL_RELATIVE_ALT}
     ring = [[item.latitude_deg, item.longitude_deg] for item in flown[1 : 1 + count]]
     assert ring[0] == ring[-1] == [flown[0].latitude_deg, flown[0].longitude_deg]
-    structure, way = plane(corners), plane(ring)
-    assert not way.exterior.is_ccw
-    assert way.exterior.distance(structure) == pytest.approx(50.0, abs=1e-3)
+    structure, ring_path = plane(corners), plane(ring)
+    assert not ring_path.exterior.is_ccw
+    assert ring_path.exterior.distance(structure) == pytest.approx(50.0, abs=1e-3)
     for a, b in zip(structure.exterior.coords, structure.exterior.coords[1:], strict=False):
         middle = shapely.LineString([a, b]).interpolate(0.5, normalized=True)
-        assert middle.distance(way.exterior) == pytest.approx(50.0, abs=1e-3)
+        assert middle.distance(ring_path.exterior) == pytest.approx(50.0, abs=1e-3)
     others = [(item.command, *item.params) for item in mission.items if item.command != Command.NAV_WAYPOINT]
     trigger = Command.DO_SET_CAM_TRIGG_DIST
     rounds = [(trigger, 20.0, 0.0, 1.0, 0.0), (trigger, 0.0, 0.0, 0.0, 0.0)] * 3

@@ -119,18 +119,18 @@ def ssa(cost: Cost, low: np.ndarray, high: np.ndarray, n: int, total: int, rng: 
         if c < flock[i][0]:
             flock[i] = (c, new)
 
-    found = round(0.7 * n)
+    producers = round(0.7 * n)
     for _ in range(total):
         flock.sort(key=lambda pair: pair[0])
         worst = flock[-1][1]
         calm = rng.random() < 0.6
-        for i in range(found):
+        for i in range(producers):
             x = flock[i][1]
             settle(i, x * math.exp(-(i + 1) / ((1 - rng.random()) * total)) if calm else x + rng.normal())
-        prey = min(flock[:found], key=lambda pair: pair[0])[1]
-        for i in range(found, n):
+        prey = min(flock[:producers], key=lambda pair: pair[0])[1]
+        for i in range(producers, n):
             x = flock[i][1]
-            if i + 1 > found + (n - found) / 2:
+            if i + 1 > producers + (n - producers) / 2:
                 settle(i, rng.normal() * np.exp((worst - x) / (i + 1) ** 2))
             else:
                 settle(i, prey + sum(abs(c - p) * rng.choice([-1, 1]) for c, p in zip(x, prey, strict=True)) / d)

@@ -38,7 +38,7 @@ def rastrigin(x: np.ndarray) -> np.ndarray:
     return np.sum(z**2 - 10 * np.cos(2 * np.pi * z) + 10, axis=-1)
 
 
-FUNCTIONS = [sphere, *(pytest.param(one, marks=pytest.mark.long) for one in (rosenbrock, rastrigin))]
+FUNCTIONS = [sphere, *(pytest.param(function, marks=pytest.mark.long) for function in (rosenbrock, rastrigin))]
 
 
 def ours(optimizer: Optimizer, function: Callable[[np.ndarray], np.ndarray]) -> list[float]:

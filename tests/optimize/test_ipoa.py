@@ -32,8 +32,8 @@ def test_the_evaluations_of_thirty_pelicans_and_a_thousand_iterations(
     settings: dict[str, object], evaluations: int
 ) -> None:
     """2 N + 3 N T with everything on."""
-    found = minimize(lambda x: np.zeros(len(x)), BOX, build_optimizer("ipoa", settings), np.random.default_rng(1))
-    assert found.evaluations[-1] == evaluations
+    optimum = minimize(lambda x: np.zeros(len(x)), BOX, build_optimizer("ipoa", settings), np.random.default_rng(1))
+    assert optimum.evaluations[-1] == evaluations
 
 
 @pytest.mark.parametrize(
@@ -64,8 +64,8 @@ def test_the_evaluations_of_thirty_pelicans_and_a_thousand_iterations(
 )
 def test_no_setting_is_dead(settings: dict[str, object]) -> None:
     default = minimize(bowl, BOX, IPOA(iterations=10), np.random.default_rng(1))
-    other = minimize(bowl, BOX, build_optimizer("ipoa", {"iterations": 10} | settings), np.random.default_rng(1))
-    assert not np.array_equal(default.x, other.x)
+    shorter = minimize(bowl, BOX, build_optimizer("ipoa", {"iterations": 10} | settings), np.random.default_rng(1))
+    assert not np.array_equal(default.x, shorter.x)
 
 
 def test_without_its_four_strategies_it_is_poa() -> None:

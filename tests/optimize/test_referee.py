@@ -45,27 +45,27 @@ def test_a_budget_is_never_exceeded_and_the_count_is_that_of_the_cost(name: str)
         seen += len(x)
         return ellipsoid(x)
 
-    found = minimize(counted, BOX, small(name), np.random.default_rng(1), budget=1234)
-    assert seen == found.evaluations[-1] <= 1234
+    optimum = minimize(counted, BOX, small(name), np.random.default_rng(1), budget=1234)
+    assert seen == optimum.evaluations[-1] <= 1234
     assert seen > 1234 - 120  # no batch is larger than that
 
 
 @pytest.mark.parametrize("name", optimizer_names())
 def test_the_same_seed_gives_the_same_run_and_another_seed_another(name: str) -> None:
-    first, again, other = (
+    first, again, of_other_seed = (
         minimize(ellipsoid, BOX, small(name), np.random.default_rng(seed), budget=2000) for seed in (3, 3, 4)
     )
     assert np.array_equal(first.x, again.x)
     assert np.array_equal(first.history, again.history)
-    assert not np.array_equal(first.x, other.x)
+    assert not np.array_equal(first.x, of_other_seed.x)
 
 
 @pytest.mark.parametrize("name", optimizer_names())
 def test_the_best_cost_known_never_rises_and_is_that_of_the_best_candidate(name: str) -> None:
-    found = minimize(ellipsoid, BOX, small(name), np.random.default_rng(2))
-    assert np.all(np.diff(found.history) <= 0)
-    assert np.all(np.diff(found.evaluations) > 0)
-    assert found.cost == found.history[-1] == pytest.approx(ellipsoid(found.x[None])[0], rel=1e-9)
+    optimum = minimize(ellipsoid, BOX, small(name), np.random.default_rng(2))
+    assert np.all(np.diff(optimum.history) <= 0)
+    assert np.all(np.diff(optimum.evaluations) > 0)
+    assert optimum.cost == optimum.history[-1] == pytest.approx(ellipsoid(optimum.x[None])[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("name", optimizer_names())
@@ -89,8 +89,8 @@ def test_a_shifted_and_rotated_optimum_is_found_as_well_as_is_known(name: str) -
 
 @pytest.mark.parametrize("name", optimizer_names())
 def test_a_cost_that_is_the_same_everywhere_stops_nobody(name: str) -> None:
-    found = minimize(lambda x: np.ones(len(x)), BOX, small(name), np.random.default_rng(1))
-    assert found.cost == 1
+    optimum = minimize(lambda x: np.ones(len(x)), BOX, small(name), np.random.default_rng(1))
+    assert optimum.cost == 1
 
 
 @pytest.mark.parametrize("name", optimizer_names())
@@ -98,17 +98,17 @@ def test_penalties_that_are_huge_or_infinite_do_no_harm(name: str) -> None:
     def walled(x: Candidates) -> Costs:
         return np.where(x[:, 0] > OPTIMUM[0] + 1, np.inf, ellipsoid(x))
 
-    found = minimize(walled, BOX, small(name), np.random.default_rng(1))
-    assert np.isfinite(found.cost)
-    assert found.cost < np.median(ellipsoid(BOX.sample(200, np.random.default_rng(9))))
+    optimum = minimize(walled, BOX, small(name), np.random.default_rng(1))
+    assert np.isfinite(optimum.cost)
+    assert optimum.cost < np.median(ellipsoid(BOX.sample(200, np.random.default_rng(9))))
 
 
 @pytest.mark.parametrize("name", optimizer_names())
 def test_one_dimension_and_one_iteration_are_enough(name: str) -> None:
     box = Box(np.array([-1.0]), np.array([2.0]))
     least: dict[str, object] = {"evaluations": 40} if name == "adaptive-pelican" else {"iterations": 1}
-    found = minimize(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
-    assert -1 <= found.x[0] <= 2
+    optimum = minimize(lambda x: x[:, 0] ** 2, box, build_optimizer(name, least), np.random.default_rng(1))
+    assert -1 <= optimum.x[0] <= 2
 
 
 def test_every_optimizer_has_a_known_ability() -> None:

@@ -38,12 +38,12 @@ def test_every_seed_goes_the_same_detour_down_from_a_ridge() -> None:
 def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
     problem = prepare(behind_ridges())
     start, goal = problem.task.places
-    way = np.array([start, (250.0, 250.0, 60.0), (250.0, 250.0, 290.0), (450.0, 450.0, 290.0), goal])
-    way[-2:, :2] = (1900.0, 600.0), (1200.0, 1300.0)
-    lifted, _ = lift(way, problem, STEP)
-    np.testing.assert_array_equal(lifted[:, :2], way[:, :2])
-    np.testing.assert_array_equal(lifted[[0, -1]], way[[0, -1]])
-    assert (lifted[:, 2] >= way[:, 2]).all()
+    path = np.array([start, (250.0, 250.0, 60.0), (250.0, 250.0, 290.0), (450.0, 450.0, 290.0), goal])
+    path[-2:, :2] = (1900.0, 600.0), (1200.0, 1300.0)
+    lifted, _ = lift(path, problem, STEP)
+    np.testing.assert_array_equal(lifted[:, :2], path[:, :2])
+    np.testing.assert_array_equal(lifted[[0, -1]], path[[0, -1]])
+    assert (lifted[:, 2] >= path[:, 2]).all()
     step = np.diff(lifted[1:-1], axis=0)
     level = np.hypot(step[:, 0], step[:, 1])
     assert (step[:, 2] <= LOOPS.lift_slope_share * np.tan(CLIMB) * level + 1e-9).all()

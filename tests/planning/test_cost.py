@@ -40,9 +40,9 @@ def test_the_threat_along_a_straight_leg_is_its_integral(scenario: Make) -> None
     """Past a cylinder at 4 m from the hull: the integral of lambda / d over the chord of the d_safe circle."""
     mast = {"kind": "cylinder", "name": "mast", "east": 50, "north": 0, "radius": 2, "height": 90, "base": 0.0}
     job = scenario(obstacles=[mast], vehicle={"radius": 0.5})
-    way = np.linspace((0, 6.5, 20), (100, 6.5, 20), 100_001)
+    leg = np.linspace((0, 6.5, 20), (100, 6.5, 20), 100_001)
     from scipy.integrate import quad
 
     half = np.sqrt(7.5**2 - 6.5**2)
     expected = quad(lambda x: 10 / (np.hypot(x, 6.5) - 2.5), -half, half)[0]
-    assert path_cost(way, job).threat == pytest.approx(expected, rel=1e-3)
+    assert path_cost(leg, job).threat == pytest.approx(expected, rel=1e-3)

@@ -27,10 +27,10 @@ LIMITLESS: dict[str, Any] = {"ceiling": 1e9, "climb": 1e9, "descent": 1e9}
 def curves(seed: int, count: int, control: int = 9) -> np.ndarray:
     """Rough ways across the town, (count, control, 3); some leave the bounds."""
     rng = np.random.default_rng(seed)
-    way = np.linspace((0.0, 0.0, 4.0), (100.0, 0.0, 30.0), control)
+    line = np.linspace((0.0, 0.0, 4.0), (100.0, 0.0, 30.0), control)
     bulge = np.sin(np.linspace(0, np.pi, control))[:, None]
     offsets = rng.normal(size=(count, control, 3)) * (4, 6, 3) + rng.uniform((0, -40, 10), (1, 40, 40), (count, 1, 3))
-    return way + bulge * offsets * rng.uniform(0, 1.5, (count, 1, 1))
+    return line + bulge * offsets * rng.uniform(0, 1.5, (count, 1, 1))
 
 
 def fenced(problem: PreparedProblem) -> tuple[Airspace, PreparedProblem]:
@@ -56,8 +56,8 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
         limits = problem.limits if limited else replace(problem.limits, height_above_ground=0.1, low_zones=())
         grid = obstacle_grid_of(airspace, limits, problem.grid.reach)
         paths = np.ascontiguousarray((even_basis(9, 100) @ curves(seed, 30)).transpose(0, 2, 1))
-        found, expected = path_costs(paths, grid, rules), twins.path_costs(paths, airspace, rules, limits)
-        np.testing.assert_allclose(found, expected, rtol=1e-7)
+        costs, expected = path_costs(paths, grid, rules), twins.path_costs(paths, airspace, rules, limits)
+        np.testing.assert_allclose(costs, expected, rtol=1e-7)
         feasible += (expected < rules.collision).sum()
     assert (feasible > 20) != limited  # with limits next to nothing keeps them
 
@@ -71,13 +71,13 @@ def model(
     nodes = even_basis(n, 60) @ control
     even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
-    found, gradient, band, angles = path_model(
+    value, gradient, band, angles = path_model(
         nodes, _windows(n, 60), n, problem.grid, problem.rules, soft, even, signs
     )
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
     np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
     lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
-    return found, gradient, lower + np.tril(lower, -1).T
+    return value, gradient, lower + np.tril(lower, -1).T
 
 
 def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, even: float) -> float:
@@ -95,8 +95,8 @@ def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fenc
         for control in curves(seed, 2):
             spots = even_basis(9, 60) @ control
             even = float(np.linalg.norm(np.diff(spots, axis=0), axis=1).mean())
-            found, gradient, hessian = model(problem, control)
-            assert found == pytest.approx(value(problem, airspace, control, even), rel=1e-7)
+            cost, gradient, hessian = model(problem, control)
+            assert cost == pytest.approx(value(problem, airspace, control, even), rel=1e-7)
             nudges = 1e-6 * np.eye(27).reshape(27, 9, 3)
             ahead, behind = (
                 np.array([value(problem, airspace, control + sign * nudge, even) for nudge in nudges])

@@ -14,29 +14,29 @@ FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base"
 
 def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR]))
-    found = ways(lay(problem), problem, 8)
-    sides = [np.sign(way[np.argmin(np.abs(way[:, 0] - 50)), 1]) for way in found]
+    paths = ways(lay(problem), problem, 8)
+    sides = [np.sign(path[np.argmin(np.abs(path[:, 0] - 50)), 1]) for path in paths]
     assert {-1.0, 1.0} <= set(sides)
-    for way in found:
-        np.testing.assert_array_equal(way[[0, -1]], [problem.task.places[0], problem.task.places[-1]])
-        assert problem.task.airspace.obstacle_distance(way[1:-1]).min() >= problem.limits.obstacle_distance
+    for path in paths:
+        np.testing.assert_array_equal(path[[0, -1]], [problem.task.places[0], problem.task.places[-1]])
+        assert problem.task.airspace.obstacle_distance(path[1:-1]).min() >= problem.limits.obstacle_distance
 
 
 def test_the_cheapest_way_comes_first(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
-    found = ways(lay(problem), problem, 8)
-    lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in found]
+    paths = ways(lay(problem), problem, 8)
+    lengths = [np.linalg.norm(np.diff(path, axis=0), axis=1).sum() for path in paths]
     assert np.argmin(lengths) == 0
-    assert found[0][np.argmin(np.abs(found[0][:, 0] - 50)), 1] < 0
+    assert paths[0][np.argmin(np.abs(paths[0][:, 0] - 50)), 1] < 0
 
 
 def test_every_way_passes_all_via_points(scenario: Make) -> None:
     problem = prepare(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
-    found = ways(lay(problem), problem, 8)
-    assert len(found) > 1
-    for way in found:
+    paths = ways(lay(problem), problem, 8)
+    assert len(paths) > 1
+    for path in paths:
         for place in problem.task.places[1:-1]:
-            assert np.linalg.norm(way - place, axis=1).min() == 0
+            assert np.linalg.norm(path - place, axis=1).min() == 0
 
 
 def test_a_wall_from_bound_to_bound_leaves_no_way(scenario: Make) -> None:
@@ -54,8 +54,8 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
         FULL | {"name": "right", "north": aside - 60.875, "depth": 120},
     ]
     problem = prepare(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
-    way = ways(lay(problem), problem, 8)[0]
-    door = way[np.argmin(np.abs(way[:, 0] - 50))]
+    path = ways(lay(problem), problem, 8)[0]
+    door = path[np.argmin(np.abs(path[:, 0] - 50))]
     assert door[1] == pytest.approx(aside, abs=0.075)
 
 
@@ -67,9 +67,9 @@ def test_lattice_finds_paths_around_a_too_narrow_gap(scenario: Make) -> None:
     first, *others = _mended([np.array([start, before, after, goal])], lattice, problem)
     assert first.shape[0] > 4  # it was tried
     assert others
-    for way in others:
-        assert problem.task.airspace.obstacle_clearance(way).distance > -0.5
-        assert not (way == before).all(axis=1).any()
+    for path in others:
+        assert problem.task.airspace.obstacle_clearance(path).distance > -0.5
+        assert not (path == before).all(axis=1).any()
 
 
 @pytest.mark.parametrize(("climb", "descent"), [(30, 20), (8, 45)])
@@ -80,10 +80,10 @@ def test_lattice_paths_climb_within_the_limit_and_add_loops_where_needed(
     low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
     problem = prepare(scenario(obstacles=[low_wall], planning=limits))
     lattice = lay(problem)
-    way = ways(lattice, problem, 1)[0]
-    guide, shares = wind(way, 8, problem, lattice.spacing[2])
+    path = ways(lattice, problem, 1)[0]
+    guide, shares = wind(path, 8, problem, lattice.spacing[2])
     assert len(shares) == len(guide) - 1
-    np.testing.assert_array_equal(guide[[0, -1]], way[[0, -1]])
+    np.testing.assert_array_equal(guide[[0, -1]], path[[0, -1]])
     steps = np.diff(guide, axis=0)
     level, rise = np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2]
     too_steep = (rise > 1.3 * np.tan(np.radians(climb)) * level) | (-rise > 1.3 * np.tan(np.radians(descent)) * level)

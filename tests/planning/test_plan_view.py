@@ -12,7 +12,7 @@ from tests.refused import refuses
 
 def walls(gaps: Vector, rng: np.random.Generator) -> list[dict[str, object]]:
     """Turned walls across everything, each with a gap [m]."""
-    found = []
+    built = []
     for k, gap in enumerate(gaps):
         turn, middle = (
             np.radians(rng.uniform(-15, 15)),
@@ -22,8 +22,8 @@ def walls(gaps: Vector, rng: np.random.Generator) -> list[dict[str, object]]:
         for side in (1, -1):
             east, north = middle + side * along * (gap + 300) / 2
             size = {"width": rng.uniform(0.2, 8), "depth": 300, "height": 150, "heading_deg": float(np.degrees(turn))}
-            found.append({"kind": "box", "name": f"{k}{side}", "east": east, "north": north, "base": 0.0, **size})
-    return found
+            built.append({"kind": "box", "name": f"{k}{side}", "east": east, "north": north, "base": 0.0, **size})
+    return built
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -31,15 +31,15 @@ def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario: Make, seed
     rng = np.random.default_rng(seed)
     gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
     job = scenario(obstacles=walls(gaps, rng))
-    found = closure(prepare(job), job.start_point, job.goal_point)
-    assert (found is not None) == (gaps.min() < 3)
-    if found is not None:
+    closed = closure(prepare(job), job.start_point, job.goal_point)
+    assert (closed is not None) == (gaps.min() < 3)
+    if closed is not None:
         narrowest = int(np.argmin(gaps))
-        assert set(found.names) == {f"{narrowest}1", f"{narrowest}-1"}
-        assert found.width == pytest.approx(gaps.min(), abs=1e-6)
-        assert found.needed == pytest.approx(2 * job.limits.obstacle_distance)
-        sides = [o.column.shape for o in job.airspace.obstacles if o.name in found.names and o.column]
-        away = shapely.distance(sides, shapely.Point(found.place))
+        assert set(closed.names) == {f"{narrowest}1", f"{narrowest}-1"}
+        assert closed.width == pytest.approx(gaps.min(), abs=1e-6)
+        assert closed.needed == pytest.approx(2 * job.limits.obstacle_distance)
+        sides = [o.column.shape for o in job.airspace.obstacles if o.name in closed.names and o.column]
+        away = shapely.distance(sides, shapely.Point(closed.place))
         np.testing.assert_allclose(away, gaps.min() / 2, atol=1e-6)
 
 
@@ -47,13 +47,13 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
     masts = [{"kind": "cylinder", "name": f"{k}", "east": 50, "north": n, "radius": 20, "height": 150, "base": 0.0}
              for k, n in enumerate((-79.0, -36.4, 6.2, 78.9))]  # fmt: skip
     job = scenario(obstacles=masts)
-    found = closure(prepare(job), job.start_point, job.goal_point)
-    assert found is None  # 32.7 m are left between the last two
+    closed = closure(prepare(job), job.start_point, job.goal_point)
+    assert closed is None  # 32.7 m are left between the last two
     job = scenario(obstacles=[*masts, {**masts[0], "name": "last", "north": 42.5, "radius": 14.5}])
-    found = closure(prepare(job), job.start_point, job.goal_point)
-    assert found is not None
-    assert found.names == ("0", "1")
-    assert found.width == pytest.approx(2.6)
+    closed = closure(prepare(job), job.start_point, job.goal_point)
+    assert closed is not None
+    assert closed.names == ("0", "1")
+    assert closed.width == pytest.approx(2.6)
 
 
 def test_what_can_be_flown_over_closes_nothing(scenario: Make) -> None:

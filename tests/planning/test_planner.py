@@ -42,11 +42,11 @@ def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
 @pytest.mark.parametrize("tables", some(1, [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}]))
 def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, tables: dict[str, Any]) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"population": 10, "iterations": 20}, **tables)
-    one, two, other = (plan_path(job, seed=seed, strategy=QUICK) for seed in (5, 5, 6))
+    one, two, of_other_seed = (plan_path(job, seed=seed, strategy=QUICK) for seed in (5, 5, 6))
     np.testing.assert_array_equal(one.curve.control, two.curve.control)
     np.testing.assert_array_equal(one.history, two.history)
     assert one.cost == two.cost
-    assert not np.array_equal(one.curve.control, other.curve.control)
+    assert not np.array_equal(one.curve.control, of_other_seed.curve.control)
 
 
 def test_with_nothing_in_the_way_it_flies_straight(scenario: Make) -> None:
@@ -56,12 +56,12 @@ def test_with_nothing_in_the_way_it_flies_straight(scenario: Make) -> None:
 
 
 def test_history_never_gets_worse_and_counts_evaluations(scenario: Make) -> None:
-    told = []
-    plan = plan_path(scenario(obstacles=[PILLAR]), progress=lambda done, words: told.append(done))
+    progress = []
+    plan = plan_path(scenario(obstacles=[PILLAR]), progress=lambda done, words: progress.append(done))
     assert (np.diff(plan.history) <= 0).all()
     assert (np.diff(plan.evaluations) > 0).all()
-    assert told == sorted(told)
-    assert 0 <= told[0] < told[-1] < 1
+    assert progress == sorted(progress)
+    assert 0 <= progress[0] < progress[-1] < 1
 
 
 def test_a_strategy_that_looks_less_hard_spends_less(scenario: Make) -> None:

@@ -88,8 +88,8 @@ def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via:
     slope, reduced = spread_of(free, reach).reduced(gradient, band)
     np.testing.assert_allclose(slope, ways.T @ gradient, atol=1e-12)
     for k in range(len(expected)):
-        found = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0
-        np.testing.assert_allclose(found, np.diag(expected, -k), atol=1e-12)
+        reduced_band = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0
+        np.testing.assert_allclose(reduced_band, np.diag(expected, -k), atol=1e-12)
 
 
 def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:

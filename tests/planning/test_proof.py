@@ -10,7 +10,7 @@ from tests.planning.conftest import Make, Place, Town
 BALL = {"kind": "sphere", "name": "the ball", "east": 50, "north": 0, "up": 20, "radius": 4}
 
 
-def found(proof: Proof, limit: str) -> list[float]:
+def distances_of(proof: Proof, limit: str) -> list[float]:
     return [check.nearest.distance for check in proof.checks if check.limit == limit]
 
 
@@ -24,25 +24,25 @@ def test_a_curve_has_at_least_what_is_proved_and_hardly_more(town: Town) -> None
         points = curve.points(np.linspace(0, 1, 40_001))
         missed = np.linalg.norm(np.diff(points, axis=0), axis=1).max() * (1 + job.airspace.terrain.steepness)
         least = job.airspace.obstacle_distance(points).min()
-        (proved,) = found(prove_curve(curve, job), "obstacles")
+        (proved,) = distances_of(prove_curve(curve, job), "obstacles")
         assert least - 2e-3 <= proved <= least + 1e-9
         height = points[:, 2] - job.airspace.ground(points)
         short = (height - limits.required_height(points)).min()
         ground = [check for check in prove_curve(curve, job).checks if check.limit == "ground"]
         assert short - 2e-3 - missed <= min(check.slack for check in ground) <= short + 1e-9
-        (reached,) = found(prove_curve(curve, job), "ceiling")
+        (reached,) = distances_of(prove_curve(curve, job), "ceiling")
         assert height.max() - 1e-9 <= reached <= height.max() + 2e-3 + missed
         velocity = curve.points(np.linspace(0, 1, 40_001), order=1)
         angles = np.degrees(np.arctan2(velocity[:, 2], np.hypot(velocity[:, 0], velocity[:, 1])))
         for limit, steepest in (("climb", angles.max()), ("descent", -angles.min())):
-            (proved,) = found(prove_curve(curve, job), limit)
+            (proved,) = distances_of(prove_curve(curve, job), limit)
             assert steepest - 1e-9 <= proved <= steepest + 0.5
 
 
 def test_legs_are_proved_exactly(scenario: Make) -> None:
     job = scenario(obstacles=[BALL])
     proof = prove(np.array([(0.0, 0, 20), (50, 9, 20), (100, 0, 20)]), job)
-    assert found(proof, "obstacles") == [pytest.approx(9 * 50 / np.hypot(50, 9) - 4)]
+    assert distances_of(proof, "obstacles") == [pytest.approx(9 * 50 / np.hypot(50, 9) - 4)]
     assert proof.holds
     assert proof.clearance.what == "the ball"
 
@@ -125,5 +125,5 @@ def test_places_at_the_required_height_need_no_zone(scenario: Make) -> None:
 
 def test_without_obstacles_there_is_nothing_to_say_about_them(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario())
-    assert found(proof, "obstacles") == []
+    assert distances_of(proof, "obstacles") == []
     assert proof.clearance.what == "terrain"

@@ -157,15 +157,15 @@ def test_the_flight_area_with_home_counts_and_those_that_touch_it(read: Read) ->
     apart = read("kind = 'flight_area'", box(160, -20, 250, 50), box(-20, -20, 150, 50))
     assert apart.airspace.bounds.upper[0] == pytest.approx(150)
     assert len(apart.geofence) == 1
-    told = "x.geojson: 1 passed over, an area that does not touch the one around home: area 2"
-    assert told in apart.remarks
+    remark = "x.geojson: 1 passed over, an area that does not touch the one around home: area 2"
+    assert remark in apart.remarks
 
 
 def test_a_map_of_nothing_is_refused(read: Read) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read("kind = 'buildings'", box(40, 5, 60, 30), leisure="park")
-    assert str(told.value).endswith("x.geojson: expected buildings, but none of 1 features is tagged as one")
-    assert 'take = "all"' in str(told.value.hint)
+    assert str(caught.value).endswith("x.geojson: expected buildings, but none of 1 features is tagged as one")
+    assert 'take = "all"' in str(caught.value.hint)
     assert len(read("kind = 'buildings', take = 'all'", box(40, 5, 60, 30), man_made="bridge").airspace.obstacles) == 1
 
 
@@ -179,9 +179,9 @@ def test_a_map_of_nothing_is_refused(read: Read) -> None:
     ],
 )
 def test_wrong_keys_are_named(read: Read, keys: str, words: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(keys, box(40, 5, 60, 30))
-    assert str(told.value).endswith(f"here.toml: {words}")
+    assert str(caught.value).endswith(f"here.toml: {words}")
 
 
 @pytest.mark.parametrize(
@@ -195,9 +195,9 @@ def test_wrong_keys_are_named(read: Read, keys: str, words: str) -> None:
     ],
 )
 def test_files_that_are_not_there_are_named(line: str, words: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         parse_scenario(FLIGHT + line, Path("here.toml"))
-    assert str(told.value) == f"here.toml: {words}"
+    assert str(caught.value) == f"here.toml: {words}"
 
 
 def test_the_bounds_reach_over_a_hill_between_the_ends() -> None:

@@ -63,9 +63,9 @@ def test_what_the_file_says_itself_wins(name: str) -> None:
     ],
 )
 def test_mistakes_are_named(line: str, words: str) -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         read(line)
-    assert str(told.value) == f"here.toml: {words}"
+    assert str(caught.value) == f"here.toml: {words}"
 
 
 @pytest.mark.parametrize("name", PROFILES)

@@ -74,9 +74,9 @@ BROKEN = {
 def test_what_is_wrong_is_named_with_its_place(line: str, words: str) -> None:
     key = line.split(" ")[0]
     text = line + "\n" + "\n".join(row for row in SMALLEST.splitlines() if not row.startswith(key))
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         parse_scenario(text, HERE)
-    assert str(told.value) == f"here.toml: {words}"
+    assert str(caught.value) == f"here.toml: {words}"
 
 
 @pytest.mark.parametrize("parameter", ["WPNAV_SPEED = 4500", "WP_SPD = 45"])
@@ -86,9 +86,9 @@ def test_a_faster_vehicle_says_so_by_its_own_parameter(parameter: str) -> None:
 
 
 def test_all_mistakes_are_told_at_once() -> None:
-    with pytest.raises(BadInput) as told:
+    with pytest.raises(BadInput) as caught:
         parse_scenario("", HERE)
-    assert str(told.value).splitlines() == [
+    assert str(caught.value).splitlines() == [
         f"here.toml: {key}: expected, but not there" for key in ("home", "start", "goal")
     ]
 
@@ -185,11 +185,11 @@ NONSENSE = {
 }
 
 
-@pytest.mark.parametrize(("text", "told"), NONSENSE.items(), ids=[text[:12] for text in NONSENSE])
-def test_nonsense_without_end_is_an_error_at_once(text: str, told: str) -> None:
+@pytest.mark.parametrize(("text", "expected"), NONSENSE.items(), ids=[text[:12] for text in NONSENSE])
+def test_nonsense_without_end_is_an_error_at_once(text: str, expected: str) -> None:
     with pytest.raises(BadInput) as error:
         parse_scenario(text, Path("a.toml"))
-    assert told in str(error.value)
+    assert expected in str(error.value)
 
 
 @pytest.mark.parametrize("quote", ['"', "'", '"""', "'''", "# "])
@@ -239,10 +239,10 @@ def test_true_is_no_number_and_a_slip_is_told_with_what_it_may_have_been(tmp_pat
     )
     with pytest.raises(BadInput) as refused:
         read_scenario(path)
-    told = str(refused.value).splitlines()
-    assert f"{path}: vehicle.cruise_speed: expected a number, not true" in told
-    assert f"{path}: vehicle.speed: unknown key; did you mean cruise_speed, climb_speed or descent_speed?" in told
-    assert any(".footprint: expected a ring that does not cross itself" in line for line in told)
+    lines = str(refused.value).splitlines()
+    assert f"{path}: vehicle.cruise_speed: expected a number, not true" in lines
+    assert f"{path}: vehicle.speed: unknown key; did you mean cruise_speed, climb_speed or descent_speed?" in lines
+    assert any(".footprint: expected a ring that does not cross itself" in line for line in lines)
     path.write_text(text.replace("east = 120.0", "east = 1e308"))
     with refuses("bad-input", "x.toml", "1e", "305") as far:
         read_scenario(path)

@@ -127,9 +127,9 @@ PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
     ],
 )
 def test_what_makes_no_sense_is_told_with_its_place(survey: dict[str, Any], words: tuple[str, ...]) -> None:
-    given = {key: value for key, value in survey.items() if value is not None}
+    table = {key: value for key, value in survey.items() if value is not None}
     with refuses(*words):
-        scenario(given)
+        scenario(table)
 
 
 def test_what_makes_no_sense_in_a_map_is_told_with_its_place(tmp_path: Path) -> None:

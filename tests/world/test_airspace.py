@@ -42,17 +42,17 @@ def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
             for body in town
             for leg in range(len(points) - 1)
         ]
-        found, expected = space.obstacle_clearance(points), min(every)
-        assert found.distance == pytest.approx(expected[0], abs=1e-9)
-        assert space.obstacle_clearance(points, within=found.distance + 5.0) == found
-        assert space.obstacle_clearance(points, within=found.distance - 0.5).distance >= found.distance
-        body = next(body for body in town if body.name == found.what)
-        assert body.distance(np.array([found.place]))[0] == pytest.approx(found.distance, abs=1e-9)
-        a, b = points[found.leg], points[found.leg + 1]
-        assert body.leg_clearance(a, b)[0] == pytest.approx(found.distance, abs=1e-9)
+        nearest, expected = space.obstacle_clearance(points), min(every)
+        assert nearest.distance == pytest.approx(expected[0], abs=1e-9)
+        assert space.obstacle_clearance(points, within=nearest.distance + 5.0) == nearest
+        assert space.obstacle_clearance(points, within=nearest.distance - 0.5).distance >= nearest.distance
+        body = next(body for body in town if body.name == nearest.what)
+        assert body.distance(np.array([nearest.place]))[0] == pytest.approx(nearest.distance, abs=1e-9)
+        a, b = points[nearest.leg], points[nearest.leg + 1]
+        assert body.leg_clearance(a, b)[0] == pytest.approx(nearest.distance, abs=1e-9)
         distance, share, name = min((*body.leg_clearance(a, b), body.name) for body in town)
-        assert (name, distance) == (found.what, pytest.approx(found.distance, abs=1e-9))
-        assert a + share * (b - a) == pytest.approx(found.place, abs=1e-6)
+        assert (name, distance) == (nearest.what, pytest.approx(nearest.distance, abs=1e-9))
+        assert a + share * (b - a) == pytest.approx(nearest.place, abs=1e-6)
 
 
 def test_the_ground_counts_as_an_obstacle_measured_vertically() -> None:
@@ -86,15 +86,15 @@ def test_the_margin_to_the_bounds_is_the_least_of_many_places(area: Polygon | No
     bounds = Bounds((-80.0, -80.0, 0.0), (80.0, 80.0, 50.0), area)
     for _ in range(20):
         legs = rng.uniform((-90, -90, -5), (90, 90, 55), (6, 3))
-        found = Airspace(bounds, Flat(0.0)).bounds_margin(legs)
+        margin = Airspace(bounds, Flat(0.0)).bounds_margin(legs)
         shares = np.linspace(0, 1, 1501)[:, None]
         spots = np.array([a + shares * (b - a) for a, b in pairwise(legs)])
         margins = bounds.margin(spots.reshape(-1, 3)).reshape(5, -1)
-        assert found.distance == pytest.approx(margins.min(), abs=0.08)  # places are 0.15 m apart at most
-        assert found.distance <= margins.min() + 1e-9
-        assert margins[found.leg].min() == pytest.approx(found.distance, abs=0.08)
+        assert margin.distance == pytest.approx(margins.min(), abs=0.08)  # places are 0.15 m apart at most
+        assert margin.distance <= margins.min() + 1e-9
+        assert margins[margin.leg].min() == pytest.approx(margin.distance, abs=0.08)
         one_by_one = [bounds.leg_margin(a, b) for a, b in pairwise(legs)]
-        assert min(leg.distance for leg in one_by_one) == pytest.approx(found.distance, abs=1e-9)
+        assert min(leg.distance for leg in one_by_one) == pytest.approx(margin.distance, abs=1e-9)
 
 
 def test_a_flight_area_is_kept_to_along_the_whole_leg() -> None:
@@ -116,8 +116,8 @@ def test_bounds_turned_inside_out_are_refused() -> None:
 def test_a_vertical_leg_beside_an_obstacle_is_as_near_as_its_points() -> None:
     tower = Cylinder("tower", 0.0, 0.0, 5.0, 0.0, 30.0)
     airspace = Airspace(Bounds((-50, -50, -10), (50, 50, 100)), Flat(0.0), (tower,))
-    found = airspace.obstacle_clearance(np.array([[8.0, 0.0, 1.0], [8.0, 0.0, 60.0]]))
-    assert (found.distance, found.what) == (pytest.approx(3.0), "tower")
+    nearest = airspace.obstacle_clearance(np.array([[8.0, 0.0, 1.0], [8.0, 0.0, 60.0]]))
+    assert (nearest.distance, nearest.what) == (pytest.approx(3.0), "tower")
 
 
 def test_an_empty_airspace_is_near_to_nothing() -> None:

@@ -48,8 +48,8 @@ class Cable(Obstacle):
         low, high = 0.0, 1.0
         for _ in range(80):
             third = (high - low) / 3
-            one, other = self.distance(a + np.array([[low + third], [high - third]]) * (b - a))
-            low, high = (low, high - third) if one < other else (low + third, high)
+            near, far = self.distance(a + np.array([[low + third], [high - third]]) * (b - a))
+            low, high = (low, high - third) if near < far else (low + third, high)
         return float(self.distance((a + low * (b - a))[None])[0]), low
 
 
@@ -60,8 +60,8 @@ CABLE = Cable("cable", (0.0, 60.0, 25.0), (160.0, 60.0, 35.0), 2.0)
 def strung(missions: Path) -> Scenario:
     scenario = read_scenario(missions / "sitl.toml")
     middle = (scenario.start_point + scenario.goal_point) / 2
-    way = scenario.goal_point - scenario.start_point
-    across = np.array([-way[1], way[0], 0.0]) / np.hypot(way[0], way[1]) * 25.0
+    leg = scenario.goal_point - scenario.start_point
+    across = np.array([-leg[1], leg[0], 0.0]) / np.hypot(leg[0], leg[1]) * 25.0
     cable = Cable("cable", tuple((middle - across).tolist()), tuple((middle + across).tolist()), 2.0)
     strung = replace(scenario.airspace, obstacles=(*scenario.airspace.obstacles, cable))
     scenario.__dict__["_surroundings"] = replace(scenario.__dict__["_surroundings"], airspace=strung)
@@ -99,7 +99,7 @@ def test_its_clearance_as_flown_is_not_that_of_its_box(strung: Scenario) -> None
 def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
     guarantee = Forecast(plan_flight(strung, seed=1).mission, strung).guarantee
     assert not guarantee.forbidding
-    kept = next(one for one in guarantee.limits if one.in_cruise and one.limit == "obstacles")
+    kept = next(limit for limit in guarantee.limits if limit.in_cruise and limit.limit == "obstacles")
     points = guarantee.flight.pieces.points
     exact = strung.airspace.obstacle_clearance(points).distance
     assert strung.limits.obstacle_distance <= kept.guaranteed <= exact

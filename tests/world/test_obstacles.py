@@ -189,10 +189,10 @@ def test_an_impossible_body_is_refused(make: Callable[[], Obstacle], message: st
 def test_a_corner_given_twice_is_one_corner() -> None:
     square, twice = ((0, 0), (4, 0), (4, 4), (0, 4)), ((0, 0), (4, 0), (4, 0), (4, 4), (0, 4), (0, 0))
     points = np.random.default_rng(1).uniform(-3, 7, (50, 3))
-    one, other = Prism("yard", square, (), 0.0, 5.0), Prism("yard", twice, (), 0.0, 5.0)
-    np.testing.assert_array_equal(other.distance(points), one.distance(points))
-    assert other.convex
-    assert other.leg_clearance(points[0], points[1]) == one.leg_clearance(points[0], points[1])
+    plain, doubled = Prism("yard", square, (), 0.0, 5.0), Prism("yard", twice, (), 0.0, 5.0)
+    np.testing.assert_array_equal(doubled.distance(points), plain.distance(points))
+    assert doubled.convex
+    assert doubled.leg_clearance(points[0], points[1]) == plain.leg_clearance(points[0], points[1])
 
 
 @every_kind

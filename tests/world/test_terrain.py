@@ -102,8 +102,8 @@ def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
             if case == 0:
                 points[2] = np.nan
             expected = plain.extreme(points, landform, ground.base, peaks, greatest, np.inf)
-            found = (ground.greatest_height if greatest else ground.least_height)(points)
-            assert found == pytest.approx(expected, abs=1e-9)
+            height = (ground.greatest_height if greatest else ground.least_height)(points)
+            assert height == pytest.approx(expected, abs=1e-9)
 
 
 @pytest.mark.parametrize("axis", range(3))
