@@ -26,8 +26,8 @@ CLIENT = """#!{python} -IS
 import json, os, signal, socket, sys
 there = socket.socket(socket.AF_UNIX)
 there.connect({address!r})
-told = json.dumps([{quick}, sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
-socket.send_fds(there, [len(told).to_bytes(4, "big") + told], [0, 1, 2])
+request = json.dumps([{quick}, sys.argv[1:], os.getcwd(), dict(os.environ)]).encode()
+socket.send_fds(there, [len(request).to_bytes(4, "big") + request], [0, 1, 2])
 answers = there.makefile()
 process = int(answers.readline())
 for number in (signal.SIGINT, signal.SIGTERM):

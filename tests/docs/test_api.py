@@ -87,10 +87,10 @@ def test_the_examples_run_one_after_the_other(vehicle_at: str, capsys: pytest.Ca
         exec(compile(example.replace(PORT, vehicle_at), "docs/api.md", "exec"), names)
         if "record" in names and names["record"] not in flown:
             flown.append(names["record"])
-    said = capsys.readouterr().out
-    assert re.search(r"^-\d+\.\d+ mast \(", said, re.MULTILINE)
-    assert re.search(r"^1 px4 Geodetic\(latitude_deg=47\.3977", said, re.MULTILINE)
-    assert "nothing.plan: cannot be read" in said
+    output = capsys.readouterr().out
+    assert re.search(r"^-\d+\.\d+ mast \(", output, re.MULTILINE)
+    assert re.search(r"^1 px4 Geodetic\(latitude_deg=47\.3977", output, re.MULTILINE)
+    assert "nothing.plan: cannot be read" in output
     assert names["record"].completed
     assert names["later"].total_s == pytest.approx(flown[0].total_s, abs=0.5)
     assert [item.command for item in names["same"].items] == [item.command for item in names["mission"].items]
@@ -167,19 +167,19 @@ FUNCTIONS = [name for name in ipoa_mission.__all__ if name not in TYPES]
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_help_on_a_function_has_parameters_results_and_an_example(name: str) -> None:
     function = getattr(ipoa_mission, name)
-    told = sections(function)
-    assert list(told) == [part for part in ("", "Args", "Returns", "Raises", "Example") if part in told]
-    assert entries(told["Args"]) == set(parameters_of(function))
-    assert ("Returns" in told) == (inspect.signature(function).return_annotation is not None)
-    assert ">>> " in told["Example"]
+    parts = sections(function)
+    assert list(parts) == [part for part in ("", "Args", "Returns", "Raises", "Example") if part in parts]
+    assert entries(parts["Args"]) == set(parameters_of(function))
+    assert ("Returns" in parts) == (inspect.signature(function).return_annotation is not None)
+    assert ">>> " in parts["Example"]
 
 
 @cache
 def returned() -> set[str]:
     """Return types that functions return; their examples show them."""
     signatures = [inspect.signature(getattr(ipoa_mission, function)) for function in FUNCTIONS]
-    given = " ".join(str(signature.return_annotation) for signature in signatures)
-    return {name for name in TYPES if re.search(rf"\b{name}\b", given)}
+    annotations = " ".join(str(signature.return_annotation) for signature in signatures)
+    return {name for name in TYPES if re.search(rf"\b{name}\b", annotations)}
 
 
 #: Internal methods.
@@ -189,24 +189,24 @@ INSIDE = {"Autopilot"}
 @pytest.mark.parametrize("name", TYPES)
 def test_help_on_a_type_has_each_field_and_each_parameter_of_its_methods(name: str) -> None:
     public = getattr(ipoa_mission, name)
-    told = sections(public)
+    parts = sections(public)
     if issubclass(public, Exception | Enum):
         return
     if dataclasses.is_dataclass(public):
-        assert entries(told["Attributes"]) == {field.name for field in dataclasses.fields(public)}
+        assert entries(parts["Attributes"]) == {field.name for field in dataclasses.fields(public)}
     elif (
         not issubclass(public, BaseModel)
         and name not in returned() | INSIDE
         and not getattr(public, "_is_protocol", False)
     ):
-        assert entries(told["Args"]) == set(parameters_of(public))
-    assert name in returned() or ">>> " in told["Example"]
-    methods = {one: function for one, function in vars(public).items() if inspect.isfunction(function)}
+        assert entries(parts["Args"]) == set(parameters_of(public))
+    assert name in returned() or ">>> " in parts["Example"]
+    methods = {name: function for name, function in vars(public).items() if inspect.isfunction(function)}
     for method, function in methods.items() if name not in INSIDE else ():
         inherited = any(hasattr(base, method) for base in public.__mro__[1:])
         if not method.startswith("_") and not inherited and len(parameters := parameters_of(function)) > 1:
-            told = sections(function)
-            named = entries(told.get("Args", "")) | set(re.findall(r"`(\w+)`", told[""])) | {"progress"}
+            parts = sections(function)
+            named = entries(parts.get("Args", "")) | set(re.findall(r"`(\w+)`", parts[""])) | {"progress"}
             assert set(parameters) <= named, method
 
 

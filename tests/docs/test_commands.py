@@ -91,9 +91,9 @@ def expect_shown(followed: Followed) -> None:
     for step, lines in zip(followed.steps, followed.printed, strict=True):
         assert "Traceback" not in "\n".join(lines)
         for here, there in tutorial.matched(step, lines):
-            for one, other in zip(tutorial.numbers(here), tutorial.numbers(there), strict=True):
+            for printed, written in zip(tutorial.numbers(here), tutorial.numbers(there), strict=True):
                 message = f"{step.command}: {here!r} is now {there!r}: run python -m tools.generate.tutorial"
-                assert one == pytest.approx(other, rel=SHARE, abs=UNITS), message
+                assert printed == pytest.approx(written, rel=SHARE, abs=UNITS), message
 
 
 def test_numbers_are_told_from_words() -> None:

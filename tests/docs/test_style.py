@@ -52,24 +52,24 @@ def test_lines_of_markdown_fit_unless_they_cannot_be_broken(path: Path) -> None:
 
 
 def test_the_spelling_is_american() -> None:
-    found = {
+    spellings = {
         f"{path.relative_to(REPOSITORY).as_posix()}: {match[0]}"
         for path in FILES
         for match in BRITISH.finditer(path.read_text(encoding="utf-8").lower())
     }
-    assert not found
+    assert not spellings
 
 
 def test_a_length_is_in_meters() -> None:
     """In names, messages and prose; a quoted unit in a file of `READ_UNITS` is an input."""
-    found = [
+    lengths = [
         f"{name}:{number}: {match[0]}"
         for path in FILES
         if (name := path.relative_to(REPOSITORY).as_posix()) != "CHANGELOG.md"
         for number, line in enumerate(path.read_text(encoding="utf-8").lower().splitlines(), 1)
         for match in METRE.finditer(QUOTED.sub("", line) if name in READ_UNITS else line)
     ]
-    assert not found
+    assert not lengths
 
 
 def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None:
@@ -79,7 +79,7 @@ def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None
 
 
 def test_a_test_has_a_short_name() -> None:
-    found = [
+    long_names = [
         f"{path.relative_to(REPOSITORY).as_posix()}:{node.lineno}: {len(node.name)}: {node.name}"
         for path in FILES
         if path.suffix == ".py" and path.relative_to(REPOSITORY).parts[0] == "tests"
@@ -87,18 +87,18 @@ def test_a_test_has_a_short_name() -> None:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_")
         if len(node.name) > TEST_NAME
     ]
-    assert not found
+    assert not long_names
 
 
 def test_a_test_file_does_not_repeat_its_folder() -> None:
     """`tests/cli/test_files.py`, not `tests/cli/test_cli_files.py`."""
     tests = REPOSITORY / "tests"
-    found = {
+    repeated = {
         path.relative_to(tests).as_posix()
         for path in tests.glob("*/test_*.py")
         if path.name.startswith((f"test_{path.parent.name}_", f"test_{path.parent.name.removesuffix('s')}_"))
     }
-    assert not found
+    assert not repeated
 
 
 def test_contributing_names_every_helper_of_the_tests() -> None:

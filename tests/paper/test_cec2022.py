@@ -25,11 +25,11 @@ def test_the_error_at_the_optimum_is_zero(function: str) -> None:
     algorithms = pytest.importorskip("minionpy").algorithms
     problem = cec2022(function, 10)
     bounds = list(zip(problem.box.lower.tolist(), problem.box.upper.tolist(), strict=True))
-    found = algorithms.RCMAES(
+    optimizer = algorithms.RCMAES(
         lambda x: problem.cost(np.asarray(x)).tolist(), bounds, maxevals=30_000, seed=1, options={}
     ).optimize()
-    assert found.fun == pytest.approx(0, abs=1e-4)
-    near = problem.cost(np.asarray(found.x) + np.random.default_rng(1).normal(0, 0.5, (500, 10)))
+    assert optimizer.fun == pytest.approx(0, abs=1e-4)
+    near = problem.cost(np.asarray(optimizer.x) + np.random.default_rng(1).normal(0, 0.5, (500, 10)))
     assert near.min() > -1e-9
 
 

@@ -54,8 +54,8 @@ def test_a_path_through_a_mast_is_not_collision_free() -> None:
 
 
 def test_convergence_is_when_the_cost_was_within_a_hundredth_of_its_last() -> None:
-    found = Optimum(np.zeros(1), 100.0, np.array([30, 60, 90, 120]), np.array([500.0, 102.0, 100.5, 100.0]))
-    assert iterations_to_converge(found) == 750
+    optimum = Optimum(np.zeros(1), 100.0, np.array([30, 60, 90, 120]), np.array([500.0, 102.0, 100.5, 100.0]))
+    assert iterations_to_converge(optimum) == 750
 
 
 @pytest.mark.parametrize("case", ["map-9-1", "map-8-1/4", "map-8-1/x"])

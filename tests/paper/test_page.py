@@ -12,11 +12,11 @@ FOLDER = Path(__file__).parents[2] / "docs" / "reproduction"
 
 def recorded() -> dict[str, Sequence[TrialRow]]:
     """The recorded rows of every series, in the order of its trials."""
-    found: dict[str, Sequence[TrialRow]] = {}
+    rows_by_name: dict[str, Sequence[TrialRow]] = {}
     for series in (series for item in ITEMS.values() for series in item.needs):
         rows = {row.trial: row for row in read_rows(FOLDER / "rows" / f"{series.name}.csv")}
-        found[series.name] = [rows[trial] for trial in series.trials(None)]
-    return found
+        rows_by_name[series.name] = [rows[trial] for trial in series.trials(None)]
+    return rows_by_name
 
 
 @pytest.mark.long

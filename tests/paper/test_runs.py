@@ -125,10 +125,10 @@ def test_what_waits_is_cancelled_when_the_series_is_stopped(tmp_path: Path) -> N
 
 
 def test_progress_is_told_from_what_was_there_to_the_end(tmp_path: Path) -> None:
-    told: list[str] = []
+    progress: list[str] = []
     measure(TRIALS[:1], tmp_path / "rows.csv", Here())
-    measure(TRIALS, tmp_path / "rows.csv", Here(), lambda share, words: told.append(words))
-    assert told == ["1 of 4", "2 of 4", "3 of 4", "4 of 4"]
+    measure(TRIALS, tmp_path / "rows.csv", Here(), lambda share, words: progress.append(words))
+    assert progress == ["1 of 4", "2 of 4", "3 of 4", "4 of 4"]
 
 
 def test_threads_give_the_same_rows(tmp_path: Path) -> None:

@@ -149,25 +149,25 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     pytest.importorskip("minionpy")
     small = settings_text(population=6, iterations=3)
     tiny = Series("tiny", 2, [Trial("cec2022", "f1", 10, name, small, 0, 0) for name in ("poa", "ipoa")])
-    told: list[str] = []
+    progress: list[str] = []
 
     def make(rows: Mapping[str, Sequence[TrialRow]]) -> Table:
         return Table("tiny", ["cost"], [[number(row.cost)] for row in rows["tiny"]])
 
     monkeypatch.setitem(ITEMS, "tiny", Artifact([tiny], make))
     for runs in (None, 3, None):
-        reproduce("tiny", runs, tmp_path / "out", open_executor(1, None), lambda share, words: told.append(words))
+        reproduce("tiny", runs, tmp_path / "out", open_executor(1, None), lambda share, words: progress.append(words))
     later = ("4 of 6", "5 of 6", "6 of 6", "4 of 4")
-    assert told == [f"tiny: {done} of 4" for done in range(5)] + [f"tiny: {done}" for done in later]
+    assert progress == [f"tiny: {done} of 4" for done in range(5)] + [f"tiny: {done}" for done in later]
     assert len((tmp_path / "out" / "rows" / "tiny.csv").read_text().splitlines()) == 1 + 6
 
 
 @pytest.mark.parametrize(
-    ("what", "runs", "message"),
+    ("table_name", "runs", "message"),
     [("table3", None, ("unknown-name", "what", "'table3'")), ("table-3", 0, ("bad-input", "runs"))],
 )
 def test_what_cannot_be_reproduced_is_bad_input(
-    tmp_path: Path, what: str, runs: int | None, message: tuple[str, ...]
+    tmp_path: Path, table_name: str, runs: int | None, message: tuple[str, ...]
 ) -> None:
     with refuses(*message):
-        reproduce(what, runs, tmp_path, open_executor(1, None))
+        reproduce(table_name, runs, tmp_path, open_executor(1, None))

@@ -68,7 +68,7 @@ def nearest(points: np.ndarray, bodies: list[dict[str, Any]]) -> np.ndarray:
     return least
 
 
-def way(flight: Flight) -> np.ndarray:
+def flown_path(flight: Flight) -> np.ndarray:
     """Return places (n, 3) of the predicted path, from the end of its take-off to its last waypoint."""
     predicted = Forecast(flight.mission, flight.scenario).guarantee.flight
     points = predicted.pieces.part(*predicted.cruise_span).points
@@ -90,7 +90,7 @@ def test_what_is_written_passes_the_check_and_keeps_what_is_required(
         except MissionError:
             return  # refused: then nothing is written
     required = scenario.limits.obstacle_distance
-    assert nearest(way(flight), scene["obstacles"]).min() >= required
+    assert nearest(flown_path(flight), scene["obstacles"]).min() >= required
     assert not any(f.severity is Severity.ERROR for f in check_mission(flight.mission, scenario))
     kept = flight.guarantee.clearance
     assert kept is None or f"{down(kept.guaranteed):.2f}" >= f"{up(required):.2f}"
@@ -132,9 +132,9 @@ def straight(scenario: Scenario) -> Mission:
 def test_nominal_clearance_short_by_a_centimeter_is_an_error(aside: float, errors: int) -> None:
     """The leg itself keeps 2.51 m; the predicted path may be 2 cm from it."""
     scenario = beside("nominal", aside)
-    found = [str(f) for f in check_mission(straight(scenario), scenario) if f.severity is Severity.ERROR]
-    assert len(found) == errors
-    assert all("to wall" in one and "predicted 2.4" in one and "2.50 m required" in one for one in found)
+    messages = [str(f) for f in check_mission(straight(scenario), scenario) if f.severity is Severity.ERROR]
+    assert len(messages) == errors
+    assert all("to wall" in each and "predicted 2.4" in each and "2.50 m required" in each for each in messages)
 
 
 def test_the_guarantee_at_a_given_place_is_its_own_line() -> None:
@@ -145,11 +145,11 @@ def test_the_guarantee_at_a_given_place_is_its_own_line() -> None:
     kept = flight.guarantee.clearance
     assert kept is not None
     assert kept.guaranteed >= 2.5
-    told = clearance_as_json(flight.guarantee)
-    assert told["kept_m"] >= told["required_m"]
-    assert {one["part"] for one in told["elsewhere"]} <= {"goal", "the ending"}
-    assert all(one["kept_m"] < one["required_m"] for one in told["elsewhere"])
-    assert "goal" in {one["part"] for one in told["elsewhere"]}
+    clearance = clearance_as_json(flight.guarantee)
+    assert clearance["kept_m"] >= clearance["required_m"]
+    assert {part["part"] for part in clearance["elsewhere"]} <= {"goal", "the ending"}
+    assert all(part["kept_m"] < part["required_m"] for part in clearance["elsewhere"])
+    assert "goal" in {part["part"] for part in clearance["elsewhere"]}
     assert any("goal, to wall" in finding.message for finding in flight.findings)
 
 
@@ -163,15 +163,15 @@ def test_the_refusal_of_a_gap_names_what_was_tried(monkeypatch: pytest.MonkeyPat
     """A gap of 5.8 m: no PX4 keeps 2.5 m on both sides in 99 of 100 flights, and ArduCopter does."""
     search_quickly(monkeypatch.setattr)
     scenario = beside(0.99, 2.9)
-    other = scenario.obstacles[0].model_copy(update={"name": "other", "north": -4.9})
-    walls = [wall.model_copy(update={"height": 60.0, "depth": 4.0}) for wall in (scenario.obstacles[0], other)]
+    second_wall = scenario.obstacles[0].model_copy(update={"name": "other", "north": -4.9})
+    walls = [wall.model_copy(update={"height": 60.0, "depth": 4.0}) for wall in (scenario.obstacles[0], second_wall)]
     long = [
         walls[0].model_copy(update={"north": 32.9, "depth": 60.0}),
         walls[1].model_copy(update={"north": -32.9, "depth": 60.0}),
     ]
     bounds = {"east": (-20, 100), "north": (-60, 60), "up": (0, 40)}
     text = scenario.model_dump(exclude_unset=True) | {"bounds": bounds}
-    text["obstacles"] = [one.model_dump(exclude_unset=True) for one in long]
+    text["obstacles"] = [obstacle.model_dump(exclude_unset=True) for obstacle in long]
     narrow = Scenario.model_validate(text)
     assert seek(narrow, 0, lambda *_: None).holds
     text["vehicle"] = {"autopilot": "px4", "radius": 0.5}

@@ -50,7 +50,7 @@ def least_of_landings(flight: Flight) -> float:
     """Return the least clearance of landings from many seconds, every few centimeters."""
     paths = Contingencies(flight.forecast).paths
     samples = paths.at(Contingency.LAND, np.linspace(*paths.in_air, 60))
-    legs = [np.linspace(a, b, 200) for way in samples.paths[:, 0] for a, b in pairwise(way)]
+    legs = [np.linspace(a, b, 200) for path in samples.paths[:, 0] for a, b in pairwise(path)]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 
@@ -61,7 +61,7 @@ def codes(flight: Flight, scenario: Scenario) -> list[str]:
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: Autopilot) -> None:
     asked = over_a_roof(autopilot, LANDS[str(autopilot)])
-    landing, returning = (plan_flight(one, seed=0) for one in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
+    landing, returning = (plan_flight(w, seed=0) for w in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
     assert least_of_landings(landing) >= asked.limits.obstacle_distance > least_of_landings(returning)
     assert "land-too-near" not in codes(landing, asked)
     assert not any("LAND in place may" in remark for remark in landing.remarks)
@@ -72,7 +72,7 @@ def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: A
     ("autopilot", "says"), some(1, [("px4", "COM_LOW_BAT_ACT = 1"), ("ardupilot", "BATT_FS_CRT_ACT = 2")])
 )
 def test_a_refusal_without_a_detour_names_the_failsafe_and_its_alternative(autopilot: str, says: str) -> None:
-    kind = next(one for one in registered() if str(one) == autopilot)
+    kind = next(family for family in registered() if str(family) == autopilot)
     with refuses("no-path", "", "LAND", "battery", "roof") as refused:
         plan_flight(over_a_roof(kind, LANDS[autopilot], wide=160.0), seed=0)
     assert f"{says} returns instead" in str(refused.value.hint)
@@ -82,10 +82,10 @@ def test_a_refusal_without_a_detour_names_the_failsafe_and_its_alternative(autop
 def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> None:
     asked = over_a_roof(Autopilot.ARDUPILOT, LANDS["ardupilot"], returns="warn")
     flight = plan_flight(asked, seed=0)
-    found = [one for one in check_mission(flight.mission, asked) if one.code == "land-too-near"]
-    assert len(found) == 1
-    assert "by critical battery (BATT_FS_CRT_ACT = 1), descends" in found[0].message
-    assert str(found[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
+    findings = [finding for finding in check_mission(flight.mission, asked) if finding.code == "land-too-near"]
+    assert len(findings) == 1
+    assert "by critical battery (BATT_FS_CRT_ACT = 1), descends" in findings[0].message
+    assert str(findings[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
 
 
 def test_what_lands_because_it_cannot_return_is_no_choice() -> None:

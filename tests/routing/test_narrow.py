@@ -29,17 +29,17 @@ def test_one_passage_nearer_than_the_least_reach_breaks_the_promise(
         (0.9, 0.4, False),
     ):
         away = (required + least - 0.005) / float(np.hypot(max(aside, 0.0), max(above, 0.0)))
-        one = np.ones(1)
+        unit = np.ones(1)
         passed = ProximityRisks(
             law,
             np.zeros(1, np.intp),
             np.zeros(1, np.intp),
-            one,
-            one * aside * away,
-            one * above * away,
+            unit,
+            unit * aside * away,
+            unit * above * away,
             np.array([is_over]),
-            one,
-            one,
+            unit,
+            unit,
         )
         assert passed.chance(required) > chance
 

@@ -50,9 +50,9 @@ def test_of_the_fewest_legs_those_are_taken_that_stay_nearest(curve: Spline) -> 
 
 
 def _away(place: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
-    way = end - start
-    share = np.clip((place - start) @ way / (way @ way), 0.0, 1.0)
-    return float(np.linalg.norm(place - start - share * way))
+    leg = end - start
+    share = np.clip((place - start) @ leg / (leg @ leg), 0.0, 1.0)
+    return float(np.linalg.norm(place - start - share * leg))
 
 
 @pytest.mark.parametrize("tolerance", [0.4, 4.0])

@@ -80,9 +80,9 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
     )
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
     lands = [row for row in Contingencies(flight.forecast).rows(Contingency.LAND, timed=False) if not row.clear]
-    told = [remark for remark in flight.remarks if remark.startswith("LAND in place may")]
-    assert len(told) == bool(lands)
-    assert all(row.to in told[0] or "more" in told[0] for row in lands)
+    remarks = [remark for remark in flight.remarks if remark.startswith("LAND in place may")]
+    assert len(remarks) == bool(lands)
+    assert all(row.to in remarks[0] or "more" in remarks[0] for row in lands)
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
@@ -131,9 +131,9 @@ def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> N
     samples = ContingencyPaths(flight.forecast).samples(Contingency.RTL)
     keep_out = shapely.Polygon(fence["polygon"])
     for n, k in np.argwhere(samples.possible):
-        way = samples.paths[n, k]
-        assert not shapely.LineString(way[:, :2]).intersects(keep_out)
-        assert way[:, 2].max() <= 70.0
+        path = samples.paths[n, k]
+        assert not shapely.LineString(path[:, :2]).intersects(keep_out)
+        assert path[:, 2].max() <= 70.0
     assert not [finding for finding in flight.findings if finding.code == "return-too-near"]
 
 
@@ -176,7 +176,7 @@ def test_a_corner_with_an_obstacle_in_its_braking_path_is_moved_away(monkeypatch
 
 def test_machines_read_the_severity_of_a_way_home_that_is_not_clear() -> None:
     flight = plan_flight(scene(Autopilot.PX4, WALL, returns="warn"), seed=0)
-    assert ("return-too-near", "warning") in [(one["code"], one["severity"]) for one in flight.summary()["findings"]]  # type: ignore[attr-defined]
+    assert ("return-too-near", "warning") in [(each["code"], each["severity"]) for each in flight.summary()["findings"]]  # type: ignore[attr-defined]
 
 
 def replaced(scenario: Scenario, returns: str) -> Scenario:

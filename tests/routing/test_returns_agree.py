@@ -72,9 +72,9 @@ def test_what_is_planned_is_clear_by_the_check(
         return  # a refusal writes nothing
     flight.write(tmp_path)
     forecast = Forecast(read_mission(tmp_path / f"scene{seed}.plan"), scenario)
-    told = check(forecast)
+    findings = check(forecast)
     own = {n for n, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
-    assert not [one for one in told if one.code in OF_RETURNS or (one.code == "leg-too-near" and one.seq in own)]
+    assert not [f for f in findings if f.code in OF_RETURNS or (f.code == "leg-too-near" and f.seq in own)]
     assert all(
         row.clear for contingency in PLANNED for row in forecast.cached(Contingencies).rows(contingency, timed=False)
     )

@@ -20,7 +20,7 @@ from ipoa_mission.scenario import Scenario
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
-from tests.routing.test_guarantee_kept import nearest, way
+from tests.routing.test_guarantee_kept import flown_path, nearest
 
 CRUISE = 15.0
 #: A bent way, and a post outside of the bend.
@@ -82,14 +82,14 @@ def test_a_bend_too_near_at_cruise_speed_is_planned_with_a_slower_stretch(
     speeds = [item.params[1] for item in flight.mission.items if item.command == Command.DO_CHANGE_SPEED]
     assert speeds[0] == speeds[-1] == CRUISE
     assert min(speeds) in (7.5, 3.8)
-    assert nearest(way(flight), scene["obstacles"]).min() >= scenario.limits.obstacle_distance
+    assert nearest(flown_path(flight), scene["obstacles"]).min() >= scenario.limits.obstacle_distance
     assert flight.guarantee.clearance is not None
     assert flight.guarantee.clearance.slack >= 0
-    assert not any(found.severity is Severity.ERROR for found in check_mission(flight.mission, scenario))
+    assert not any(finding.severity is Severity.ERROR for finding in check_mission(flight.mission, scenario))
     scene["vehicle"]["cruise_speed"] = min(speeds)
     assert flight.estimate.total_s < along(route, Scenario.model_validate(scene)).forecast.estimate.total_s
-    (told,) = (remark for remark in flight.remarks if "flown at" in remark)
-    assert f"flown at {min(speeds):g} m/s: at 15 m/s, post: 99 % of flights keep" in told
+    (note,) = (remark for remark in flight.remarks if "flown at" in remark)
+    assert f"flown at {min(speeds):g} m/s: at 15 m/s, post: 99 % of flights keep" in note
     assert plan_text(plan_flight(scenario).mission) == plan_text(flight.mission)
 
 

@@ -60,7 +60,7 @@ def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
         budget = budget_of(Forecast(part, scenario))
         assert budget is not None
         assert budget.shortage is None
-        assert not [one for one in check_mission(part, scenario) if one.severity is Severity.ERROR]
+        assert not [finding for finding in check_mission(part, scenario) if finding.severity is Severity.ERROR]
         assert part.items[0].command == Command.NAV_TAKEOFF
         assert part.items[-1].command == Command.NAV_RETURN_TO_LAUNCH
         assert change_speed(6.0) in part.items
@@ -107,4 +107,4 @@ def test_an_unclear_straight_approach_is_flown_at_the_return_altitude() -> None:
     assert len(parts) > 1
     for part in parts[1:]:
         assert [item.altitude for item in places_of(part)[:2]] == pytest.approx([40.0, 40.0], abs=0.01)
-        assert not [one for one in check_mission(part, scenario) if one.severity is Severity.ERROR]
+        assert not [finding for finding in check_mission(part, scenario) if finding.severity is Severity.ERROR]

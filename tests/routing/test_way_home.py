@@ -99,11 +99,11 @@ def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> 
     scenario = world(Autopilot.ARDUPILOT, 40.0, highest=42.0)
     flown = mission(scenario)
     assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
-    (found,) = check_mission(flown, scenario)
-    assert found.code == "leg-too-near"
-    assert "10.00 m inside hall" in found.message
-    assert found.hint is not None
-    assert found.hint.startswith("plan the way home too")
+    (finding,) = check_mission(flown, scenario)
+    assert finding.code == "leg-too-near"
+    assert "10.00 m inside hall" in finding.message
+    assert finding.hint is not None
+    assert finding.hint.startswith("plan the way home too")
 
 
 def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:

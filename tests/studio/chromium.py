@@ -19,7 +19,7 @@ import pytest
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from tests.studio.conftest import MEADOW
-from tests.studio.pointing import PATIENCE_S, Hand, found, settled
+from tests.studio.pointing import PATIENCE_S, Hand, middle_of, settled
 
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
@@ -58,9 +58,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Pat
     command = [sys.executable, "-m", "tests.studio.quick_studio", "studio", str(scenario), "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=REPOSITORY) as studio:
         assert studio.stdout is not None
-        found = re.search(r"http://\S+", studio.stdout.readline())
-        assert found is not None
-        yield found[0], scenario
+        match = re.search(r"http://\S+", studio.stdout.readline())
+        assert match is not None
+        yield match[0], scenario
         studio.terminate()
 
 
@@ -167,7 +167,7 @@ def scenario_of(page: Any) -> str:
 
 def places(page: Any, *shares: tuple[float, float]) -> list[tuple[float, float]]:
     """Return screen places: shares of the way from start to goal, and aside."""
-    (x, y), (goal, _) = (Hand(page).at(found(f"[data-spot={name}]")) for name in ("start", "goal"))
+    (x, y), (goal, _) = (Hand(page).at(middle_of(f"[data-spot={name}]")) for name in ("start", "goal"))
     return [(x + east * (goal - x), y - north * (goal - x)) for east, north in shares]
 
 
@@ -180,5 +180,5 @@ def serious(page: Any, scheme: str) -> list[str]:
     page.evaluate("document.querySelectorAll('details').forEach(panel => { panel.open = true; })")
     page.evaluate(axe.read_text(encoding="utf-8"))
     wrong = page.evaluate("axe.run().then(found => found.violations)")
-    grave = [one for one in wrong if one["impact"] in ("serious", "critical")]
-    return [f"{one['id']}: {node['target']}" for one in grave for node in one["nodes"]]
+    grave = [error for error in wrong if error["impact"] in ("serious", "critical")]
+    return [f"{violation['id']}: {node['target']}" for violation in grave for node in violation["nodes"]]

@@ -99,4 +99,4 @@ def studio(running: Studio) -> Iterator[Studio]:
             talk.say(kind="rewrite", seen=document["revision"], text=text)
             talk.wait("document")
         talk.say(kind="do", what="save_over")
-        talk.wait("document", lambda told: not told["unsaved"])
+        talk.wait("document", lambda document: not document["unsaved"])

@@ -44,9 +44,9 @@ class Firefox:
     def value(self, expression: str) -> Any:
         """Return an expression's value as JSON."""
         asked = f"Promise.resolve({expression}).then(value => JSON.stringify(value ?? null))"
-        told = self._do("script.evaluate", expression=asked, target={"context": self._page}, awaitPromise=True)
-        assert told["type"] == "success", told
-        return json.loads(told["result"]["value"])
+        result = self._do("script.evaluate", expression=asked, target={"context": self._page}, awaitPromise=True)
+        assert result["type"] == "success", result
+        return json.loads(result["result"]["value"])
 
     def until(self, expression: str) -> None:
         until_s = time.monotonic() + PATIENCE_S
@@ -65,7 +65,7 @@ class Firefox:
         self.drag(settled(self.value, element(script), "true"))
 
     def type(self, words: str) -> None:
-        keys = [{"type": way, "value": letter} for letter in words for way in ("keyDown", "keyUp")]
+        keys = [{"type": action, "value": letter} for letter in words for action in ("keyDown", "keyUp")]
         self._act({"type": "key", "id": "keys", "actions": keys})
 
     def picture(self) -> bytes:
@@ -79,14 +79,14 @@ class Firefox:
         self._socket.send(json.dumps({"id": number, "method": method, "params": params}))
         until_s = time.monotonic() + PATIENCE_S
         while (left_s := until_s - time.monotonic()) > 0:  # whatever else it tells meanwhile
-            told = json.loads(self._socket.recv(timeout=left_s))
-            if told.get("id") == number:
-                assert told["type"] == "success", told
-                return told["result"]
-            if told.get("method") == "log.entryAdded" and told["params"]["level"] in ("error", "warn"):
-                self.complaints.append(told["params"]["text"])
-            if told.get("method") == "network.beforeRequestSent":
-                self.asked.append(told["params"]["request"]["url"])
+            message = json.loads(self._socket.recv(timeout=left_s))
+            if message.get("id") == number:
+                assert message["type"] == "success", message
+                return message["result"]
+            if message.get("method") == "log.entryAdded" and message["params"]["level"] in ("error", "warn"):
+                self.complaints.append(message["params"]["text"])
+            if message.get("method") == "network.beforeRequestSent":
+                self.asked.append(message["params"]["request"]["url"])
         raise TimeoutError(f"{method}: no answer")
 
 
@@ -117,7 +117,7 @@ def firefox(program: str, folder: Path, xvfb: str | None) -> Iterator[Firefox]:
         subprocess.Popen(command, env=os.environ | where, stderr=subprocess.PIPE, text=True) as process,
     ):
         assert process.stderr is not None
-        address = next(found[0] for line in process.stderr if (found := re.search(r"ws://127\.0\.0\.1:\d+", line)))
+        address = next(match[0] for line in process.stderr if (match := re.search(r"ws://127\.0\.0\.1:\d+", line)))
         threading.Thread(target=process.stderr.read, daemon=True).start()  # else it stands still when the pipe is full
         try:
             with connect(f"{address}/session", max_size=None) as socket:

@@ -27,7 +27,7 @@ def element(script: str) -> str:
     }})()"""
 
 
-def found(selector: str, number: int = 0) -> str:
+def middle_of(selector: str, number: int = 0) -> str:
     """Return the middle of an element by selector and number."""
     return element(f"document.querySelectorAll({json.dumps(selector)})[{number}]")
 

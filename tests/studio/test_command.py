@@ -47,18 +47,18 @@ def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, mo
 
 
 def test_a_page_counts_by_the_sources_that_it_was_made_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    web, other = (tmp_path / one / "studio" / "web" for one in ("here", "there"))
-    for one in (web, other):
-        (one.parents[1] / "report" / "assets").mkdir(parents=True)
+    web, second = (tmp_path / place / "studio" / "web" for place in ("here", "there"))
+    for folder in (web, second):
+        (folder.parents[1] / "report" / "assets").mkdir(parents=True)
         for shared in bundle.SHARED:
-            (one.parents[1] / shared).write_text("")
-        (one / "dist").mkdir(parents=True)
-        (one / "main.tsx").write_text("1")
+            (folder.parents[1] / shared).write_text("")
+        (folder / "dist").mkdir(parents=True)
+        (folder / "main.tsx").write_text("1")
     (web / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))
     monkeypatch.setattr(bundle, "WEB", web)
     assert bundle.built_page(lambda words: None) == web / "dist"
     (web / "main.tsx").write_text("2")  # as one who works on it
     assert not bundle.has_page(web)
-    (other / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))  # installed beside
-    monkeypatch.setattr(bundle, "copies", lambda part: iter([other]))
-    assert bundle.built_page(lambda words: None) == other / "dist"
+    (second / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))  # installed beside
+    monkeypatch.setattr(bundle, "copies", lambda part: iter([second]))
+    assert bundle.built_page(lambda words: None) == second / "dist"

@@ -34,25 +34,25 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
     strip, page, course = strips[0], report_html(forecast), course_of(forecast)
-    assert [(one.kind, one.revision, one.flight) for one in strips] == [("endings", 7, 2)] * 2
+    assert [(strip.kind, strip.revision, strip.flight) for strip in strips] == [("endings", 7, 2)] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
-    stretches = [(bar.ending, one) for bar in strip.bars for one in bar.stretches]
+    stretches = [(bar.ending, stretch) for bar in strip.bars for stretch in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
-    for (contingency, one), row in zip(stretches, rows, strict=True):
-        assert (contingency, one.words) == (str(row.contingency), row.in_full)
-        assert row.keeps in one.words
-        assert "2.50 m required" in one.words
-        assert one.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]
-        assert (one.from_s, one.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
+    for (contingency, stretch), row in zip(stretches, rows, strict=True):
+        assert (contingency, stretch.words) == (str(row.contingency), row.in_full)
+        assert row.keeps in stretch.words
+        assert "2.50 m required" in stretch.words
+        assert stretch.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]
+        assert (stretch.from_s, stretch.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
         there = np.interp([row.from_s, row.to_s], course.times, course.along)
-        assert (one.begins, one.ends) == pytest.approx(there, abs=0.06)
-        assert f'data-ending="{contingency}" data-from="{one.from_s:.2f}" data-to="{one.to_s:.2f}"' in page
+        assert (stretch.begins, stretch.ends) == pytest.approx(there, abs=0.06)
+        assert f'data-ending="{contingency}" data-from="{stretch.from_s:.2f}" data-to="{stretch.to_s:.2f}"' in page
 
 
 def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
     """What the page makes of the costs beside a moment."""
-    shares = [(*one.seconds, *(one.energy_wh or ()), one.lands, one.least, one.most) for one in costs]
-    return [float(np.interp(time, [one.at_s for one in costs], column)) for column in zip(*shares, strict=True)]
+    shares = [(*cost.seconds, *(cost.energy_wh or ()), cost.lands, cost.least, cost.most) for cost in costs]
+    return [float(np.interp(time, [cost.at_s for cost in costs], column)) for column in zip(*shares, strict=True)]
 
 
 @pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
@@ -75,7 +75,7 @@ def test_the_energy_of_a_contingency_lies_between_its_neighbors(
         assert (low, high) == pytest.approx(taken[0], rel=0.15, abs=4.0)
         assert (least_wh, most_wh) == pytest.approx((used.low, used.high), rel=0.15, abs=0.5)
         assert (least, lands, most) == pytest.approx(left, abs=0.01)
-    assert min(value for one in bar.costs for value in one.seconds) >= 0.0
+    assert min(value for cost in bar.costs for value in cost.seconds) >= 0.0
 
 
 def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]) -> None:
@@ -86,7 +86,7 @@ def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> N
     elsewhere = replace(forecast.given, parameters={**forecast.given.parameters, "RTL_TYPE": 1.0})
     *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
     bar = strip.bars[0]
-    assert (bar.ending, [one.look for one in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
+    assert (bar.ending, [stretch.look for stretch in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
     assert "goal unknown: not clear: returns to the mission's landing" in bar.stretches[0].words
 
 

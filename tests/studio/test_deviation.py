@@ -22,34 +22,34 @@ def flown(folder: Path, forecast: Forecast, order_at: Any) -> list[Any]:
     """Return the page's messages of a flight; `order_at` gives its orders."""
     HandedOver("sitl", forecast, "proof").write(folder / "flight")
     beside: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
-    told, ordered = list[Any](), list[str]()
+    messages, ordered = list[Any](), list[str]()
 
-    def answer(said: Any) -> None:
-        told.append(said)
-        if isinstance(said, Loaded):
-            beside.put({"vehicle": said.vehicle, "mission": said.mission, "proof": said.proof})
-        elif not ordered and (what := order_at(said)):
-            ordered.append(what)
-            beside.put({"what": what})
+    def answer(message: Any) -> None:
+        messages.append(message)
+        if isinstance(message, Loaded):
+            beside.put({"vehicle": message.vehicle, "mission": message.mission, "proof": message.proof})
+        elif not ordered and (order := order_at(message)):
+            ordered.append(order)
+            beside.put({"what": order})
 
     order = {"file": str(folder / "flight"), "log": str(folder / "a.tlog"), "link": None, "system": None, "revision": 1}
     FlightWorker(beside).fly(order | {"speedup": 1e9, "set_params": False}, answer)
     assert ordered
-    return told
+    return messages
 
 
-def words_of(told: list[Any]) -> list[str]:
-    return [said.words for said in told if isinstance(said, State)]
+def words_of(messages: list[Any]) -> list[str]:
+    return [message.words for message in messages if isinstance(message, State)]
 
 
 def test_an_ordered_return_is_no_failure_and_offers_hold_and_land(tmp_path: Path) -> None:
     forecast = Forecast(MISSION, read_scenario(MISSIONS / "sitl.toml"))
-    told = flown(tmp_path, forecast, lambda said: isinstance(said, Seen) and said.done >= 3 and "rtl")
-    landed = next(said for said in told if isinstance(said, Landed))
+    messages = flown(tmp_path, forecast, lambda message: isinstance(message, Seen) and message.done >= 3 and "rtl")
+    landed = next(message for message in messages if isinstance(message, Landed))
     assert (landed.completed, landed.ordered) == (False, "rtl")
-    assert words_of(told)[-2:] == ["it returns, as ordered", "landed, as ordered"]
-    returning = told[told.index(State(phase="flying", words="it returns, as ordered")) :]
-    orders = [order for said in returning if isinstance(said, Seen) for order in said.orders]
+    assert words_of(messages)[-2:] == ["it returns, as ordered", "landed, as ordered"]
+    returning = messages[messages.index(State(phase="flying", words="it returns, as ordered")) :]
+    orders = [order for message in returning if isinstance(message, Seen) for order in message.orders]
     assert {order.what for order in orders} == {"hold", "land"}
     known = [order for order in orders if order.clear is not None]
     assert len(known) == len(orders)
@@ -63,12 +63,12 @@ def test_a_deviation_is_shown_the_vehicle_holds_and_the_page_offers_orders(
     lower = replace(MISSION, items=tuple(replace(item, altitude=item.altitude / 2) for item in MISSION.items))
     monitor = ConformanceMonitor(Forecast(lower))
     monkeypatch.setattr(procedure, "_monitor", lambda *_: monitor)
-    told = flown(tmp_path, Forecast(MISSION), lambda said: isinstance(said, Seen) and said.held and "land")
-    seen = [said for said in told if isinstance(said, Seen)]
-    (deviation,) = {words for said in seen for words in said.deviations}
+    messages = flown(tmp_path, Forecast(MISSION), lambda message: isinstance(message, Seen) and message.held and "land")
+    seen = [message for message in messages if isinstance(message, Seen)]
+    (deviation,) = {words for message in seen for words in message.deviations}
     assert "above" in deviation
-    assert f"it holds, because {deviation}" in words_of(told)
+    assert f"it holds, because {deviation}" in words_of(messages)
     assert seen[-1].deviations == (deviation,)
-    landed = next(said for said in told if isinstance(said, Landed))
+    landed = next(message for message in messages if isinstance(message, Landed))
     assert not landed.completed
     assert deviation in landed.why_not

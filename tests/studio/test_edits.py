@@ -36,9 +36,9 @@ def test_a_text_that_is_not_changed_is_the_same_byte_for_byte(file: Path) -> Non
 @pytest.mark.parametrize("file", [file for file in SCENARIOS if KEY in file.read_text()], ids=lambda file: file.stem)
 def test_only_the_line_that_is_meant_is_changed_and_undone_it_is_as_before(file: Path) -> None:
     text, before = file.read_bytes().decode(), read_scenario(file).safety_distance
-    other = changed(text, [Put(path=(KEY,), value=before + 1)])
-    assert len(difference(text, other)) == 2
-    assert changed(other, [Put(path=(KEY,), value=before)]) == text
+    changed_text = changed(text, [Put(path=(KEY,), value=before + 1)])
+    assert len(difference(text, changed_text)) == 2
+    assert changed(changed_text, [Put(path=(KEY,), value=before)]) == text
 
 
 def test_a_whole_number_in_place_of_a_float_stays_a_float() -> None:
@@ -59,8 +59,8 @@ def test_what_is_moved_is_moved_as_far_as_the_hand_went() -> None:
     moved = [after.goal_point[:2] - before.goal_point[:2]]
     for body, same in zip(before.airspace.obstacles, after.airspace.obstacles, strict=True):
         moved.append((same.bounds - body.bounds)[0, :2])
-    for way in moved:
-        assert way == pytest.approx(step, abs=0.02)
+    for move in moved:
+        assert move == pytest.approx(step, abs=0.02)
 
 
 @pytest.mark.parametrize("name", ["campus", "downtown", "mountains", "sitl"])
@@ -73,7 +73,7 @@ def test_home_alone_moves_and_the_rest_stays_where_it_is_on_the_map(name: str) -
     after = parse_scenario(changed(text, [Shift(path=("home",), taken=taken, put_down=there)]), file)
     assert (after.home.longitude_deg, after.home.latitude_deg) == pytest.approx(there, abs=1e-7)
     for body, same in zip(before.airspace.obstacles, after.airspace.obstacles, strict=True):
-        corners = [np.array([(*corner, 0.0) for corner in one.bounds[:, :2]]) for one in (body, same)]
+        corners = [np.array([(*corner, 0.0) for corner in obstacle.bounds[:, :2]]) for obstacle in (body, same)]
         places = [scenario.frame.to_geodetic(c) for scenario, c in zip((before, after), corners, strict=True)]
         assert np.abs(np.subtract(places[0][:2], places[1][:2])).max() < 3e-7
     ends = [scenario.frame.geodetic(scenario.goal_point) for scenario in (before, after)]

@@ -1,4 +1,4 @@
-"""ObstacleGrowth Firefox and the built page, and Xvfb for the map; skipped without."""
+"""Needs Firefox and the built page, and Xvfb for the map; skipped without."""
 
 import re
 import shutil
@@ -12,7 +12,7 @@ import pytest
 from ipoa_mission.errors import MissionError
 from tests.studio.conftest import MEADOW
 from tests.studio.firefox import Firefox, firefox
-from tests.studio.pointing import found, settled
+from tests.studio.pointing import middle_of, settled
 
 pytest.importorskip("websockets")
 FIREFOX = next((path for name in ("firefox-esr", "firefox") if (path := shutil.which(name))), None)
@@ -43,9 +43,9 @@ def address(tmp_path: Path) -> Iterator[tuple[str, Path]]:
     command = [sys.executable, "-m", "tests.studio.quick_studio", "studio", str(scenario), "--no-browser"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[2]) as studio:
         assert studio.stdout is not None
-        found = re.search(r"http://\S+", studio.stdout.readline())
-        assert found is not None
-        yield found[0], scenario
+        match = re.search(r"http://\S+", studio.stdout.readline())
+        assert match is not None
+        yield match[0], scenario
         studio.terminate()
 
 
@@ -72,7 +72,7 @@ def test_firefox_drags_the_goal_draws_a_building_saves_and_flies(address: tuple[
     (tmp_path / "profile").mkdir()
     with firefox(FIREFOX, tmp_path / "profile", XVFB) as page:
         page.open(address[0])
-        (sx, sy), (gx, gy) = (settled(page.value, found(f"[data-spot={name}]")) for name in ("start", "goal"))
+        (sx, sy), (gx, gy) = (settled(page.value, middle_of(f"[data-spot={name}]")) for name in ("start", "goal"))
         page.drag((gx, gy), (gx - 10, gy - 15), (gx - 20, gy - 30))
         page.until(f"!{TEXT}.includes('east = 60.0')")
         page.click(button("Undo"))

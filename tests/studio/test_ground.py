@@ -34,18 +34,18 @@ def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)
-    planner, told = PlanWorker(), list[Any]()
-    planner.plan({"revision": 1, "text": path.read_text(), "path": str(path), "seed": 0}, told.append)
+    planner, messages = PlanWorker(), list[Any]()
+    planner.plan({"revision": 1, "text": path.read_text(), "path": str(path), "seed": 0}, messages.append)
     handed = tmp_path / "flight"
-    planner.hand_over({"file": str(handed)}, told.append)
+    planner.hand_over({"file": str(handed)}, messages.append)
     beside: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
     order = {"file": str(handed), "log": str(tmp_path / "a.tlog"), "link": None, "system": None, "revision": 1}
 
-    def answer(said: Any) -> None:
-        told.append(said)
-        if said.kind == "loaded":
-            beside.put({"vehicle": said.vehicle, "mission": said.mission, "proof": said.proof})
+    def answer(message: Any) -> None:
+        messages.append(message)
+        if message.kind == "loaded":
+            beside.put({"vehicle": message.vehicle, "mission": message.mission, "proof": message.proof})
 
     FlightWorker(beside).fly(order | {"speedup": 1e9, "set_params": False}, answer)
-    landed = next(said for said in told if said.kind == "landed")
+    landed = next(message for message in messages if message.kind == "landed")
     assert landed.completed, landed.why_not

@@ -15,7 +15,7 @@ from tests.studio.pointing import Hand, feature
 
 __all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
 
-LEFT, RIGHT, UP, DOWN = (f"Arrow{way}" for way in ("Left", "Right", "Up", "Down"))
+LEFT, RIGHT, UP, DOWN = (f"Arrow{direction}" for direction in ("Left", "Right", "Up", "Down"))
 
 
 def press(page: Any, *keys: str) -> None:
@@ -26,7 +26,7 @@ def press(page: Any, *keys: str) -> None:
             page.keyboard.press(name)
 
 
-def told(page: Any, words: str) -> None:
+def wait_for_words(page: Any, words: str) -> None:
     """Wait for a screen reader's words."""
     page.locator(".spoken", has_text=words).wait_for()
 
@@ -48,16 +48,16 @@ def test_a_flight_is_planned_round_a_building_drawn_by_keyboard(own_page: Any, a
     page = own_page
     proved(page)
     press(page, "Home", "b")
-    told(page, "30 m east, 0 m north of home")  # the middle of the map
+    wait_for_words(page, "30 m east, 0 m north of home")  # the middle of the map
     assert page.evaluate("document.activeElement.className").startswith("maplibregl-canvas")
     press(page, f"Shift+{RIGHT}", f"{RIGHT}*2", f"Shift+{DOWN}*2", "Enter")
-    told(page, "Corner 1.")
+    wait_for_words(page, "Corner 1.")
     press(page, f"{RIGHT}*4", "Enter", f"Shift+{UP}*9", "Enter")
-    told(page, "Corner 3. 90.0 m; around")
+    wait_for_words(page, "Corner 3. 90.0 m; around")
     press(page, "Backspace")
-    told(page, "The last corner is taken back; 2 left.")
+    wait_for_words(page, "The last corner is taken back; 2 left.")
     press(page, f"Shift+{DOWN}*6", "Enter", f"{LEFT}*4", "Enter", "Enter")
-    told(page, "Closed")
+    wait_for_words(page, "Closed")
     until(page, "document.querySelector('textarea').value.includes('building 3')")
     height = page.locator("label", has_text="height").locator("input").first
     height.press("Control+a")
@@ -81,19 +81,19 @@ def test_a_flight_is_planned_round_a_building_drawn_by_keyboard(own_page: Any, a
 def test_places_are_put_moved_and_taken_out(at_home: Any) -> None:
     page, before = at_home, scenario_of(at_home)
     press(page, "w", f"Shift+{DOWN}*2", "Enter")
-    told(page, "Point added.")
+    wait_for_words(page, "Point added.")
     undone(page, "via point added")
     until(page, "document.querySelector('textarea').value.includes('[[via]]')")
     press(page, "Backspace")
     until(page, "!document.querySelector('textarea').value.includes('[[via]]')")
     press(page, "Escape")
-    told(page, "The crosshair is gone.")
+    wait_for_words(page, "The crosshair is gone.")
     press(page, "c", f"Shift+{UP}*2", f"{DOWN}*2", "Enter")
-    told(page, "silo taken")
+    wait_for_words(page, "silo taken")
     press(page, f"Shift+{LEFT}", "Escape")
-    told(page, "Let go where it was.")
+    wait_for_words(page, "Let go where it was.")
     press(page, f"Shift+{RIGHT}*4", f"Shift+{DOWN}", f"{DOWN}*8", "Enter")
-    told(page, "goal taken")
+    wait_for_words(page, "goal taken")
     press(page, f"Shift+{LEFT}", "Enter")
     undone(page, "goal moved")
     assert before.replace("east = 60.0", "east = 50.0") == scenario_of(page)
@@ -103,7 +103,7 @@ def test_an_area_to_be_surveyed_is_drawn_and_its_corner_moved(own_page: Any) -> 
     page = own_page
     proved(page)
     press(page, "Home", "a")
-    told(page, "30 m east, 0 m north of home")
+    wait_for_words(page, "30 m east, 0 m north of home")
     press(page, f"Shift+{LEFT}*3", "Enter", f"Shift+{RIGHT}*2", "Enter", f"Shift+{UP}*2", "Enter", "Enter")
     undone(page, "area drawn")
     corner = page.locator("[data-grip='survey.polygon.0.1']")
@@ -124,14 +124,14 @@ def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, addres
     page.locator(".items").get_by_role("button", name=re.compile("^(! )?4 ")).press("Enter")
     Hand(page).at(feature("items", "of.icon === 'item4!'"))
     press(page, "c", "Enter")
-    told(page, "item 4 taken")
+    wait_for_words(page, "item 4 taken")
     press(page, f"{UP}*3", f"Shift+{RIGHT}", "Enter")
     undone(page, "item 4 moved")
     press(page, "Control+s")
     page.locator(".saved").wait_for()
     before, after = (read_mission(folder / "sitl.plan") for folder in (own.REPOSITORY / "missions", address[1].parent))
     frame, was, now = LocalFrame(before.home), before.items[3], after.items[3]
-    there, here = (frame.local(Geodetic(one.latitude_deg, one.longitude_deg))[:2] for one in (now, was))
+    there, here = (frame.local(Geodetic(item.latitude_deg, item.longitude_deg))[:2] for item in (now, was))
     assert there - here == pytest.approx([10.0, 3.0], abs=0.05)
     press(page, "w", f"Shift+{UP}", "Enter", "Escape", "Delete")  # sooner than the list shows it
     undone(page, "item 5 removed")

@@ -28,11 +28,11 @@ def test_a_flight_goes_on_on_the_page_after_its_link_was_lost(tmp_path: Path, mo
     heard, cut = list[Any](), list[bool]()
     with running(mission.autopilot, 20.0, "tcpin", home=mission.home) as far, cut_link(far.port) as link:
 
-        def answer(told: Any) -> None:
-            heard.append(told)
-            match told:
+        def answer(message: Any) -> None:
+            heard.append(message)
+            match message:
                 case Loaded():
-                    beside.put({"vehicle": told.vehicle, "mission": told.mission, "proof": told.proof})
+                    beside.put({"vehicle": message.vehicle, "mission": message.mission, "proof": message.proof})
                 case Seen(up=up) if up > 5.0 and not cut:
                     cut.append(True)
                     link.cut()
@@ -43,13 +43,13 @@ def test_a_flight_goes_on_on_the_page_after_its_link_was_lost(tmp_path: Path, mo
         order = {"file": str(tmp_path / "flight"), "log": str(tmp_path / "flight.tlog"), "revision": 1, "speedup": None}
         order |= {"link": f"tcp:127.0.0.1:{link.port}", "system": None, "set_params": False}
         FlightWorker(beside).fly(order, answer)
-    landed = next(one for one in heard if isinstance(one, Landed))
+    landed = next(message for message in heard if isinstance(message, Landed))
     assert landed.completed, landed.why_not
-    states = [one for one in heard if isinstance(one, State) and one.phase == "flying"]
-    lost = [one for one in states if one.lost_s is not None]
-    assert [one.lost_s for one in lost] == sorted(one.lost_s or 0.0 for one in lost)
+    states = [message for message in heard if isinstance(message, State) and message.phase == "flying"]
+    lost = [state for state in states if state.lost_s is not None]
+    assert [state.lost_s for state in lost] == sorted(state.lost_s or 0.0 for state in lost)
     assert lost[0].words.startswith("the link is lost: the other side closed the connection")
-    assert any("AUTO.RTL was not ordered: the link is lost" in one.words for one in lost)
+    assert any("AUTO.RTL was not ordered: the link is lost" in state.words for state in lost)
     assert states[-1].lost_s is None
     at = heard.index(lost[-1])
-    assert sum(isinstance(one, Seen) for one in heard[at:]) > 20
+    assert sum(isinstance(message, Seen) for message in heard[at:]) > 20

@@ -7,9 +7,9 @@ from ipoa_mission.studio.flight_answers import Heard
 
 
 def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return int(found.getsockname()[1])
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return int(free.getsockname()[1])
 
 
 def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -17,9 +17,9 @@ def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flight_worker, "USUAL", (silent, closed))
     monkeypatch.setattr(flight_worker, "LISTEN_S", 0.02)
     monkeypatch.setattr(flight_worker, "serial_ports", lambda: ())
-    told: list[Heard] = []
-    flight_worker.listen({"link": "nonsense"}, told.append)  # type: ignore[arg-type]
-    rows = {row.link: (row.system, row.words) for row in told[0].links}
+    vehicles: list[Heard] = []
+    flight_worker.listen({"link": "nonsense"}, vehicles.append)  # type: ignore[arg-type]
+    rows = {row.link: (row.system, row.words) for row in vehicles[0].links}
     assert list(rows) == ["nonsense", silent, closed]
     assert rows[silent] == (None, "no vehicle heard")
     assert rows[closed][0] is rows["nonsense"][0] is None

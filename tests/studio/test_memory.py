@@ -14,14 +14,14 @@ def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_file_has_the_address_that_it_had() -> None:
-    first, other = memory.address_of(Path("/a.toml")), memory.address_of(Path("/b.toml"))
+    first, second = memory.address_of(Path("/a.toml")), memory.address_of(Path("/b.toml"))
     assert first.port == 0
-    assert first.token != other.token
+    assert first.token != second.token
     memory.remember(first, 4711)
-    memory.remember(other, 4712)
+    memory.remember(second, 4712)
     again = memory.address_of(Path("/a.toml"))
     assert (again.port, again.token) == (4711, first.token)
-    assert [one.path for one in memory.recent()] == ["/b.toml", "/a.toml"]
+    assert [entry.path for entry in memory.recent()] == ["/b.toml", "/a.toml"]
 
 
 def test_only_this_user_reads_what_is_kept() -> None:
@@ -41,7 +41,7 @@ def test_what_makes_no_sense_is_forgotten(text: str) -> None:
 def test_studio_port_in_use_is_replaced_unless_it_was_requested() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        with _listen(0, port) as found:
-            assert found.getsockname()[1] != port
+        with _listen(0, port) as listener:
+            assert listener.getsockname()[1] != port
         with refuses("bad-input", f"--port {port}"):
             _listen(port, 0)

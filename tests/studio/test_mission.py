@@ -32,7 +32,7 @@ def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
 def edit(talk: Any, seen: int, *changes: dict[str, Any]) -> dict[str, Any]:
     talk.say(kind="edit", seen=seen, label="changed", changes=list(changes))
     document = talk.wait("document")
-    return dict(talk.wait("mission", lambda told: told["revision"] == document["revision"]))
+    return dict(talk.wait("mission", lambda message: message["revision"] == document["revision"]))
 
 
 def test_it_is_opened_checked_and_timed_without_a_scenario(opened: Studio) -> None:
@@ -60,14 +60,14 @@ def test_items_are_moved_put_in_and_taken_out_and_undone(opened: Studio) -> None
         talk.wait("document")
         edit(talk, more["revision"], {"op": "take_item", "seq": 5})
         talk.say(kind="do", what="save")
-        talk.wait("document", lambda told: not told["unsaved"])
+        talk.wait("document", lambda message: not message["unsaved"])
         assert len(read_mission(opened.scenario).items) == len(items)
         assert read_mission(opened.scenario).items[3].latitude_deg == 47.3981
         for _ in range(3):
             talk.say(kind="do", what="undo")
-        talk.wait("document", lambda told: told["undo"] is None)
+        talk.wait("document", lambda message: message["undo"] is None)
         talk.say(kind="do", what="save")
-        talk.wait("document", lambda told: not told["unsaved"])
+        talk.wait("document", lambda message: not message["unsaved"])
     assert opened.scenario.read_bytes() == before
 
 
@@ -75,10 +75,10 @@ def test_in_a_scenario_s_world_it_is_told_what_it_keeps(opened: Studio) -> None:
     with opened.window() as talk:
         world = talk.wait("mission")["worlds"][0]
         talk.say(kind="within", scenario=world, autopilot=None)
-        assert talk.wait("mission", lambda told: told["scenario"] is not None)["scenario"].endswith("sitl.toml")
-        assert talk.wait("plan", lambda told: told["kept"] is not None)["required"] > 0
+        assert talk.wait("mission", lambda message: message["scenario"] is not None)["scenario"].endswith("sitl.toml")
+        assert talk.wait("plan", lambda message: message["kept"] is not None)["required"] > 0
         talk.say(kind="within", scenario=None, autopilot=None)
-        talk.wait("mission", lambda told: told["scenario"] is None)
+        talk.wait("mission", lambda message: message["scenario"] is None)
 
 
 BATTERY = """
@@ -94,14 +94,14 @@ rotor_diameter = 0.3
 
 def within(talk: Any, world: Path | None) -> int:
     talk.say(kind="within", scenario=None if world is None else str(world), autopilot=None)
-    asked = talk.wait("document", lambda told: not told["unsaved"])["revision"]
-    return int(talk.wait("checked", lambda told: told["revision"] == asked)["revision"])
+    asked = talk.wait("document", lambda message: not message["unsaved"])["revision"]
+    return int(talk.wait("checked", lambda message: message["revision"] == asked)["revision"])
 
 
 def uploaded(talk: Any, speedup: float) -> dict[str, str]:
     talk.say(kind="upload", link=None, system=None, speedup=speedup)
     loaded = talk.wait("loaded")
-    return {what: loaded[what] for what in ("vehicle", "mission", "proof")}
+    return {key: loaded[key] for key in ("vehicle", "mission", "proof")}
 
 
 def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> None:
@@ -117,23 +117,23 @@ def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> N
         talk.say(kind="do", what="abandon")
         talk.wait("state", lambda state: state["phase"] == "idle")
         revision = within(talk, world)
-        plan = talk.wait("plan", lambda told: told["revision"] == revision)
+        plan = talk.wait("plan", lambda message: message["revision"] == revision)
         assert uploaded(talk, 8.0) == named  # the same mission in the same world
         talk.say(kind="start", **named)
         flies = talk.wait("seen", lambda seen: seen["done"] > 2 and seen["orders"])
         talk.say(kind="order", what="hold")
-        held = talk.wait("seen", lambda seen: seen["held"] and seen["speed"] < 0.1 and len(seen["orders"]) == 3)
-        stays = talk.wait("seen", lambda seen: seen["time_s"] > held["time_s"] + 20.0)
+        holding = talk.wait("seen", lambda seen: seen["held"] and seen["speed"] < 0.1 and len(seen["orders"]) == 3)
+        stays = talk.wait("seen", lambda seen: seen["time_s"] > holding["time_s"] + 20.0)
         talk.say(kind="order", what="go_on")
         landed = talk.wait("landed")
-    assert [one["what"] for one in flies["orders"]] == ["hold", "rtl", "land"]
+    assert [order["what"] for order in flies["orders"]] == ["hold", "rtl", "land"]
     assert flies["orders"][0]["words"].startswith("here: clear, ")
-    assert [one["what"] for one in stays["orders"]] == ["go_on", "rtl", "land"]
+    assert [order["what"] for order in stays["orders"]] == ["go_on", "rtl", "land"]
     assert stays["orders"][0]["words"].startswith("as planned with item ")
-    for before, after in zip(held["orders"][1:], stays["orders"][1:], strict=True):  # as long as it stays there
+    for before, after in zip(holding["orders"][1:], stays["orders"][1:], strict=True):  # as long as it stays there
         assert (after["what"], after["clear"]) == (before["what"], before["clear"])
         assert after["seconds"] == pytest.approx(before["seconds"], abs=1.5)
-    assert abs(stays["place"][1] - held["place"][1]) * 111e3 < 2.0
+    assert abs(stays["place"][1] - holding["place"][1]) * 111e3 < 2.0
     assert flies["reserve"]["required"] == 0.25
     assert flies["reserve"]["least"] < flies["reserve"]["lands"] < flies["reserve"]["planned"] <= 1.0
     assert landed["completed"], landed["why_not"]
@@ -146,11 +146,11 @@ def test_without_a_scenario_it_flies_and_what_is_not_known_is_said(opened: Studi
         within(talk, None)
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         loaded = talk.wait("loaded")
-        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
         seen = talk.wait("seen", lambda seen: seen["orders"])
         landed = talk.wait("landed")
     assert "no scenario gives the obstacles" in loaded["remarks"][0]
-    assert [(one["clear"], one["seconds"]) for one in seen["orders"]] == [(None, None)] * 3
+    assert [(order["clear"], order["seconds"]) for order in seen["orders"]] == [(None, None)] * 3
     assert landed["completed"], landed["why_not"]
 
 
@@ -174,12 +174,12 @@ def test_it_is_saved_as_the_other_format_over_nothing(opened: Studio) -> None:
     ],
 )
 def test_a_change_is_written_as_ground_stations_write_it(change: Any, expected: dict[str, Any]) -> None:
-    told = json.loads((MISSIONS / "sitl.plan").read_text())
-    told["mission"]["items"][3] |= {"Altitude": 20, "params": [*told["mission"]["items"][3]["params"][:6], 20]}
-    text = mission_changed(json.dumps(told), Path("a.plan"), [change])
+    document = json.loads((MISSIONS / "sitl.plan").read_text())
+    document["mission"]["items"][3] |= {"Altitude": 20, "params": [*document["mission"]["items"][3]["params"][:6], 20]}
+    text = mission_changed(json.dumps(document), Path("a.plan"), [change])
     item = json.loads(text)["mission"]["items"][change.seq - 1]
-    found = {key: item["params"][0] if key == "params" else item[key] for key in expected}
-    assert found == expected
+    values = {key: item["params"][0] if key == "params" else item[key] for key in expected}
+    assert values == expected
 
 
 def test_who_changes_what_is_not_there_is_told_so() -> None:
@@ -195,14 +195,14 @@ def test_one_with_an_error_is_not_uploaded(opened: Studio) -> None:
         revision = within(talk, opened.scenario.with_name("sitl.toml"))
         changes = [{"op": "put_item", "seq": 4, "what": "param7", "value": 1.0}]
         talk.say(kind="edit", seen=revision, label="far too low", changes=changes)
-        changed = talk.wait("document", lambda told: told["revision"] > revision)
+        changed = talk.wait("document", lambda message: message["revision"] > revision)
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         assert "not checked yet" in talk.wait_for_trouble("flight")["message"]
-        checked = talk.wait("checked", lambda told: told["revision"] == changed["revision"])
+        checked = talk.wait("checked", lambda message: message["revision"] == changed["revision"])
         wrong = [flaw["words"] for flaw in checked["flaws"] if flaw["severity"] == "error"]
         assert wrong
         assert checked["timeless"] is None
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         assert wrong[0] in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="do", what="undo")
-        talk.wait("checked", lambda told: told["revision"] > changed["revision"])
+        talk.wait("checked", lambda message: message["revision"] > changed["revision"])

@@ -162,9 +162,9 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.get_by_role("button", name="Hold", exact=True).click()
     own_page.get_by_role("button", name="Go on").wait_for()
     own_page.wait_for_timeout(500)
-    held = int(own_page.get_by_label("Moment of the flight").input_value())
+    at = int(own_page.get_by_label("Moment of the flight").input_value())
     own_page.wait_for_timeout(1000)  # 8 s of the flight
-    assert abs(int(own_page.get_by_label("Moment of the flight").input_value()) - held) <= 2  # it stays where it holds
+    assert abs(int(own_page.get_by_label("Moment of the flight").input_value()) - at) <= 2  # it stays where it holds
     own_page.get_by_role("button", name="Go on").click()
     own_page.get_by_text("✓ Landed").wait_for()
 
@@ -192,7 +192,7 @@ def test_trees_wires_and_the_number_of_a_hidden_item_are_seen(page: Any) -> None
     proved(page)
     thing = '\n[[obstacles]]\nkind = "cylinder"\nname = "{}"\neast = {}\nnorth = -25.0\nradius = 2.0\nheight = 5.0\n'
     named = (("tree 51 m NE of home (node/1)", 45), ("20 kV line (way/2)", 5))
-    rewrite(page, MEADOW.read_text() + "".join(thing.format(*one) for one in named))
+    rewrite(page, MEADOW.read_text() + "".join(thing.format(*names) for names in named))
     proved(page)
     looks = "new Set(map.querySourceFeatures('bodies').map(one => one.properties.look))"
     until(page, f"{looks}.size === 3 && {looks}.has('tree') && {looks}.has('wire') && {looks}.has('')")
@@ -286,10 +286,10 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
         until(page, f"document.querySelector('.strip .row').ariaValueNow === '{at}'")
         time = float(page.locator(".slider output").inner_text().split(" s")[0])
         for contingency in contingencies_of(contingencies.forecast):
-            told = page.locator(f".strip [data-ending={contingency}]").get_attribute("aria-valuetext")
+            described = page.locator(f".strip [data-ending={contingency}]").get_attribute("aria-valuetext")
             row = next(row for row in contingencies.rows(contingency, timed=False) if time < row.to_s)
-            assert told.startswith(f"at {time:.1f} s {row.in_full}")
-            taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", told)
+            assert described.startswith(f"at {time:.1f} s {row.in_full}")
+            taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", described)
             assert (taken is None) == (contingency in (Contingency.SMART_RTL, Contingency.HOLD))
             if taken:
                 low, high = contingencies.lasts(contingency, time) or (0.0, 0.0)

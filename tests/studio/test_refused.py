@@ -37,7 +37,7 @@ def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> Non
 def test_a_change_that_was_tried_is_offered() -> None:
     text = MEADOW.read_text()
     scenario = parse_scenario(text, MEADOW)
-    looks = ChangeTrials(scenario, lambda other: None)
+    looks = ChangeTrials(scenario, lambda changed_scenario: None)
     for change, meant in looks.changes.items():
         (remedy,) = plan_trouble(MissionError("a path is there", remedies=(change,)), scenario, 1).remedies
         assert parse_scenario(changed(text, remedy.changes), MEADOW) == meant

@@ -29,17 +29,17 @@ def test_a_window_is_shown_the_scenario_and_a_first_path(studio: Studio) -> None
 
 def test_a_change_is_told_to_every_window_and_saved_with_its_comments(studio: Studio) -> None:
     before = studio.scenario.read_text()
-    with studio.window() as one, studio.window() as other:
-        document = one.wait("document")
-        other.wait("document")
-        one.say(kind="edit", seen=document["revision"], label="slower", changes=[PUT_SPEED])
-        told = one.wait("document")
-        assert told["scenario"] == other.wait("document")["scenario"]
-        assert told["scenario"]["vehicle"]["cruise_speed"] == 9.0
-        assert told["unsaved"]
+    with studio.window() as first, studio.window() as second:
+        document = first.wait("document")
+        second.wait("document")
+        first.say(kind="edit", seen=document["revision"], label="slower", changes=[PUT_SPEED])
+        changed_document = first.wait("document")
+        assert changed_document["scenario"] == second.wait("document")["scenario"]
+        assert changed_document["scenario"]["vehicle"]["cruise_speed"] == 9.0
+        assert changed_document["unsaved"]
         assert studio.scenario.read_text() == before
-        other.say(kind="do", what="save")
-        assert not one.wait("document")["unsaved"]
+        second.say(kind="do", what="save")
+        assert not first.wait("document")["unsaved"]
     assert studio.scenario.read_text() == before.replace("cruise_speed = 8.0", "cruise_speed = 9.0")
 
 
@@ -71,13 +71,13 @@ def test_what_makes_no_sense_is_told_to_the_window_that_asked_it(studio: Studio)
 
 def test_a_change_of_lists_that_were_numbered_anew_is_refused(studio: Studio) -> None:
     first = {"op": "take", "path": ["obstacles", 0]}
-    with studio.window() as one, studio.window() as other:
-        seen = one.wait("document")["revision"]
-        other.wait("document")
-        one.say(kind="edit", seen=seen, label="barn removed", changes=[first])
-        document = other.wait("document", lambda told: told["revision"] > seen)
-        other.say(kind="edit", seen=seen, label="barn removed", changes=[first])
-        assert "changed elsewhere" in other.wait_for_trouble("edit")["message"]
+    with studio.window() as first_window, studio.window() as second:
+        seen = first_window.wait("document")["revision"]
+        second.wait("document")
+        first_window.say(kind="edit", seen=seen, label="barn removed", changes=[first])
+        document = second.wait("document", lambda message: message["revision"] > seen)
+        second.say(kind="edit", seen=seen, label="barn removed", changes=[first])
+        assert "changed elsewhere" in second.wait_for_trouble("edit")["message"]
     assert [body["name"] for body in document["scenario"]["obstacles"]] == ["silo"]
 
 
@@ -99,26 +99,26 @@ def test_cancelled_planning_is_resumed_and_a_place_is_found(studio: Studio) -> N
         assert talk.wait_for_trouble("plan")["message"] == "planning was cancelled"
         talk.say(kind="do", what="plan")
         talk.wait("plan")
-        with studio.window() as other:  # which is told how things stand
-            other.wait("plan")
-            other.say(kind="find", place="8FVC9G8F+6X")
-            place = other.wait("found")["place"]
+        with studio.window() as second:  # which is told how things stand
+            second.wait("plan")
+            second.say(kind="find", place="8FVC9G8F+6X")
+            place = second.wait("found")["place"]
     assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
 
 
 def test_contingencies_follow_the_plan_and_expire_after_a_change(studio: Studio) -> None:
     with studio.window() as talk:
         plan = talk.has("plan")
-        strip = talk.wait("endings", lambda told: any(bar["costs"] for bar in told["bars"]))
+        strip = talk.wait("endings", lambda message: any(bar["costs"] for bar in message["bars"]))
         assert (strip["revision"], strip["flight"]) == (plan["revision"], 0)
         assert [bar["ending"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
-        assert [one["kind"] for one in talk.heard if one["kind"] in ("plan", "endings")][:1] == ["plan"]
-        with studio.window() as other:  # which is told how things stand
-            assert other.wait("endings") == strip
+        assert [message["kind"] for message in talk.heard if message["kind"] in ("plan", "endings")][:1] == ["plan"]
+        with studio.window() as second:  # which is told how things stand
+            assert second.wait("endings") == strip
         talk.say(kind="edit", seen=plan["revision"], label="slower", changes=[PUT_SPEED])
-        document = talk.wait("document", lambda told: told["revision"] > plan["revision"])
-        with studio.window() as other:
-            assert other.wait("endings")["revision"] == document["revision"]
+        document = talk.wait("document", lambda message: message["revision"] > plan["revision"])
+        with studio.window() as second:
+            assert second.wait("endings")["revision"] == document["revision"]
 
 
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
@@ -132,7 +132,7 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
         assert "no mission is loaded" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         loaded = talk.wait("loaded")
-        named = {what: loaded[what] for what in ("vehicle", "mission", "proof")}
+        named = {key: loaded[key] for key in ("vehicle", "mission", "proof")}
         assert named["proof"] == plan["proof"]
         talk.say(kind="start", **named | {"proof": "0123456789"})
         assert "not started: proof is" in talk.wait_for_trouble("flight")["message"]
@@ -157,15 +157,15 @@ def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ord
         assert "nothing flies" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="upload", link=None, system=None, speedup=10.0)
         loaded = talk.wait("loaded")
-        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
         seen = talk.wait("seen", lambda seen: seen["done"] > 0 and seen["orders"])
         talk.say(kind="order", what=order)
         left = talk.wait("state", lambda state: "as ordered" in state["words"])
         landed = talk.wait("landed")
-    told = {one["what"]: one for one in seen["orders"]}
-    assert set(told) == {"hold", "rtl", "land"}
-    assert all(one["words"] and one["clear"] for one in told.values())
-    assert all(told[one]["seconds"] > 5.0 for one in ("rtl", "land"))
+    orders = {order["what"]: order for order in seen["orders"]}
+    assert set(orders) == {"hold", "rtl", "land"}
+    assert all(order["words"] and order["clear"] for order in orders.values())
+    assert all(orders[name]["seconds"] > 5.0 for name in ("rtl", "land"))
     assert left["words"] == {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}[order]
     assert landed["ordered"] == order
     assert not landed["completed"]
@@ -177,11 +177,11 @@ def test_the_page_plans_uploads_and_flies_a_scenario_over_terrain(studio: Studio
     with studio.window() as talk:
         seen_at = talk.wait("document")["revision"]
         talk.say(kind="rewrite", seen=seen_at, text=text)
-        assert "heights" in talk.wait("document", lambda told: told["revision"] > seen_at)["scenario"]["terrain"]
+        assert "heights" in talk.wait("document", lambda message: message["revision"] > seen_at)["scenario"]["terrain"]
         plan = talk.wait("plan", lambda plan: plan["revision"] > seen_at)
         talk.say(kind="upload", link=None, system=None, speedup=1000.0)
         loaded = talk.wait("loaded")
-        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
         landed = talk.wait("landed")
     assert loaded["proof"] == plan["proof"]
     assert landed["completed"], landed["why_not"]
@@ -195,7 +195,7 @@ def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:
         loaded = talk.wait("loaded")
         talk.say(kind="edit", seen=loaded["revision"], label="higher", changes=[GOAL_HEIGHT | {"value": 11.0}])
         talk.wait("document")
-        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
         assert "changed after the upload" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="do", what="abandon")
         talk.wait("state", lambda state: state["phase"] == "idle")
@@ -223,9 +223,9 @@ def beating(port: int, firmware: int, mav_type: int) -> Iterator[set[bytes]]:
 
 
 def test_one_that_is_not_flown_is_refused_by_name_and_its_frames_are_kept(studio: Studio) -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
-        found.bind(("127.0.0.1", 0))
-        port = int(found.getsockname()[1])
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = int(free.getsockname()[1])
     with studio.window() as talk, beating(port, 3, 1) as heard:
         talk.wait("plan")
         talk.say(kind="upload", link=f"udpin:127.0.0.1:{port}", system=None, speedup=1.0)
@@ -235,9 +235,9 @@ def test_one_that_is_not_flown_is_refused_by_name_and_its_frames_are_kept(studio
         talk.wait("loaded")
         talk.say(kind="do", what="abandon")
         talk.wait("state", lambda state: state["phase"] == "idle")
-        said = [frame for frame in map(Codec(1, 1).decode, heard) if frame is not None]
+        frames = [frame for frame in map(Codec(1, 1).decode, heard) if frame is not None]
     assert trouble["message"].startswith("vehicle 1 is an ArduPilot plane;")
-    assert {type(one.message) for one in said} == {Heartbeat}
+    assert {type(frame.message) for frame in frames} == {Heartbeat}
     log = studio.scenario.with_name(words.removeprefix("every frame up to there is in "))
     assert log.suffix == ".tlog"
     assert log.stat().st_size > 0

@@ -26,25 +26,25 @@ def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
         yield Studio(client, tmp_path)
 
 
-def other(start: Studio, address: str) -> Studio:
+def opened_at(start: Studio, address: str) -> Studio:
     return Studio(start.client, start.scenario, address.strip("./"))
 
 
 def test_it_opens_what_lies_there_and_nothing_that_it_did_not_tell(start: Studio) -> None:
     with start.window() as talk:
-        told = talk.wait("beginning")
-        assert [one["name"] for one in told["here"]] == ["sitl.plan"]
+        beginning = talk.wait("beginning")
+        assert [entry["name"] for entry in beginning["here"]] == ["sitl.plan"]
         talk.say(kind="open", path="/etc/passwd")
         assert "expected a file that the page offers" in talk.wait_for_trouble("file")["message"]
-        talk.say(kind="open", path=told["examples"][0]["path"])
+        talk.say(kind="open", path=beginning["examples"][0]["path"])
         talk.wait("elsewhere")
         assert (start.scenario / "campus.toml").read_bytes() == (MISSIONS / "campus.toml").read_bytes()
-        talk.say(kind="open", path=told["here"][0]["path"])
+        talk.say(kind="open", path=beginning["here"][0]["path"])
         address = talk.wait("elsewhere")["address"]
-    with other(start, address).window() as talk:
+    with opened_at(start, address).window() as talk:
         assert talk.wait("document")["name"] == "sitl"
     with start.window() as talk:
-        assert [one["name"] for one in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
+        assert [entry["name"] for entry in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
 
 
 def test_a_scenario_begins_at_a_place_over_nothing(start: Studio) -> None:
@@ -62,7 +62,7 @@ def test_a_log_that_is_dropped_is_laid_beside_the_mission_in_it(start: Studio) -
     dropped = start.client.post(
         f"/{TOKEN}/drop/a.tlog", content=log, headers={"host": HOST, "origin": f"http://{HOST}"}
     )
-    with other(start, dropped.json()["address"]).window() as talk:
+    with opened_at(start, dropped.json()["address"]).window() as talk:
         replay = talk.wait("replay")
     assert (replay["log"], len(replay["items"])) == ("a.tlog", 21)
     assert (replay["estimated_s"], replay["flown_s"]) == (88.1, 88.8)  # as README has it

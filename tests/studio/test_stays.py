@@ -14,7 +14,7 @@ from tests.studio.chromium import (
     window,
 )
 from tests.studio.conftest import MEADOW
-from tests.studio.pointing import Hand, feature, found
+from tests.studio.pointing import Hand, feature, middle_of
 
 __all__ = ["address", "browser", "own_page", "page", "window"]
 pytestmark = in_a_browser
@@ -83,7 +83,7 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
         assert page.locator(".profile.past, .past .bindings").count() == 2
         assert scenario_of(page) == MEADOW.read_text()
 
-    Hand(page).drag(found("[data-spot=goal]"), -20, -30, look)
+    Hand(page).drag(middle_of("[data-spot=goal]"), -20, -30, look)
     until(page, "!document.querySelector('textarea').value.includes('east = 60.0')")
     assert "a comment that stays" in scenario_of(page)
     page.locator(".unsaved").wait_for()

@@ -69,9 +69,9 @@ def scenario(*changes: Change) -> Scenario:
 
 
 def area(*changes: Change) -> Any:
-    found = surveyed_area(scenario(*changes))
-    assert found is not None
-    return found.shape
+    drawn = surveyed_area(scenario(*changes))
+    assert drawn is not None
+    return drawn.shape
 
 
 def on_map(ring: tuple[LngLat, ...]) -> Any:
@@ -105,16 +105,16 @@ def test_holes_areas_and_corners_join_and_leave() -> None:
     assert more.area > area().area
     assert area(AddCorner(path=(*FIRST, 1), place=(8.5004, 47.2997)), Take(path=(*FIRST, 1))).equals(area())
     assert area(hole, Take(path=("survey", "polygon", 1))).equals(area())
-    one = area(DrawArea(what="area", ring=BESIDE), Take(path=(*FIRST, 0)))
-    assert one.symmetric_difference(on_map(BESIDE)).area < 0.01 * one.area
+    single = area(DrawArea(what="area", ring=BESIDE), Take(path=(*FIRST, 0)))
+    assert single.symmetric_difference(on_map(BESIDE)).area < 0.01 * single.area
 
 
 def test_a_corner_is_moved_and_all_else_stays_byte_for_byte() -> None:
     text = drawn()
     moved = changed(text, [PutCorner(path=(*FIRST, 2), place=(8.5008, 47.3003))])
-    lines = [(one, other) for one, other in zip(text.splitlines(), moved.splitlines(), strict=True) if one != other]
-    assert [one.split("=")[0] for pair in lines for one in pair] == ["polygon ", "polygon "]
-    before, after = (np.array(json.loads(one.split("=")[1])) for one in lines[0])
+    lines = [(old, new) for old, new in zip(text.splitlines(), moved.splitlines(), strict=True) if old != new]
+    assert [line.split("=")[0] for pair in lines for line in pair] == ["polygon ", "polygon "]
+    before, after = (np.array(json.loads(line.split("=")[1])) for line in lines[0])
     assert np.abs(before - after).max(axis=2).astype(bool).tolist() == [[False, False, True, False]]
 
 
@@ -167,17 +167,17 @@ def test_a_corridor_and_a_map_take_the_area_s_place(tmp_path: Path) -> None:
 # --- what is refused, and what helps ----------------------------------------------------------------------------------
 
 
-def told(job: Any, text: str) -> list[Any]:
-    found = list[Any]()
+def messages_of(job: Any, text: str) -> list[Any]:
+    messages = list[Any]()
     order = {"text": text, "path": str(MEADOW), "revision": 1, "number": None, "changes": []}
-    job(order, found.append)
-    return found
+    job(order, messages.append)
+    return messages
 
 
 def remedy(trouble: Any, label: str) -> Remedy:
     assert isinstance(trouble, Trouble)
-    found: Remedy = next(one for one in trouble.remedies if label in one.label)
-    return found
+    remedy_there: Remedy = next(remedy for remedy in trouble.remedies if label in remedy.label)
+    return remedy_there
 
 
 @pytest.mark.parametrize(
@@ -191,10 +191,10 @@ def remedy(trouble: Any, label: str) -> Remedy:
 )
 def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Change], label: str) -> None:
     text = drawn(*wrong)
-    trouble = told(sketch, text)[-1]
+    trouble = messages_of(sketch, text)[-1]
     assert trouble.of == "sketch"
     assert "survey." not in trouble.message
-    assert told(sketch, changed(text, remedy(trouble, label).changes))[-1].kind == "coarse_survey"
+    assert messages_of(sketch, changed(text, remedy(trouble, label).changes))[-1].kind == "coarse_survey"
 
 
 @pytest.mark.parametrize(
@@ -222,15 +222,15 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
 
 def test_an_area_that_makes_no_sense_is_shown_and_named_as_on_the_map() -> None:
     text = drawn(DrawArea(what="area", ring=BESIDE), PutCorner(path=(*FIRST, 0, 0), place=(8.5009, 47.30015)))
-    shown, trouble = told(look, text)
+    shown, trouble = messages_of(look, text)
     assert [ring.name for ring in shown.rings] == ["area 1", "area 2"]
     assert len(shown.rings[0].places) == 4
     assert trouble.message.startswith("area 1: expected a ring that does not cross")
     away = Shift(path=("survey", "polygon", 1), taken=HOLE[0], put_down=(8.51, 47.3))
     text = drawn(DrawArea(what="hole", ring=HOLE), away)
-    _, trouble = told(look, text)
+    _, trouble = messages_of(look, text)
     assert trouble.message.startswith("hole 1: expected a hole inside")
-    assert told(look, changed(text, remedy(trouble, "Take hole 1 out").changes))[-1].kind == "world"
+    assert messages_of(look, changed(text, remedy(trouble, "Take hole 1 out").changes))[-1].kind == "world"
 
 
 # --- the server -------------------------------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         own = planned["revision"]  # contingencies of what was there before may come late
 
         def of_flight(n: int) -> Any:
-            return talk.has("endings", lambda told: (told["revision"], told["flight"]) == (own, n))
+            return talk.has("endings", lambda message: (message["revision"], message["flight"]) == (own, n))
 
         strips = [of_flight(n) for n in (0, 1)]
         turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}
@@ -269,10 +269,10 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
     assert sum(len(line["photos"]) for line in planned["layout"]["lines"]) == survey.plan.photos
     assert len({part["plan"]["proof"] for part in planned["flights"]}) == 2
     for strip, forecast in zip(strips, survey.flights, strict=True):
-        words = [one["words"] for bar in strip["bars"] for one in bar["stretches"]]
+        words = [stretch["words"] for bar in strip["bars"] for stretch in bar["stretches"]]
         assert words == [row.in_full for row in Contingencies(forecast).all_rows(timed=False)]
     survey.write(tmp_path)
-    for file in sorted(one.name for one in tmp_path.iterdir()):
+    for file in sorted(path.name for path in tmp_path.iterdir()):
         assert file in written
         assert (studio.scenario.parent / file).read_bytes() == (tmp_path / file).read_bytes()
     assert {"meadow-1.html", "meadow-2.html"} <= set(written)
@@ -288,7 +288,7 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
             talk.say(kind="upload", link=None, system=None, speedup=1000.0, flight=n)
             loaded = talk.wait("loaded")
             assert (loaded["mission"], loaded["proof"]) == (f"meadow-{n + 1}", part["plan"]["proof"])
-            talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+            talk.say(kind="start", **{key: loaded[key] for key in ("vehicle", "mission", "proof")})
             landed = talk.wait("landed")
             assert landed["completed"], landed["why_not"]
             talk.wait("state", lambda state: state["phase"] == "over")
@@ -297,7 +297,7 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
             talk.say(kind="rest", logs=[landed["log"]])
             rest = talk.wait("survey")
             assert rest["flown"] == [landed["log"]]
-            assert [one["plan"]["name"] for one in rest["flights"]] == ["meadow-rest"]
+            assert [flight["plan"]["name"] for flight in rest["flights"]] == ["meadow-rest"]
             assert rest["flights"][0]["lines"] == planned["flights"][1 - n]["lines"]
             talk.say(kind="rest", logs=[])
             again = talk.wait("survey")
@@ -306,8 +306,8 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
         assert "meadow.toml: expected a log" in talk.wait_for_trouble("edit")["message"]
         shutil.copy(CAMPUS_LOG, studio.scenario.parent)
         talk.say(kind="rest", logs=[CAMPUS_LOG.name])
-        told = f"{CAMPUS_LOG.name}: no flight in it follows the lines of this survey"
-        assert talk.wait_for_trouble("edit")["message"] == told
+        remark = f"{CAMPUS_LOG.name}: no flight in it follows the lines of this survey"
+        assert talk.wait_for_trouble("edit")["message"] == remark
         assert talk.wait("survey")["flown"] == []
 
 

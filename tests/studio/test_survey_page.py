@@ -5,7 +5,7 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.survey.survey_section import survey_of
 from tests.studio import chromium as own
 from tests.studio.chromium import address, browser, own_page, pytestmark, until
-from tests.studio.pointing import Hand, found
+from tests.studio.pointing import Hand, middle_of
 
 __all__ = ["address", "browser", "own_page", "pytestmark"]
 
@@ -22,7 +22,7 @@ def dragged(page: Any, grip: str, right: float, down: float) -> None:
         page.get_by_text("While you drag").wait_for()
         assert page.locator(".verdict :is(.good, .amber)").count() == 0
 
-    Hand(page).drag(found(f"[data-grip='{grip}']"), right, down, look)
+    Hand(page).drag(middle_of(f"[data-grip='{grip}']"), right, down, look)
 
 
 def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tuple[str, Path]) -> None:
@@ -44,7 +44,7 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     page.keyboard.press("Shift+ArrowRight")
     until(page, "document.querySelector('[title^=Undo]').title.includes('lines at')")
     page.keyboard.press("h")
-    x, y = Hand(page).at(found("[data-grip='survey middle']"))
+    x, y = Hand(page).at(middle_of("[data-grip='survey middle']"))
     for right, down in ((-48, 42), (-8, 42), (-8, 72)):
         page.mouse.click(x + right, y + down)
     page.keyboard.press("Enter")

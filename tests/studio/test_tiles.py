@@ -35,19 +35,19 @@ def mbtiles(path: Path, kind: str = "png", count: int = 1, layers: str = "", til
 
 
 def test_a_server_is_asked_by_the_page_and_let_in_alone() -> None:
-    found = tiles.open_tiles(SERVER, "The Town")
-    assert found.shown.address == SERVER
-    assert found.shown.attribution == "The Town"
-    assert found.read is None
-    wider = policy_for(found.origin)
+    opened = tiles.open_tiles(SERVER, "The Town")
+    assert opened.shown.address == SERVER
+    assert opened.shown.attribution == "The Town"
+    assert opened.read is None
+    wider = policy_for(opened.origin)
     assert wider.replace(" https://tiles.example:8443", "") == POLICY
     assert wider.count("https://tiles.example:8443") == 2
     assert policy_for(None) == POLICY
 
 
 def test_wmts_templates_are_understood() -> None:
-    found = tiles.open_tiles("http://127.0.0.1/wmts/{TileMatrix}/{TileRow}/{TileCol}.jpg")
-    assert found.shown.address == "http://127.0.0.1/wmts/{z}/{y}/{x}.jpg"
+    opened = tiles.open_tiles("http://127.0.0.1/wmts/{TileMatrix}/{TileRow}/{TileCol}.jpg")
+    assert opened.shown.address == "http://127.0.0.1/wmts/{z}/{y}/{x}.jpg"
 
 
 @pytest.mark.parametrize(
@@ -68,13 +68,13 @@ def test_what_is_no_source_of_tiles_is_refused(address: str) -> None:
 
 
 def test_a_file_is_read_from_the_north_and_says_whose_it_is(tmp_path: Path) -> None:
-    found = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
-    assert found.origin is None
-    assert (found.shown.min_zoom, found.shown.max_zoom) == (3, 3)
-    assert found.shown.attribution == "© The Town"
-    assert found.read is not None
-    assert found.read(3, 4, 2) == PICTURE  # rows of MBTiles count from the south
-    assert found.read(3, 4, 5) is None
+    opened = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
+    assert opened.origin is None
+    assert (opened.shown.min_zoom, opened.shown.max_zoom) == (3, 3)
+    assert opened.shown.attribution == "© The Town"
+    assert opened.read is not None
+    assert opened.read(3, 4, 2) == PICTURE  # rows of MBTiles count from the south
+    assert opened.read(3, 4, 5) is None
 
 
 @pytest.mark.parametrize(
@@ -101,12 +101,12 @@ def test_pmtiles_are_read(tmp_path: Path) -> None:
         file.write_tile(kinds.zxy_to_tileid(3, 4, 2), PICTURE)
         about = {"tile_type": kinds.TileType.PNG, "tile_compression": kinds.Compression.NONE}
         file.finalize(about, {"attribution": "<b>The Town</b>"})
-    found = tiles.open_tiles(str(tmp_path / "a.pmtiles"))
-    assert found.shown.attribution == "The Town"
-    assert (found.shown.min_zoom, found.shown.max_zoom) == (3, 3)
-    assert found.read is not None
-    assert found.read(3, 4, 2) == PICTURE
-    assert found.read(3, 4, 3) is None
+    opened = tiles.open_tiles(str(tmp_path / "a.pmtiles"))
+    assert opened.shown.attribution == "The Town"
+    assert (opened.shown.min_zoom, opened.shown.max_zoom) == (3, 3)
+    assert opened.read is not None
+    assert opened.read(3, 4, 2) == PICTURE
+    assert opened.read(3, 4, 3) is None
 
 
 def test_vector_tiles_are_recognized_by_format_and_served_compressed(tmp_path: Path) -> None:

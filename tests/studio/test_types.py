@@ -15,8 +15,8 @@ WEB = Path(__file__).parents[2] / "ipoa_mission" / "studio" / "web"
 
 def test_every_message_tells_by_its_kind_what_it_is() -> None:
     definitions = schema()["$defs"]
-    kinds = [definitions[one["$ref"].rsplit("/", 1)[-1]] for one in definitions["Answer"]["oneOf"]]
-    kinds += [definitions[one["$ref"].rsplit("/", 1)[-1]] for one in definitions["Request"]["oneOf"]]
+    kinds = [definitions[kind["$ref"].rsplit("/", 1)[-1]] for kind in definitions["Answer"]["oneOf"]]
+    kinds += [definitions[kind["$ref"].rsplit("/", 1)[-1]] for kind in definitions["Request"]["oneOf"]]
     names = [kind["properties"]["kind"]["const"] for kind in kinds]
     assert len(set(names)) == len(names) == 37
     assert all("kind" in kind["required"] for kind in kinds)

@@ -17,14 +17,14 @@ MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
 
 
 @pytest.mark.parametrize(
-    ("wind", "told"),
+    ("wind", "expected"),
     [
         (WindEstimate(-90.0, 3.04), (3.0, 270.0)),  # ArduPilot says from where it blows, up to 180°
         (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4: where the air goes
         (WindVelocity((0.0, 2.0, 0.0)), (2.0, 270.0)),
     ],
 )
-def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told: tuple[float, float]) -> None:
+def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, expected: tuple[float, float]) -> None:
     forecast, heard = Forecast(read_mission(MISSION)), list[Any]()
     home = forecast.mission.home
     sample = SimpleNamespace(time_s=20.0, speed=1.0)
@@ -47,6 +47,6 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told
         watch.hear(message)
     seen = heard[-1]
     assert isinstance(seen, Seen)
-    assert (seen.wind, seen.satellites, seen.said) == (told, 12, ("GPS glitch", "Takeoff detected"))
+    assert (seen.wind, seen.satellites, seen.said) == (expected, 12, ("GPS glitch", "Takeoff detected"))
     assert seen.reserve is not None
     assert (seen.reserve.left, seen.reserve.lands) == (0.6, None)

@@ -28,9 +28,9 @@ def test_coverage_and_the_distance_outside_count_lines_and_no_turns() -> None:
     both = as_flown([(track, np.array([[0.0, 103.0], [113.0, 216.0]]))], FIELD, FIELD, 10.0)
     assert both.share == pytest.approx(1.0, abs=1e-3)
     assert both.outside_m == pytest.approx(3.0)
-    one = as_flown([(track, np.array([[0.0, 60.0]]))], FIELD, FIELD, 10.0)
-    assert one.share == pytest.approx((60.0 * 10.0 + math.pi * 25.0 / 2) / 2000.0, rel=2e-3)
-    assert one.outside_m == 0.0
+    single = as_flown([(track, np.array([[0.0, 60.0]]))], FIELD, FIELD, 10.0)
+    assert single.share == pytest.approx((60.0 * 10.0 + math.pi * 25.0 / 2) / 2000.0, rel=2e-3)
+    assert single.outside_m == 0.0
 
 
 def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) -> float:
@@ -60,8 +60,8 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
 def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
     plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
     track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
-    way = track.between(ends[0, 0], ends[-1, 1]).points
-    assert shapely.covers(plan.area.shape, shapely.points(way[:, :2])).all()
+    path = track.between(ends[0, 0], ends[-1, 1]).points
+    assert shapely.covers(plan.area.shape, shapely.points(path[:, :2])).all()
     corners = np.array([swath.end for swath in plan.tour.swaths])
     assert shapely.distance(plan.area.shape.boundary, shapely.points(corners)).min() > 0.2
     assert plan.flown is not None

@@ -70,9 +70,9 @@ def farthest_outside(area: Area, tour: Tour) -> float:
 
 def check_whole(tour: Tour) -> None:
     assert len(tour.transits) == len(tour.swaths) - 1
-    for way, before, after in zip(tour.transits, tour.swaths[:-1], tour.swaths[1:], strict=True):
-        assert (way[0] == before.end).all()
-        assert (way[-1] == after.begin).all()
+    for transit, before, after in zip(tour.transits, tour.swaths[:-1], tour.swaths[1:], strict=True):
+        assert (transit[0] == before.end).all()
+        assert (transit[-1] == after.begin).all()
 
 
 @st.composite
@@ -103,8 +103,8 @@ def test_any_area_is_seen_and_not_left(area: Area, spacing: float) -> None:
 @pytest.mark.parametrize("which", [0, 1])
 def test_the_same_arguments_give_the_same_tour(which: int) -> None:
     area = Area.of([[FIELD, POND]])
-    one, other = (tour_over(area, 12.0, cost=times(which)).path for _ in range(2))
-    assert one.tobytes() == other.tobytes()
+    first, second = (tour_over(area, 12.0, cost=times(which)).path for _ in range(2))
+    assert first.tobytes() == second.tobytes()
 
 
 def test_what_is_kept_out_of_is_not_entered_and_seen_into() -> None:
@@ -119,9 +119,9 @@ def test_what_is_kept_out_of_is_not_entered_and_seen_into() -> None:
 def test_a_way_leads_from_beside_an_obstacle_too() -> None:
     """A keep-out is drawn with fewer corners, and so a little larger."""
     mast = shapely.Point(60.0, 50.0).buffer(15.0)
-    way = CoverProblem.of(Area.of([[FIELD]]), 10.0, times(), mast).transit
+    transit = CoverProblem.of(Area.of([[FIELD]]), 10.0, times(), mast).transit
     begin, end = np.array([44.999, 50.0]), np.array([75.001, 50.0])
-    path = way(begin, end)
+    path = transit(begin, end)
     assert (path[0] == begin).all()
     assert (path[-1] == end).all()
     line = shapely.LineString(path)

@@ -18,17 +18,17 @@ def along(*places: tuple[float, float]) -> Tour:
 
 
 def test_the_ends_of_a_line_are_round() -> None:
-    told = coverage(AREA, along((20.0, 10.0), (80.0, 10.0)), 20.0)
-    assert told.seen.area == pytest.approx(60.0 * 20.0 + math.pi * 100.0, rel=1e-3)
-    assert told.share == pytest.approx(told.seen.area / 2000.0)
-    assert told.gaps.area == pytest.approx(2000.0 - told.seen.area)
+    covered = coverage(AREA, along((20.0, 10.0), (80.0, 10.0)), 20.0)
+    assert covered.seen.area == pytest.approx(60.0 * 20.0 + math.pi * 100.0, rel=1e-3)
+    assert covered.share == pytest.approx(covered.seen.area / 2000.0)
+    assert covered.gaps.area == pytest.approx(2000.0 - covered.seen.area)
 
 
 def test_what_cannot_be_covered_is_not_asked_for() -> None:
     house = shapely.box(40.0, -50.0, 60.0, 50.0)
-    told = coverage(AREA, along((0.0, 10.0), (40.0, 10.0), (60.0, 10.0), (100.0, 10.0)), 6.0, house)
-    assert told.share == pytest.approx(6.0 / 20.0)  # also up to 3 m inside of the house
-    assert told.outside_m == pytest.approx(10.0, abs=0.1)  # through the middle of the house
+    covered = coverage(AREA, along((0.0, 10.0), (40.0, 10.0), (60.0, 10.0), (100.0, 10.0)), 6.0, house)
+    assert covered.share == pytest.approx(6.0 / 20.0)  # also up to 3 m inside of the house
+    assert covered.outside_m == pytest.approx(10.0, abs=0.1)  # through the middle of the house
 
 
 @pytest.mark.parametrize(("path", "away"), [(((0.0, 10.0), (100.0, 10.0)), 0.0), (((10.0, 10.0), (10.0, 27.0)), 7.0)])

@@ -138,18 +138,18 @@ def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
     """By every photo's corners: overlap with the next photo, and the next line."""
     world = scenario(PHOTOS, **terrain)
     survey = plan_survey(scenario=world)
-    found, ground, (flight,) = survey.plan.overlaps, world.airspace.ground, survey.flights
-    assert found is not None
-    assert found.front is not None
-    assert found.side is not None
-    assert not [*found.falls_short(0.7, 0.7)]
-    assert found.front.share >= 0.7 - 0.002
-    assert found.side.share >= 0.7 - 0.002
+    overlaps, ground, (flight,) = survey.plan.overlaps, world.airspace.ground, survey.flights
+    assert overlaps is not None
+    assert overlaps.front is not None
+    assert overlaps.side is not None
+    assert not [*overlaps.falls_short(0.7, 0.7)]
+    assert overlaps.front.share >= 0.7 - 0.002
+    assert overlaps.side.share >= 0.7 - 0.002
     path = waypoints(flight)
     legs = [leg for leg in pairwise(path) if np.linalg.norm(np.diff(leg, axis=0)[0, :2]) > 1.0]
     for smallest, wide, apart in (
-        (found.front, 15.6 / 16.0, survey.plan.sight.trigger),
-        (found.side, 23.5 / 16.0, survey.plan.sight.spacing),
+        (overlaps.front, 15.6 / 16.0, survey.plan.sight.trigger),
+        (overlaps.side, 23.5 / 16.0, survey.plan.sight.spacing),
     ):
         assert apart is not None
         camera = np.array(smallest.at)
@@ -166,13 +166,13 @@ def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
     level = plan_survey(scenario=scenario(PHOTOS))
     sight, ridge = level.plan.sight, scenario(PHOTOS, terrain=HILL).airspace.ground
     lines = [line for flight in level.flights for line in flown_lines(flight, sight.lag, flight.frame)]
-    found = smallest_overlaps(lines, sight, ridge, level.plan.free)
-    assert found.front is not None
-    assert found.side is not None
+    smallest = smallest_overlaps(lines, sight, ridge, level.plan.free)
+    assert smallest.front is not None
+    assert smallest.side is not None
     top = 1 - level.plan.sight.spacing / (23.5 / 16.0 * (level.plan.sight.least - 30.0))  # on the summit
-    assert top - 0.02 < found.side.share < 0.6
-    assert [words[:20] for words in found.falls_short(0.7, 0.7)] == ["survey.front_overlap", "survey.side_overlap:"]
-    where = np.array(found.side.at) - (110.0, 80.0)
+    assert top - 0.02 < smallest.side.share < 0.6
+    assert [words[:20] for words in smallest.falls_short(0.7, 0.7)] == ["survey.front_overlap", "survey.side_overlap:"]
+    where = np.array(smallest.side.at) - (110.0, 80.0)
     assert np.linalg.norm(where) < 40.0
 
 
@@ -197,11 +197,11 @@ def test_survey_is_split_into_flights_that_return_with_their_reserve(tmp_path: P
         assert forecast.energy.energy_wh <= 0.8 * 16.0
     written = survey.write(tmp_path)
     assert {path.name for path in written} >= {"field-1.plan", "field-2.plan", "field.json"}
-    told = json.loads((tmp_path / "field.json").read_text())["survey"]
-    assert [flight["file"] for flight in told["flights"]] == [f"{name}.plan" for name in survey.names]
-    assert told["lines"] == len(survey.plan.tour.swaths)
-    assert told["covered_share"] > 0.999
-    assert told["outside_m"] < 1e-6
+    document = json.loads((tmp_path / "field.json").read_text())["survey"]
+    assert [flight["file"] for flight in document["flights"]] == [f"{name}.plan" for name in survey.names]
+    assert document["lines"] == len(survey.plan.tour.swaths)
+    assert document["covered_share"] > 0.999
+    assert document["outside_m"] < 1e-6
     for name, forecast in zip(survey.names, survey.flights, strict=True):
         assert len(read_mission(tmp_path / f"{name}.plan").items) == len(forecast.mission.items)
     tour = survey.plan.tour
@@ -243,8 +243,8 @@ def test_so_many_flights_as_are_asked_for() -> None:
 
 
 def test_the_same_survey_has_the_same_bytes_and_is_read_again_as_one_item(tmp_path: Path) -> None:
-    one, other = (plan_survey(scenario=scenario(PHOTOS)).write(tmp_path / name) for name in "ab")
-    assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
+    first, second = (plan_survey(scenario=scenario(PHOTOS)).write(tmp_path / name) for name in "ab")
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
     document = json.loads((tmp_path / "a" / "field.plan").read_text())
     kinds = [item.get("complexItemType", item.get("command")) for item in document["mission"]["items"]]
     assert kinds == [Command.NAV_TAKEOFF, Command.DO_CHANGE_SPEED, "survey", Command.NAV_RETURN_TO_LAUNCH]
@@ -327,9 +327,9 @@ def test_the_camera_starts_and_stops_on_each_line_even_of_no_length() -> None:
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
 def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopilot) -> None:
     """By QGroundControl's item, whose seventh param says that angles are meant."""
-    (told,) = plan_survey(scenario=scenario(PHOTOS | {"gimbal": "nadir"}, autopilot)).flights
+    (flight,) = plan_survey(scenario=scenario(PHOTOS | {"gimbal": "nadir"}, autopilot)).flights
     (quiet,) = plan_survey(scenario=scenario(PHOTOS, autopilot)).flights
-    items = list(told.mission.items)
+    items = list(flight.mission.items)
     at = [n for n, item in enumerate(items) if item.command == Command.DO_MOUNT_CONTROL]
     triggers = [n for n, item in enumerate(items) if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     assert at == [1]
@@ -337,8 +337,8 @@ def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopi
     assert items[1].altitude == 2.0
     assert triggers[0] > 1
     assert items[:1] + items[2:] == list(quiet.mission.items)
-    assert told.estimate.total_s == pytest.approx(quiet.estimate.total_s, abs=0.1)
-    assert told.mission.complex_items == quiet.mission.complex_items
+    assert flight.estimate.total_s == pytest.approx(quiet.estimate.total_s, abs=0.1)
+    assert flight.mission.complex_items == quiet.mission.complex_items
 
 
 def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None:
@@ -400,8 +400,8 @@ def test_a_remark_says_of_which_flights_it_is() -> None:
     for n, flight in enumerate(survey.plan.flights, 1):
         (finding,) = flight.findings
         assert f"flight {n}: {finding.message}" in survey.remarks
-        (told,) = survey_as_json(survey.plan, survey.names)["flights"][n - 1]["findings"]
-        assert (told["code"], told["severity"], told["message"]) == ("return-too-near", "warning", finding.message)
+        (row,) = survey_as_json(survey.plan, survey.names)["flights"][n - 1]["findings"]
+        assert (row["code"], row["severity"], row["message"]) == ("return-too-near", "warning", finding.message)
     assert survey.notes == ()
 
 
@@ -413,12 +413,12 @@ def test_survey_that_may_use_its_reserve_gets_a_warning() -> None:
     energy = planned({}).flights[0].energy
     assert energy is not None
     tight = {"battery": {"capacity_wh": (energy.between.likely + energy.between.high) / 2 / 0.8}}
-    one, two = planned(tight), planned(tight, flights=2)
-    needed, hint, more = one.warnings
+    single, two = planned(tight), planned(tight, flights=2)
+    needed, hint, more = single.warnings
     assert needed.startswith(f"warning: the flight needs {energy.between.low:.0f} to {energy.between.high:.0f} Wh")
     assert "learn" in hint
     assert more == "hint: flights = 2 under [survey] leaves more in each battery"
-    assert one.notes == two.notes
+    assert single.notes == two.notes
     assert two.warnings == ()
 
 

@@ -74,11 +74,11 @@ def test_ways_lead_round_holes_and_are_as_short_as_a_grid_finds_them() -> None:
         for j in range(len(places)):
             if i == j:
                 continue
-            way = ways.corners(2 * i, 2 * j)
-            assert shape.covers(shapely.LineString(way))
-            length = float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
+            corners = ways.corners(2 * i, 2 * j)
+            assert shape.covers(shapely.LineString(corners))
+            length = float(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
             assert 0.97 * shortest[i, j] <= length <= shortest[i, j] + 0.5
-            assert ways.times[2 * i, 2 * j] == pytest.approx(path_seconds(cost.clock, way))
+            assert ways.times[2 * i, 2 * j] == pytest.approx(path_seconds(cost.clock, corners))
 
 
 def on_a_grid(shape: shapely.Geometry, places: Points) -> Points:

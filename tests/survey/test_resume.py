@@ -66,8 +66,8 @@ def test_only_what_was_flown_along_and_high_enough_counts() -> None:
     low = path - np.array([0.0, 0.0, 10.0])
     beside = path + np.array([0.0, 7.0, 0.0])
     across, back = np.column_stack([path[:, 1], path[:, 0], path[:, 2]]), path[::-1]
-    for other in (low, beside, across, back):
-        left = rest_of(plan, [other]).tour.swaths
+    for flight in (low, beside, across, back):
+        left = rest_of(plan, [flight]).tour.swaths
         assert sum(swath.length for swath in left) > 0.98 * sum(whole)
 
 

@@ -48,33 +48,33 @@ def test_what_cannot_be_flown_is_refused_at_once_as_the_plan_refuses_it() -> Non
 
 def test_overlaps_are_those_of_the_photos_as_rectangles(photographed: Scenario) -> None:
     sketch = sketch_survey(photographed)
-    sight, told = sketch.sight, overlaps(sketch, sketch.tour)
+    sight, smallest = sketch.sight, overlaps(sketch, sketch.tour)
     photo = sight.across * sight.along
     front = 1.0
     for swath in sketch.tour.swaths:
         places = photo_places(swath, sight)
         assert len(places) == sight.photos(swath.length)
         boxes = [shapely.box(e - sight.along / 2, 0.0, e + sight.along / 2, sight.across) for e, _ in places]
-        front = min(front, *(one.intersection(other).area / photo for one, other in pairwise(boxes)))
-    assert told.front is not None
-    assert told.front.share >= 0.7 - 1e-9
-    assert told.front.share == pytest.approx(front, abs=2 * sight.lag / sight.along)  # lines lie from west to east
+        front = min(front, *(first.intersection(second).area / photo for first, second in pairwise(boxes)))
+    assert smallest.front is not None
+    assert smallest.front.share >= 0.7 - 1e-9
+    assert smallest.front.share == pytest.approx(front, abs=2 * sight.lag / sight.along)  # lines lie from west to east
     rows = np.unique([round(float(swath.begin[1]), 3) for swath in sketch.tour.swaths])
     strips = [shapely.box(0.0, north - sight.across / 2, 1.0, north + sight.across / 2) for north in rows]
-    sides = [one.intersection(other).area / sight.across for one, other in pairwise(strips)]
-    assert told.side is not None
-    assert told.side.share == pytest.approx(min(sides), abs=1e-3)
-    assert told.side.share >= 0.6 - 1e-9
+    sides = [first.intersection(second).area / sight.across for first, second in pairwise(strips)]
+    assert smallest.side is not None
+    assert smallest.side.share == pytest.approx(min(sides), abs=1e-3)
+    assert smallest.side.share >= 0.6 - 1e-9
 
 
 def test_a_line_that_is_left_out_shows_in_the_smallest_overlap(photographed: Scenario) -> None:
     sketch = sketch_survey(photographed)
     rows = sorted({round(float(swath.begin[1]), 3) for swath in sketch.tour.swaths})
     left = [swath for swath in sketch.tour.swaths if round(float(swath.begin[1]), 3) != rows[-3]]
-    told = overlaps(sketch, Tour(tuple(left), ())).side
-    assert told is not None
-    assert told.share == pytest.approx(1 - (rows[-2] - rows[-4]) / sketch.sight.across, abs=1e-3)
-    assert rows[-4] - 1 < told.at[1] < rows[-2] + 1
+    smallest = overlaps(sketch, Tour(tuple(left), ())).side
+    assert smallest is not None
+    assert smallest.share == pytest.approx(1 - (rows[-2] - rows[-4]) / sketch.sight.across, abs=1e-3)
+    assert rows[-4] - 1 < smallest.at[1] < rows[-2] + 1
 
 
 def test_without_a_camera_there_is_no_overlap() -> None:

@@ -18,7 +18,7 @@ def tour_of(lengths: list[float]) -> Tour:
     return Tour(tuple(swaths), tuple(np.array([a.end, b.begin]) for a, b in pairwise(swaths)))
 
 
-def way(tour: Tour) -> float:
+def path_length(tour: Tour) -> float:
     return float(np.linalg.norm(tour.path[0]) + tour.length + np.linalg.norm(tour.path[-1]))
 
 
@@ -36,7 +36,7 @@ def test_no_other_cut_between_lines_makes_fewer_flights(lengths: list[float], mo
     tour = tour_of(lengths)
 
     def fits(part: Tour) -> bool:
-        return way(part) <= most
+        return path_length(part) <= most
 
     if not all(fits(tour.part(n, n + 1)) for n in range(len(lengths))):
         return
@@ -56,22 +56,22 @@ def test_flights_of_equal_length_have_the_shortest_longest_one(lengths: list[flo
     parts = parts_of_equal_length(tour, count)
     assert len(parts) == count
     assert [s for part in parts for s in part.swaths] == list(tour.swaths)
-    best = min(max(map(way, split)) for split in every_split(tour, count))
-    assert max(map(way, parts)) == pytest.approx(best)
+    best = min(max(map(path_length, split)) for split in every_split(tour, count))
+    assert max(map(path_length, parts)) == pytest.approx(best)
 
 
 def test_a_line_too_long_for_one_flight_is_cut_and_seen_again_at_the_cut() -> None:
     swaths = Swath(np.array([-200.0, 0.0]), np.array([200.0, 0.0])), Swath(np.array([60.0, 9.0]), np.array([20.0, 9.0]))
     tour = Tour(swaths, (np.array([swaths[0].end, swaths[1].begin]),))
-    parts = fewest_parts(tour, lambda part: way(part) <= 500.0, 8.0)
+    parts = fewest_parts(tour, lambda part: path_length(part) <= 500.0, 8.0)
     assert isinstance(parts, tuple)
     *pieces, last = [swath for part in parts for swath in part.swaths]
     assert last is swaths[1]
     assert (pieces[0].begin[0], pieces[-1].end[0]) == pytest.approx((-200.0, 200.0))
-    assert all(other.begin[0] == pytest.approx(one.end[0] - 8.0) for one, other in pairwise(pieces))
+    assert all(after.begin[0] == pytest.approx(before.end[0] - 8.0) for before, after in pairwise(pieces))
     assert len(pieces) > 1
 
 
 def test_what_cannot_be_reached_at_all_is_told() -> None:
     tour = tour_of([60.0])
-    assert fewest_parts(tour, lambda part: way(part) < 50.0, 5.0) is tour.swaths[0]
+    assert fewest_parts(tour, lambda part: path_length(part) < 50.0, 5.0) is tour.swaths[0]

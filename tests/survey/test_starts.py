@@ -72,9 +72,9 @@ def test_another_start_place_moves_nothing_on_the_earth(place: list[float]) -> N
     rng = np.random.default_rng(1)
     near = np.column_stack([rng.uniform(-100, 700, 400), rng.uniform(-100, 300, 400), rng.uniform(0.0, 90.0, 400)])
     there = moved.frame.to_local(*world.frame.to_geodetic(near))
-    for body, other in zip(world.airspace.obstacles, moved.airspace.obstacles, strict=True):
-        assert body.name == other.name
-        assert np.abs(body.distance(near) - other.distance(there)).max() < 0.15
+    for body, moved_body in zip(world.airspace.obstacles, moved.airspace.obstacles, strict=True):
+        assert body.name == moved_body.name
+        assert np.abs(body.distance(near) - moved_body.distance(there)).max() < 0.15
     above, from_there = (air.terrain.height(p) for air, p in ((world.airspace, near), (moved.airspace, there)))
     assert np.abs((near[:, 2] - above) - (there[:, 2] - from_there)).max() < 0.05
     east, north = expect_survey(moved)[1].shape.bounds[:2]
@@ -82,7 +82,7 @@ def test_another_start_place_moves_nothing_on_the_earth(place: list[float]) -> N
     assert apart(Geodetic(corner[0][0], corner[1][0]), world.frame.geodetic(np.array([20.0, 10.0, 0.0]))) < 15.0
     for name in ("rally_points", "start_point"):
         assert np.isfinite(getattr(moved, name)).all()
-    rally = [one.frame.to_geodetic(one.rally_points) for one in (world, moved)]
+    rally = [world_or_moved.frame.to_geodetic(world_or_moved.rally_points) for world_or_moved in (world, moved)]
     assert np.allclose(rally[0], rally[1], atol=1e-7)
 
 
@@ -138,10 +138,10 @@ def best_of_all(tour: Tour, places: int, tried: Any) -> float:
 
 def test_a_line_that_is_too_long_for_all_is_cut() -> None:
     tour, starts = tour_of([900.0, 900.0]), np.array([[0.0, 0.0], [1000.0, 0.0]])
-    found = quickest_parts(tour, StartSites(starts, CLOCK, fake(190.0, starts), 8.0))
-    assert isinstance(found, tuple)
-    assert {part.start for part in found[0]} == {0, 1}
-    assert sum(s.length for part in found[0] for s in part.tour.swaths) == pytest.approx(1800.0 + 8.0 * 2)
+    parts = quickest_parts(tour, StartSites(starts, CLOCK, fake(190.0, starts), 8.0))
+    assert isinstance(parts, tuple)
+    assert {part.start for part in parts[0]} == {0, 1}
+    assert sum(s.length for part in parts[0] for s in part.tour.swaths) == pytest.approx(1800.0 + 8.0 * 2)
     far = np.array([[0.0, 900.0]])
     assert quickest_parts(tour, StartSites(far, CLOCK, fake(190.0, far), 8.0)) is tour.swaths[0]
 
@@ -176,9 +176,9 @@ def test_each_flight_begins_and_ends_at_its_own_place_and_comes_home(from_both_e
     from_home = plan_survey(scenario=scenario(OVER, vehicle=SMALL | {"battery": {"capacity_wh": 40.0}}))
     assert all(flight.start is None for flight in from_home.plan.flights)
     survey.write(tmp_path)
-    told = json.loads((tmp_path / "field.json").read_text())["survey"]
+    document = json.loads((tmp_path / "field.json").read_text())["survey"]
     seen = []
-    for name, flight, about in zip(survey.names, plan.flights, told["flights"], strict=True):
+    for name, flight, about in zip(survey.names, plan.flights, document["flights"], strict=True):
         east, north = plan.begin_of(flight)
         assert [east, north] in ENDS
         assert [about["start"]["east"], about["start"]["north"]] == [east, north]
