@@ -123,10 +123,10 @@ def samples() -> Path:
     """Other people's files, beside the repository or at IPOA_SAMPLES; may be missing."""
     named = os.environ.get("IPOA_SAMPLES")
     folders = [Path(named)] if named else [parent / "shared" / "samples" for parent in REPOSITORY.parents]
-    found = next((folder for folder in folders if folder.is_dir()), None)
-    if found is None:
+    folder_there = next((folder for folder in folders if folder.is_dir()), None)
+    if folder_there is None:
         pytest.skip("no samples beside the repository")
-    return found
+    return folder_there
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:

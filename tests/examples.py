@@ -20,7 +20,7 @@ def examples(usually: int) -> int:
 
 def vehicles(soon: Autopilot) -> list[Any]:
     """Return every vehicle: `soon` at once, others in long tests."""
-    return [pytest.param(one, marks=() if one is soon else pytest.mark.long) for one in registered()]
+    return [pytest.param(autopilot, marks=() if autopilot is soon else pytest.mark.long) for autopilot in registered()]
 
 
 def some(count: int, cases: Iterable[Any]) -> list[Any]:

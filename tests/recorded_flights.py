@@ -85,7 +85,7 @@ def read_flight(folder: Path) -> Recorded:
 
 @cache
 def read_flights(autopilot: Autopilot, folder: Path = FLIGHTS) -> tuple[Recorded, ...]:
-    return tuple(read_flight(one) for one in sorted(folder.glob(f"*-{autopilot}")))
+    return tuple(read_flight(path) for path in sorted(folder.glob(f"*-{autopilot}")))
 
 
 def _run(items: dict[str, Any], complete: float | None, mission: Mission, last: int) -> dict[int, float]:

@@ -88,14 +88,14 @@ def nodes(path: Path) -> tuple[ast.AST, ...]:
 
 @cache
 def imports(path: Path) -> set[str]:
-    found = set()
+    names = set()
     for node in nodes(path):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
             assert node.level == 0, f"{path}: relative import"
-            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
+            names |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return names
 
 
 def allowed(here: str) -> set[str]:
@@ -120,14 +120,14 @@ def test_rooms_import_only_what_the_plan_of_the_house_allows() -> None:
 def test_no_room_names_an_autopilot() -> None:
     """A vehicle is an object that rooms ask."""
     named = re.compile(r"Autopilot\.(PX4|ARDUPILOT)\b|is_(ardupilot|px4)|[\"'](px4|ardupilot)[\"']")
-    found = {
+    naming = {
         f"{path.relative_to(PACKAGE)}: {line.strip()}"
         for path in FILES
         if path.relative_to(PACKAGE).parts[0] != "vehicles"
         for line in code_of(path)
         if named.search(line)
     }
-    assert found == set()
+    assert naming == set()
 
 
 @pytest.mark.parametrize("name", ["itinerary", "times_of", "flown_legs", "trace_returns", "clearance_guarantee_of"])
@@ -148,7 +148,7 @@ return_routes contingency_paths shortfalls energy_budget contingencies contingen
 """
 FORECAST = "itinerary", "timing", "deviation", "forecast"
 PARTS = (
-    tuple(f"forecast/{one}" for one in (*FORECAST, *(f"contingency/{one}" for one in CONTINGENCY.split()))),
+    tuple(f"forecast/{module}" for module in (*FORECAST, *(f"contingency/{module}" for module in CONTINGENCY.split()))),
     ("report/exports",),
 )
 
@@ -157,7 +157,7 @@ def test_parts_of_rooms_import_no_later_ones() -> None:
     wrong = set()
     for parts in PARTS:
         for n, part in enumerate(parts):
-            own = tuple(f"ipoa_mission.{one.replace('/', '.')}" for one in parts[: n + 1])
+            own = tuple(f"ipoa_mission.{part.replace('/', '.')}" for part in parts[: n + 1])
             files = [*PACKAGE.glob(f"{part}.py"), *(PACKAGE / part).rglob("*.py")]
             assert files, part
             for path in files:
@@ -169,7 +169,7 @@ def test_parts_of_rooms_import_no_later_ones() -> None:
 def test_a_vehicle_is_known_before_its_flight_is() -> None:
     """Models and mocks are loaded at first use."""
     modules, reached = {module(path): path for path in FILES}, set[str]()
-    ahead = {f"ipoa_mission.vehicles.{one}.vehicle" for one in VEHICLES}
+    ahead = {f"ipoa_mission.vehicles.{vehicle}.vehicle" for vehicle in VEHICLES}
     while ahead:
         name = ahead.pop()
         if name not in reached and name in modules:
@@ -320,9 +320,9 @@ def test_functions_are_of_a_size_that_one_sees() -> None:
 def test_functions_take_what_one_can_keep_in_mind() -> None:
     many = set()
     for name, node in functions(FILES + TOOLS):
-        given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+        parameters = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
         most = OF_A_VERB if is_verb(name) else PARAMETERS
-        if len([one for one in given if one.arg not in {"self", "cls"}]) > most:
+        if len([parameter for parameter in parameters if parameter.arg not in {"self", "cls"}]) > most:
             many.add(name)
     assert many == set()
 

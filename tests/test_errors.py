@@ -17,7 +17,7 @@ def raised() -> Iterator[str]:
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")]
     nodes = [node for tree in trees for node in ast.walk(tree)]
     classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
-    while more := {one.name for one in classes if {ast.unparse(base) for base in one.bases} & errors} - errors:
+    while more := {node.name for node in classes if {ast.unparse(base) for base in node.bases} & errors} - errors:
         errors |= more
     yield from (re.sub(r"\B(?=[A-Z])", "-", name).lower() for name in errors)
     for node in nodes:
@@ -37,7 +37,7 @@ def test_no_code_is_registered_twice() -> None:
     text = (PACKAGE / "errors.py").read_text(encoding="utf-8")
     listed = text.partition('_CODES = """')[2].partition('"""')[0].split()
     assert set(listed) == CODES
-    assert all(one < other for one, other in pairwise(listed))
+    assert all(before < after for before, after in pairwise(listed))
 
 
 def test_an_error_is_data() -> None:

@@ -28,7 +28,7 @@ def test_what_became_of_a_change_is_told(tmp_path: Path) -> None:
         first, *others = path.read_text().split()
         if first == "no":
             raise BadInput(f"{path}: expected a number")
-        return Reading(int(first), frozenset(one for one in others if one == "odd"), lambda was, now: bool(now >= was))
+        return Reading(int(first), frozenset(w for w in others if w == "odd"), lambda was, now: bool(now >= was))
 
     outcomes = [judge(tmp_path / "a", "5", after, read) for after in ("5 6", "no", "4 odd", "7", "4 even")]
     assert outcomes == ["same", "named", "named", "more cautious", "lost"]

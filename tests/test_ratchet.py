@@ -16,5 +16,5 @@ def test_every_count_has_a_limit() -> None:
 
 @pytest.mark.parametrize("name", sorted(COUNTS))
 def test_a_count_does_not_rise(name: str) -> None:
-    found = sum(1 for _ in COUNTS[name]())
-    assert found <= LIMITS[name], f"see: python -m tools.census --where {name}"
+    counted = sum(1 for _ in COUNTS[name]())
+    assert counted <= LIMITS[name], f"see: python -m tools.census --where {name}"

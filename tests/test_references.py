@@ -14,12 +14,12 @@ FOREIGN = {
 
 
 def known() -> set[str]:
-    found = set[str]()
+    names = set[str]()
     for folder in ("ipoa_mission", "tools"):
         for path in (REPOSITORY / folder).rglob("*.py"):
-            found |= {path.stem, *path.relative_to(REPOSITORY).parts}
-            found.update(re.findall(r"\w+", PROSE.sub(" ", path.read_text(encoding="utf-8"))))
-    return found | {path.name for path in Path(REPOSITORY).iterdir()}
+            names |= {path.stem, *path.relative_to(REPOSITORY).parts}
+            names.update(re.findall(r"\w+", PROSE.sub(" ", path.read_text(encoding="utf-8"))))
+    return names | {path.name for path in Path(REPOSITORY).iterdir()}
 
 
 def test_names_in_backticks_exist() -> None:

@@ -56,9 +56,9 @@ class Record:
 
     def verdicts(self) -> Iterator[tuple[Item, int]]:
         for (command, frame), letters in self.rows.items():
-            for one, letter in zip(row(command, frame), letters, strict=True):
+            for item_there, letter in zip(row(command, frame), letters, strict=True):
                 if letter != UNKNOWN:
-                    yield one, LETTERS.index(letter)
+                    yield item_there, LETTERS.index(letter)
 
 
 def read_record(path: Path) -> Record:
