@@ -17,10 +17,11 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     return_orders,
     simulation_constants,
     stay,
+    stopping_place,
     take_off,
     waypoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
@@ -52,8 +53,8 @@ class PX4Pilot:
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
-                here = self._over_home()
-                self._fly(landing_orders(here, self._down(here), self._limits, self._cruise, self._limits.disarm_delay))
+                stop, limits = self._stopping_place(self._over_home()), self._limits
+                self._fly(landing_orders(stop, self._down(stop), limits, limits.cruise, limits.disarm_delay))
             case FlightMode.HOLD:
                 self._brake()
 
@@ -197,13 +198,12 @@ class PX4Pilot:
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home)
 
+    def _stopping_place(self, here: Enu) -> Enu:
+        return stopping_place(here, Level(*self._state.body.speed[:2]), self._limits)
+
     def _brake(self) -> None:
-        body, limits = self._state.body, self._limits
-        time = math.hypot(*body.speed[:2]) / (2.0 * limits.accel) + limits.accel / (2.0 * limits.jerk)
-        east, north = (body.place[axis] + body.speed[axis] * time for axis in (0, 1))
-        end = Enu(east, north, body.place.up)
-        order = leg(body.place, end, None, limits, self._cruise)
-        self._here = end
+        self._here = self._stopping_place(here := self._state.body.place)
+        order = leg(here, self._here, None, self._limits, self._cruise)
         self._fly([order._replace(holds=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:

@@ -1,0 +1,39 @@
+import numpy as np
+import pytest
+
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.mission.items import takeoff, waypoint
+from ipoa_mission.simulator.simulated_flight import SimulatedFlight
+from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+MODES = {Contingency.LAND: FlightMode.LAND, Contingency.HOLD: FlightMode.HOLD, Contingency.RTL: FlightMode.RETURN}
+STOPS_WITHIN = 0.5  # sensor noise moves it [m]
+AFTER_RTL = (-1.1, 4.1)  # of the distance that the forecast counts, as real flights [m]
+PARAMETERS = [{}, {"MPC_XY_CRUISE": 9.0}, {"MPC_ACC_HOR": 2.0, "MPC_JERK_AUTO": 8.0}]
+
+
+@pytest.mark.parametrize("parameters", PARAMETERS, ids=str)
+@pytest.mark.parametrize("contingency", MODES)
+def test_built_in_px4_stops_where_the_forecast_says(contingency: Contingency, parameters: dict[str, float]) -> None:
+    far = LocalFrame(HOME).geodetic(np.array([300.0, 0.0, 0.0]))
+    flight = SimulatedFlight(Autopilot.PX4, HOME, parameters)
+    flight.load((takeoff(HOME, 20.0), waypoint(far, 20.0)))
+    flight.arm()
+    flight.start()
+    while flight.local[0] < 100.0:
+        flight.advance(flight.time_s + 0.1)
+    ordered, velocity, until = flight.local[:2], flight.velocity[:2], flight.time_s + 30.0
+    offset = Autopilot.PX4.stopping_offset(parameters, velocity[None], np.zeros((1, 2)), contingency)[0]
+    flight.enter(MODES[contingency])
+    track = [ordered]
+    while flight.armed and flight.time_s < until:
+        flight.advance(flight.time_s + 0.1)
+        track.append(flight.local[:2])
+    if contingency is Contingency.RTL:
+        counted = float(offset[0] + Autopilot.PX4.guidance.brakes_after * velocity[0])
+        assert AFTER_RTL[0] <= counted - max(place[0] - ordered[0] for place in track) <= AFTER_RTL[1]
+    else:
+        assert track[-1] - ordered == pytest.approx(offset, abs=STOPS_WITHIN)
