@@ -70,7 +70,6 @@ from ipoa_mission.report.page import write_report as write_report
 from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.routing.assemble import assemble as assemble
-from ipoa_mission.routing.assemble import weigh_routes as weigh_routes
 from ipoa_mission.routing.battery_split import split as split
 from ipoa_mission.routing.route import NoRoute as NoRoute
 from ipoa_mission.scenario import Scenario as Scenario

@@ -2,7 +2,6 @@
 
 import logging
 from dataclasses import asdict, dataclass
-from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,7 +35,6 @@ from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import Option, weigh_routes
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import by_way_of_the_goal_remarks
 from ipoa_mission.routing.planned_returns import settled_remarks
@@ -70,11 +68,6 @@ class Flight:
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...]
     chosen: Attempt
-
-    @cached_property
-    def options(self) -> tuple[Option, ...]:
-        """Return the ways to choose the waypoints."""
-        return weigh_routes(self.plan, self.scenario, self.chosen)
 
     def __repr__(self) -> str:
         return f"<Flight {self.name}: {len(self.mission.items)} items, {self.estimate.total_s:.1f} s>"

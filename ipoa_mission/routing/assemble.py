@@ -1,13 +1,10 @@
 """Build the mission for a plan, with the waypoints that the scenario asks for."""
 
-import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.timing.bound import least_time
-from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.attempt import Attempt
@@ -20,19 +17,6 @@ from ipoa_mission.scenario import Scenario
 HALVINGS = 6  # before a mode gives up
 NARROW = 2  # halvings
 TURNED_LATE = 2.5  # acceptance radius of PX4 in slower flight [m]
-MODES = ("even", "corridor", "spline", "fastest")
-
-
-@dataclass(frozen=True)
-class Option:
-    mode: str
-    route: Route
-    seconds: float
-    deviation: float
-    """Greatest lateral deviation of the predicted path from the planned curve [m]."""
-    flies_clear: bool
-    ratio: float
-    """Ratio to the least time of the curve, or to the quickest route if that is quicker."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
@@ -126,49 +110,6 @@ def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
     takes_radius = scenario.vehicle.autopilot.guidance.takes_radius
     late = (replace(narrow, route=replace(narrow.route, radius=TURNED_LATE)),) if takes_radius else ()
     return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
-
-
-def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) -> tuple[Option, ...]:
-    """Compare every mode that this autopilot can fly.
-
-    Args:
-        plan: the path.
-        scenario: the scenario of the plan.
-        chosen: that of the scenario's own mode.
-
-    Returns:
-        The options, quickest first.
-
-    Raises:
-        BadInput, NoRoute: as `assemble`, if the scenario's own mode fails. Other modes that fail are left out.
-
-    Example:
-        >>> from ipoa_mission import plan_path, read_scenario, weigh_routes
-        >>> scenario = read_scenario("missions/sitl.toml")
-        >>> "fastest" in [option.mode for option in weigh_routes(plan_path(scenario, seed=7), scenario)]
-        True
-    """
-    needed, attempts = scenario.route.mode, dict[str, tuple[Attempt, bool]]()
-    for mode in sorted(MODES, key=lambda mode: mode != needed):
-        try:
-            attempt = choose_route(plan, scenario, mode) if mode != needed or chosen is None else chosen
-        except (BadInput, NoRoute):
-            if mode == needed:
-                raise
-            continue
-        attempts[mode] = attempt, attempt is chosen or not attempt.draft.guarantee.forbidding
-    least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
-    options = list[Option]()
-    for mode, (attempt, is_clear) in attempts.items():
-        seconds, away = round(attempt.flown.seconds, 3), round(attempt.flown.deviation, 3)
-        options.append(Option(mode, attempt.route, seconds, away, is_clear, round(seconds / least, 4)))
-    return tuple(sorted(options, key=lambda option: (option.seconds, option.mode != "fastest")))
-
-
-def _least_time(plan: Plan, scenario: Scenario) -> float:
-    vehicle = scenario.vehicle
-    limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
-    return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:

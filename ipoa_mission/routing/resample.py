@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.forecast.timing import cubic
+from ipoa_mission.forecast.timing.cubic import values as cubic_values
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
@@ -28,7 +28,7 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
     before = traveled[-1] - last
     count = max(1 + len(via), math.ceil(before / spacing))
     stops = np.append(np.linspace(0.0, before, count + 1), traveled[-1])
-    return through(cubic.values(traveled, line, stops), via)[0]
+    return through(cubic_values(traveled, line, stops), via)[0]
 
 
 def corridor(

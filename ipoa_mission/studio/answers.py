@@ -247,15 +247,6 @@ class Stop(PageMessage):
     above_ground: Number
 
 
-class Choice(PageMessage):
-    mode: str
-    waypoints: int
-    seconds: float
-    deviation: float
-    flies_clear: bool
-    chosen: bool
-
-
 class Limit(PageMessage):
     limit: str
     words: str
@@ -302,7 +293,7 @@ class Plan(PageMessage):
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
     homeward: tuple[Homeward, ...]
-    choices: tuple[Choice, ...]
+    waypoints: int | None
     limits: tuple[Limit, ...]
     warnings: tuple[str, ...]
     remarks: tuple[str, ...]

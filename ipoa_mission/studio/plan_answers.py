@@ -67,7 +67,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     proved = {
         "of": "scenario",
         "proof": proof_digest(flight),
-        "choices": tuple(_choices(flight)),
+        "waypoints": len(flight.chosen.route.points),
         "limits": tuple(_limits(flight)),
         "warnings": tuple(without_folders(finding.message, scenario) for finding in flight.findings),
         "remarks": flight.notes,
@@ -115,7 +115,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         stops=tuple(_stops(forecast, course)),
         bindings=(*_near_places(guarantee, course, scenario), *_slow_items(estimate, course)),
         homeward=() if guarantee is None else tuple(_homeward(forecast)),
-        choices=(),
+        waypoints=None,
         limits=(),
         warnings=(),
         remarks=tuple(estimate.remarks),
@@ -196,18 +196,6 @@ def _slow_items(estimate: Estimate, course: SampledTrack) -> Iterator[answers.Bi
     for item in sorted(slow[:4], key=lambda item: item.done_s):
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))
-
-
-def _choices(flight: Flight) -> Iterator[answers.Choice]:
-    for option in flight.options:
-        yield answers.Choice(
-            mode=option.mode,
-            waypoints=len(option.route.points),
-            seconds=option.seconds,
-            deviation=option.deviation,
-            flies_clear=option.flies_clear,
-            chosen=option.mode == flight.scenario.route.mode,
-        )
 
 
 def _limits(flight: Flight) -> Iterator[answers.Limit]:

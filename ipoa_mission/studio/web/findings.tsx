@@ -1,6 +1,6 @@
-// What binds the flight and where; the ways to choose waypoints; plans that were kept, side by side; what to know.
+// What binds the flight and where; plans that were kept, side by side; what to know.
 import type { Plan } from "./messages";
-import { asLastProved, edit, keepCandidates, proved, set, surveyed, type Candidate, type Studio } from "./store";
+import { asLastProved, keepCandidates, proved, set, surveyed, type Candidate, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
 export function Bindings({ now }: { now: Studio }) {
@@ -20,33 +20,12 @@ export function Bindings({ now }: { now: Studio }) {
   );
 }
 
-export function Choices({ now }: { now: Studio }) {
-  const plan = proved(now);
-  if (!plan || plan.choices.length < 2) return null;
-  return (
-    <details class="panel" open>
-      <summary>Ways to choose waypoints</summary>
-      <table>
-        <thead><tr><th scope="col">way</th><th scope="col">start to goal</th><th scope="col">leaves the curve by</th><th scope="col">waypoints</th></tr></thead>
-        <tbody>
-          {plan.choices.map(choice => (
-            <tr key={choice.mode} class={choice.chosen ? "chosen" : ""}>
-              <th scope="row"><button type="button" disabled={choice.chosen} onClick={() => edit(`waypoints: ${choice.mode}`, { op: "put", path: ["route", "mode"], value: choice.mode })}>{choice.mode}</button></th>
-              <td>{seconds(choice.seconds)}</td><td>{meters(choice.deviation)}{choice.flies_clear ? "" : " ✕"}</td><td>{choice.waypoints}</td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-    </details>
-  );
-}
-
 const ROWS: [string, (plan: Plan) => string][] = [
   ["flight", plan => seconds(plan.total_s)],
   ["clearance", plan => (plan.kept === null ? "–" : `${plan.confidence === null ? "predicted" : `${share(plan.confidence)} keep`} ${meters(plan.kept, 2)}`)],
   ["nearest", plan => plan.nearest],
   ["path", plan => meters(plan.length, 0)],
-  ["waypoints", plan => String(plan.choices.find(choice => choice.chosen)?.waypoints ?? "–")],
+  ["waypoints", plan => String(plan.waypoints ?? "–")],
   ["energy", plan => (plan.energy_wh === null ? "–" : `${plan.energy_wh.toFixed(1)} Wh`)],
   ["proof", plan => plan.proof],
 ];
@@ -57,7 +36,7 @@ function whole(now: Studio): Plan | null {
   if (!survey || !first) return proved(now);
   const least = plans.reduce((one, other) => ((other.kept ?? Infinity) - other.required < (one.kept ?? Infinity) - one.required ? other : one));
   const line = { points: plans.flatMap(plan => plan.course.line.points), up: plans.flatMap(plan => plan.course.line.up) };
-  return { ...least, course: { ...first.course, line }, total_s: survey.total_s, energy_wh: survey.energy_wh, length: plans.reduce((sum, plan) => sum + plan.length, 0), proof: plans.map(plan => plan.proof).join(" "), choices: [] };
+  return { ...least, course: { ...first.course, line }, total_s: survey.total_s, energy_wh: survey.energy_wh, length: plans.reduce((sum, plan) => sum + plan.length, 0), proof: plans.map(plan => plan.proof).join(" "), waypoints: null };
 }
 
 export function Candidates({ now, take }: { now: Studio; take: (candidate: Candidate) => void }) {

@@ -7,7 +7,7 @@ import "./studio.css";
 import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Bar, listenToKeys } from "./bar";
-import { Bindings, Candidates, Choices, Remarks } from "./findings";
+import { Bindings, Candidates, Remarks } from "./findings";
 import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
@@ -82,7 +82,6 @@ function Page() {
           {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><Fly now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <div class={isPast ? "past" : ""} inert={isPast}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
           {isScenario && <Candidates now={now} take={take} />}
-          {isScenario && <div class={isPast ? "past" : ""} inert={isPast}><Choices now={last} /></div>}
           {isScenario && <><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
           <Keys now={now} />
