@@ -1,4 +1,4 @@
-"""Compiled model for polishing one path.
+"""Compiled polishing of one path: the model of its cost, and its descent.
 
 It is compiled without permission to reorder sums: plans depend on their last bits. Shipped machine code and numba must
 give the same ones.
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import _cell, _distance, _ground, _least_height
+from ipoa_mission.planning.banded import solve_banded
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, LEVER
 
 EE, NE, NN, UE, UN, UU = range(6)
@@ -278,3 +279,97 @@ def path_model(nodes, spans, count, grid, rules, soft, even, signs):
     value += bent + _length(steps, bends, danger, rules, soft, even, along)
     gradient, band = _handed_on(places, along, _mixed(steps, bends), spans, count)
     return value, gradient, band, angles
+
+
+SURE_SIGN = 0.9
+LEVENBERG_TRIALS = 6  # of greater damping
+
+
+@njit(inline="always")
+def _product(matrix, vector):
+    """Multiply a matrix of compressed rows by a vector (n,)."""
+    product = np.zeros(len(matrix.starts) - 1)
+    for row in range(len(product)):
+        total = 0.0
+        for k in range(matrix.starts[row], matrix.starts[row + 1]):
+            total += matrix.weights[k] * vector[matrix.columns[k]]
+        product[row] = total
+    return product
+
+
+@njit(cache=True, error_model="numpy")
+def _reduced(gradient, band, moves):
+    """Return gradient (f,) and lower band of the Hessian by the free coordinates."""
+    free, direct = moves.free, len(moves.ways.weights) == 0
+    slope, narrow = np.empty(free), np.empty((len(band) if direct else moves.reach + 1, free))
+    summed = np.empty(0) if direct else _product(moves.cells, band.ravel())
+    turned = np.empty(0) if direct else _product(moves.turned, gradient)
+    for k in range(free):
+        slope[k] = gradient[moves.begin + k] if direct else turned[k]
+        for below in range(len(narrow)):
+            narrow[below, k] = band[below, moves.begin + k] if direct else summed[below * free + k]
+    return slope, narrow
+
+
+@njit(cache=True, error_model="numpy")
+def _moved(control, step, moves):
+    change, moved = step, control.copy()
+    if len(moves.ways.weights) > 0:
+        change = _product(moves.ways, step)
+    for k in range(len(change)):
+        moved[(moves.begin + k) // 3, (moves.begin + k) % 3] -= change[k]
+    return moved
+
+
+@njit(cache=True, error_model="numpy")
+def _model(control, signs, spans, moves, grid, rules, soft, even):
+    nodes, here = np.zeros((len(spans.first), 3)), spans.window[0]
+    for k in range(5):
+        for i in range(len(nodes)):
+            for axis in range(3):
+                nodes[i, axis] += here[k, i] * control[spans.first[i] + k, axis]
+    value, gradient, band, angles = path_model(nodes, spans, len(control), grid, rules, soft, even, signs)
+    slope, narrow = _reduced(gradient, band, moves)
+    return value, slope, narrow, angles
+
+
+@njit(cache=True, error_model="numpy")
+def descend(control, signs, spans, moves, grid, rules, soft, even, steps, enough):
+    """Minimize by Levenberg-Marquardt: damping falls as the model proves right.
+
+    Return the control points (k, 3) and signs (n, 2) after at most `steps` steps, or one that gains less than the
+    share `enough`.
+    """
+    value, slope, band, angles = _model(control, signs, spans, moves, grid, rules, soft, even)
+    damping, n = 1e-3, band.shape[1]
+    for _ in range(steps):
+        mean, better = 0.0, False
+        for k in range(n):
+            mean += band[0, k] / n
+        for _ in range(LEVENBERG_TRIALS):
+            damped = band.copy()
+            for k in range(n):
+                damped[0, k] += damping * band[0, k] + 1e-6 * mean
+            step, solved = solve_banded(damped, slope)
+            trial = _moved(control, step, moves)
+            trial_value, trial_slope, trial_band, trial_angles = _model(
+                trial, signs, spans, moves, grid, rules, soft, even
+            )
+            if solved == 1 and trial_value < value:
+                better = True
+                break
+            damping = max(8.0 * damping, 1e-4)
+        if not better:
+            break
+        gain = value - trial_value
+        turned = signs.copy()
+        for i in range(len(signs)):
+            for k in range(2):
+                smooth = math.sqrt(angles[i, k] ** 2 + soft.bend**2)
+                change = (1.0 - signs[i, k] * angles[i, k] / smooth) * (trial_angles[i, k] - angles[i, k])
+                turned[i, k] = min(max((angles[i, k] + change) / smooth, -SURE_SIGN), SURE_SIGN)
+        signs, control, value, slope, band, angles = turned, trial, trial_value, trial_slope, trial_band, trial_angles
+        damping = max(damping / 5.0, 1e-7)
+        if gain < enough * abs(value):
+            break
+    return control, signs

@@ -85,6 +85,28 @@ class Spans(NamedTuple):
     window: NDArray[np.float64]  # (3, 5, n): of the node, the step to it, and the step from it
 
 
+class Sparse(NamedTuple):
+    """A matrix of compressed rows."""
+
+    starts: NDArray[np.int64]  # (rows + 1,)
+    columns: NDArray[np.int64]
+    weights: NDArray[np.float64]
+
+
+class Moves(NamedTuple):
+    """Moves of `free` coordinates from `begin` on, or with via points along sparse `ways` (coordinates, free).
+
+    `turned` is its transpose; `cells` maps the full to the reduced band of the Hessian, of `reach` + 1 rows.
+    """
+
+    begin: int
+    free: int
+    reach: int
+    ways: Sparse
+    turned: Sparse
+    cells: Sparse
+
+
 class Soft(NamedTuple):
     bend: float  # smaller angles count squared [rad]
     reach: float  # at which walls begin to act [m]

@@ -9,51 +9,50 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, eye_array, kron
+from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.obstacle_grid import Soft, Spans
+from ipoa_mission.geometry import Vector, leg_lengths
+from ipoa_mission.planning.obstacle_grid import Moves, Soft, Spans, Sparse
 from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 
-@dataclass(frozen=True, eq=False)
-class Spread:
-    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full to the reduced band."""
-
-    ways: csr_array
-    turned: csr_array
-    reach: int
-    cells: csr_array
-
-    def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        summed = self.cells @ band.ravel()
-        return np.asarray(self.turned @ gradient), np.asarray(summed).reshape(self.reach + 1, -1)
-
-
-def spread_of(ways: Matrix, band: int) -> Spread:
-    """Return the reduction for moves (n, f), with Hessian band width `band`.
+def moves_along(ways: Matrix, band: int) -> Moves:
+    """Return moves along `ways` (n, f), with Hessian band width `band`.
 
     The Hessian H becomes ways^T H ways; each pair of entries counts once, off the diagonal both ways.
     """
-    spread = csr_array(kron(csr_array(ways), eye_array(3)))
-    size, free = spread.shape
+    size, free = 3 * ways.shape[0], 3 * ways.shape[1]
+    point, way = np.nonzero(ways)
+    row, column = (np.add.outer(3 * index, np.arange(3)).ravel() for index in (point, way))
+    spread = _sparse(row, column, np.repeat(ways[point, way], 3), size)
     below, column = np.divmod(np.arange((band + 1) * size), size)
     inside = below + column < size  # row j + k, column j
     cell, below, column = np.arange(len(below))[inside], below[inside], column[inside]
-    many = np.diff(spread.indptr)
+    many = np.diff(spread.starts)
     pairs = many[column + below] * many[column]
     number = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
     cell, below, column = (np.repeat(one, pairs) for one in (cell, below, column))
-    one = spread.indptr[column + below] + number // many[column]
-    other = spread.indptr[column] + number % many[column]
-    a, b = spread.indices[one].astype(np.intp), spread.indices[other].astype(np.intp)
-    weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0) * spread.data[one] * spread.data[other]
+    one = spread.starts[column + below] + number // many[column]
+    other = spread.starts[column] + number % many[column]
+    a, b = spread.columns[one], spread.columns[other]
+    weight = np.where(a == b, 2.0, 1.0) * np.where(below == 0, 0.5, 1.0)
+    weight *= spread.weights[one] * spread.weights[other]
     beside, first = np.abs(a - b), np.minimum(a, b)
     reach = int(beside.max(initial=0))
-    cells = coo_array((weight, (beside * free + first, cell)), ((reach + 1) * free, (band + 1) * size))
-    return Spread(spread, csr_array(spread.T), reach, csr_array(cells))
+    cells = _sparse(beside * free + first, cell, weight, (reach + 1) * free)
+    rows = np.repeat(np.arange(size), many)
+    return Moves(0, free, reach, spread, _sparse(spread.columns, rows, spread.weights, free), cells)
+
+
+def _sparse(rows: NDArray[np.intp], columns: NDArray[np.intp], weights: Vector, count: int) -> Sparse:
+    order = np.argsort(rows, kind="stable")
+    starts = np.concatenate([[0], np.cumsum(np.bincount(rows, minlength=count))])
+    return Sparse(starts, columns[order], weights[order])
+
+
+NO_WAYS = Sparse(np.zeros(1, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
 
 NODES_PER_SPAN = 8
@@ -62,7 +61,6 @@ ATTEMPTS = 6
 BAND = 14  # index distance: a term depends on five control points
 HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # that more room does not mend
 CHANGE_REACH = 8  # in control points, with via points
-SURE_SIGN = 0.9
 STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
 STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
 STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
@@ -90,13 +88,17 @@ def polish(
     candidate: Candidate, problem: PreparedProblem, descent: Descent = ROUGH_DESCENT, part: slice = ALL
 ) -> Candidate:
     """Return the curve after a descent; of the inner control points only `part` moves, and via points stay."""
+    from ipoa_mission.planning._path_model import descend
+
     stages, enough = descent.stages, descent.enough
     nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
-    control, bench = candidate.curve.control, _prepare(candidate, problem, part, nodes)
-    signs = np.zeros((len(bench.spans.first), 2))
+    control, bench = candidate.curve.control.copy(), _prepare(candidate, problem, part, nodes)
+    moved, signs = np.ascontiguousarray(control[bench.some]), np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
-        control, signs = _descend(control, signs, bench, soft.scaled(problem.scale), (descent.steps, good))
+        scaled, until = soft.scaled(problem.scale), (bench.even, descent.steps, good)
+        moved, signs = descend(moved, signs, bench.spans, bench.moves, problem.grid, problem.rules, scaled, *until)
+    control[bench.some] = moved
     return Candidate(Spline(control), candidate.via_at)
 
 
@@ -143,33 +145,13 @@ _REMEDY = {
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """Nodes about `even` [m] apart that depend on control points `some`.
-
-    Moves are of the coordinates `free`, or with via points by `spread` (3 some, f).
-    """
+    """Nodes about `even` [m] apart that depend on control points `some`."""
 
     problem: PreparedProblem
     some: slice
-    look: Matrix  # (nodes, n)
     spans: Spans
     even: float
-    free: slice
-    spread: "Spread | None"
-
-    def moved(self, control: Points, step: Vector) -> Points:
-        control = control.copy()
-        some = control[self.some].reshape(-1)
-        if self.spread is None:
-            some[self.free] += step
-        else:
-            some += self.spread.ways @ step
-        return control
-
-    def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        """Return gradient and lower band of the Hessian by the free coordinates."""
-        if self.spread is None:
-            return gradient[self.free], band[:, self.free]
-        return self.spread.reduced(gradient, band)
+    moves: Moves
 
 
 def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
@@ -179,52 +161,11 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
-    free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
+    moves = Moves(3 * (int(varied[0]) - low), 3 * len(varied), 0, NO_WAYS, NO_WAYS, NO_WAYS)
     if len(candidate.via_at):
-        spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
-    look = even_basis(n, nodes)[seen]
-    even = float(leg_lengths(look @ candidate.curve.control).mean())
-    return _Bench(problem, slice(low, high), look, spans, even, free, spread)
-
-
-def _descend(
-    control: Points, signs: Matrix, bench: _Bench, soft: Soft, until: tuple[int, float]
-) -> tuple[Points, Matrix]:
-    """Minimize by Levenberg-Marquardt: damping falls as the model proves right. `until`: as `steps`, `enough`."""
-    from ipoa_mission.planning._path_model import path_model
-    from ipoa_mission.planning.banded import solve_banded
-
-    count, airspace = bench.some.stop - bench.some.start, (bench.problem.grid, bench.problem.rules)
-    steps, enough = until
-
-    def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
-        nodes = bench.look @ control
-        value, gradient, band, angles = path_model(nodes, bench.spans, count, *airspace, soft, bench.even, signs)
-        return value, *bench.reduced(gradient, band), angles
-
-    value, gradient, band, angles = model(control)
-    damping = 1e-3
-    for _ in range(steps):
-        for _ in range(6):
-            damped = band.copy()
-            damped[0] += damping * band[0] + 1e-6 * band[0].mean()
-            step, solved = solve_banded(damped, gradient)
-            trial = bench.moved(control, -step)
-            trial_value, trial_gradient, trial_band, trial_angles = model(trial)
-            if solved and trial_value < value:
-                break
-            damping = max(8 * damping, 1e-4)
-        else:
-            break
-        gain = value - trial_value
-        smooth = np.sqrt(angles**2 + soft.bend**2)
-        signs = (angles + (1 - signs * angles / smooth) * (trial_angles - angles)) / smooth
-        signs = np.clip(signs, -SURE_SIGN, SURE_SIGN)
-        control, value, gradient, band, angles = trial, trial_value, trial_gradient, trial_band, trial_angles
-        damping = max(damping / 5, 1e-7)
-        if gain < enough * abs(value):
-            break
-    return control, signs
+        moves = moves_along(null_space(candidate, problem.task, part)[low:high], BAND)
+    even = float(leg_lengths(even_basis(n, nodes)[seen] @ candidate.curve.control).mean())
+    return _Bench(problem, slice(low, high), spans, even, moves)
 
 
 @lru_cache(maxsize=64)

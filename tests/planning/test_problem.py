@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.polish import spread_of
-from ipoa_mission.planning.problem import encode, follow, null_space, pinned, prepare, refine, surround
+from ipoa_mission.planning.obstacle_grid import Sparse
+from ipoa_mission.planning.polish import moves_along
+from ipoa_mission.planning.problem import Matrix, encode, follow, null_space, pinned, prepare, refine, surround
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")
@@ -85,11 +86,22 @@ def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via:
         whole += np.diag(band[k, : size - k], -k) + (np.diag(band[k, : size - k], k) if k else 0.0)
     ways = np.kron(free, np.eye(3))
     expected = ways.T @ whole @ ways
-    slope, reduced = spread_of(free, reach).reduced(gradient, band)
+    moves = moves_along(free, reach)
+    reduced = _dense(moves.cells, band.size) @ band.ravel()
+    reduced = reduced.reshape(moves.reach + 1, moves.free)
+    np.testing.assert_allclose(_dense(moves.ways, ways.shape[1]), ways)
+    slope = _dense(moves.turned, size) @ gradient
     np.testing.assert_allclose(slope, ways.T @ gradient, atol=1e-12)
     for k in range(len(expected)):
         reduced_band = reduced[k, : len(expected) - k] if k < len(reduced) else 0.0
         np.testing.assert_allclose(reduced_band, np.diag(expected, -k), atol=1e-12)
+
+
+def _dense(matrix: Sparse, columns: int) -> Matrix:
+    dense = np.zeros((len(matrix.starts) - 1, columns))
+    rows = np.repeat(np.arange(len(dense)), np.diff(matrix.starts))
+    np.add.at(dense, (rows, matrix.columns), matrix.weights)
+    return dense
 
 
 def test_a_part_is_varied_and_the_rest_stays(scenario: Make) -> None:

@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.deviation import clearance_guarantee
 from ipoa_mission.forecast.timing.flight_model import FlightModel
-from ipoa_mission.planning import planner, polish
+from ipoa_mission.planning import _path_model, planner
 
 LIMITS = tomllib.loads(Path(__file__).with_name("planning_work.toml").read_text(encoding="utf-8"))
 SHIPPED = Path(__file__).parents[2] / "missions"
@@ -36,7 +36,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
     count("clearance_guarantees", clearance_guarantee, "clearance_guarantee_of")
     count("contingency_batches", ContingencyPaths, "_at")
     count("searches", planner, "minimize")
-    count("polishing_stages", polish, "_descend")
+    count("polishing_stages", _path_model, "descend")
     return counts
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
-from ipoa_mission.planning.obstacle_grid import Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
+from ipoa_mission.planning.obstacle_grid import Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
 from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
@@ -21,7 +21,7 @@ from ipoa_mission.wind import CALM
 MODULES = {
     "path_costs": "planning._kernels",
     "survey": "planning._kernels",
-    "path_model": "planning._path_model",
+    "descend": "planning._path_model",
     "spread": "planning._dijkstra",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
@@ -67,11 +67,13 @@ def kernels() -> Iterator[Kernel]:
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2), _numbers(1))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
+    sparse = Sparse(_numbers(1, np.int64), _numbers(1, np.int64), _numbers(1))
+    moves = Moves(0, 1, 0, sparse, sparse, sparse)
     clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "survey": (_numbers(2), grid, rules),
-        "path_model": (_numbers(2), spans, 1, grid, rules, soft, 1.0, _numbers(2)),
+        "descend": (_numbers(2), _numbers(2), spans, moves, grid, rules, soft, 1.0, 1, 1.0),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 7, 1.0, _numbers(2), True, 1.0),
         "farthest": (_numbers(2), _numbers(2)),
