@@ -43,7 +43,9 @@ DETAILS = LatticeDetails()
 
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
 ROUNDING = 1e-9  # of costs, relative
-CUBE = np.array(sorted(np.ndindex(5, 5, 5), key=lambda step: sum((k - 2) ** 2 for k in step))[1:]) - 2
+CUBE: NDArray[np.int64] = (
+    np.array(sorted(np.ndindex(5, 5, 5), key=lambda step: sum((k - 2) ** 2 for k in step))[1:]) - 2
+)
 
 
 @dataclass(frozen=True, eq=False)
