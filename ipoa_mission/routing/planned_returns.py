@@ -49,9 +49,9 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         braking += find_shortfalls(ways, Contingency.LAND)
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
-    if braking:  # needs another path
-        return forecast, (*braking, *(one for one in find_return_shortfalls(ways) if one.part < ReturnLeg.RETURNS))
     short = find_return_shortfalls(ways)
+    if braking or any(one.part < ReturnLeg.CLIMBS for one in short):  # needs another path
+        return forecast, (*braking, *(one for one in short if one.part < ReturnLeg.RETURNS))
     tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
         tried = try_return_altitudes(ways, forecast, short)
@@ -73,7 +73,8 @@ def _with_rally_points(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
-    search, seen = _RallySearch(ways.returning(forecast)), set[Shortfall]()
+    times = [one.time for one in short if one.part >= ReturnLeg.RETURNS]
+    search, seen = _RallySearch(ways.returning(forecast), times), set[Shortfall]()
     for _ in range(EFFORT.max_proved):
         if (rally := search.propose()) is None:
             break
@@ -166,13 +167,19 @@ EFFORT = RallyEffort()
 
 
 class _RallySearch:
-    """A search for the fewest rally points by which returns from sampled instants are clear."""
+    """A search for the fewest rally points by which returns from sampled instants are clear.
 
-    def __init__(self, paths: ContingencyPaths) -> None:
+    `times` [s]: sampled too.
+    """
+
+    def __init__(self, paths: ContingencyPaths, times: list[float]) -> None:
         self._paths, forecast = paths, paths.forecast
         self._tried = set[tuple[int, ...]]()
+        self._times: Vector
+        self._margins: NDArray[np.float64]
+        self._away: NDArray[np.float64]
         self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(forecast))])
-        self._sample(np.linspace(*paths.in_air, EFFORT.sample_count))
+        self._sample(np.unique([*np.linspace(*paths.in_air, EFFORT.sample_count), *times]))
         if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
             own = int(np.searchsorted(self._times, forecast.guarantee.flight.cruise_span[1]))
             keep = self._margins[min(own, len(self._times) - 1)] >= 0.0
