@@ -98,6 +98,7 @@ class SeekEffort:
     max_searches: int = 6
     repeated_searches: int = 1  # with larger margins
     seed_count: int = 2
+    most_delay: float = 1.1  # ratio to the first route's time
 
 
 EFFORT = SeekEffort()
@@ -148,7 +149,9 @@ def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
 
 
 def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.max_searches) -> Attempt:
-    """Return the first attempt that holds, of at most `plans` paths.
+    """Return the first attempt that holds, of at most `plans` paths, or that of the next path if it is quicker.
+
+    The next path is planned if the first lost time to its contingencies.
 
     Raises:
         TooNear: no attempt holds.
@@ -157,6 +160,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     """
     expect_wide(scenario)
     nearest: Attempt | None = None
+    slow: Attempt | None = None
     planned = set[bytes]()
     tries = ((number, margins) for number in range(seed, seed + EFFORT.seed_count) for margins in _margins(scenario))
     for number, margins in islice(tries, plans):
@@ -166,17 +170,23 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
                 continue
             planned.add(curve)
             progress(0.9, "choosing waypoints, proving returns")
-            attempt = _move_until_safe(plan, margins, scenario)
+            attempt, delay = _move_until_safe(plan, margins, scenario)
         except NoPath as error:
             margins.closed = True
             if margins.world is scenario and not isinstance(error, NotFound):
                 raise
             missing = error
             continue
+        if slow is not None:
+            return min(slow, attempt, key=lambda one: (not one.holds, one.sketched.seconds))
         if attempt.holds:
-            return attempt
-        if nearest is None or attempt.slack > nearest.slack:
+            if delay < EFFORT.most_delay or plans == 1:
+                return attempt
+            slow = attempt
+        elif nearest is None or attempt.slack > nearest.slack:
             nearest = attempt
+    if slow is not None:
+        return slow
     if nearest is None:
         raise missing
     raise TooNear(nearest)
@@ -230,9 +240,9 @@ def _as_printed(scenario: Scenario) -> bool:
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
-def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> Attempt:
-    """Return the best attempt after moving the plan aside; record in `margins`."""
-    latest = best = best_route(plan, scenario, EFFORT.hopeless_slack)
+def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple[Attempt, float]:
+    """Return the best attempt after moving the plan aside, and its delay to the first; record in `margins`."""
+    latest = best = first = best_route(plan, scenario, EFFORT.hopeless_slack)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
@@ -247,7 +257,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> Attem
         latest = best_route(replace(latest.plan, curve=moved), scenario, promising)
         in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
-    return best
+    return best, best.sketched.seconds / first.sketched.seconds
 
 
 def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
