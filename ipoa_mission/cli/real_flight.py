@@ -67,7 +67,9 @@ class RealVehicle:
     def _fly_on(self, vehicle: Vehicle, job: Job) -> tuple[list[str], FlightRecord]:
         remarks, contingencies = list[str](), list[ContingenciesNow]()
         first, anyway, set_params = self.on_vehicle.begin - 1, self.on_link.anyway, self.on_vehicle.set_params
-        stages = partial(_showing_contingencies, job, vehicle, contingencies)
+        stages = partial(
+            _showing_contingencies, job, vehicle, contingencies, f"{self.on_vehicle.link} --system {vehicle.system}"
+        )
         options = ProcedureOptions(first, anyway, job.ignore, set_params, stages, remarks.append)
         try:
             with reporting_interrupt(""):  # between two stages
@@ -91,10 +93,10 @@ def _begun_at_item(job: Job, item: int) -> Job:
 
 @contextmanager
 def _showing_contingencies(
-    job: Job, vehicle: Vehicle, contingencies: list[ContingenciesNow], stage: Stage
+    job: Job, vehicle: Vehicle, contingencies: list[ContingenciesNow], link: str, stage: Stage
 ) -> Iterator[Progress]:
     """Yield stages with this second's contingencies, computed before arming: in the air links must be served."""
-    with showing_stage(stage) as show:
+    with showing_stage(stage, link) as show:
         if stage is Stage.READY and job.forecast.scenario is not None:
             with suppress(MissionError):
                 contingencies.append(ContingenciesNow(job.forecast))

@@ -10,7 +10,7 @@ import pytest
 import typer
 
 from ipoa_mission.cli import flight_output, linking
-from ipoa_mission.cli.interrupting import Interrupted, done, reporting_interrupt
+from ipoa_mission.cli.interrupting import CHANGES, Change, ChangesMade, Interrupted, reporting_interrupt
 from ipoa_mission.cli.output import confirm
 from ipoa_mission.flight import procedure
 from ipoa_mission.flight.flight import Flight
@@ -59,7 +59,7 @@ STAGES = {
 
 HINTS = {
     Stage.START: "look at the vehicle: it may be flying",
-    Stage.FLIGHT: "`ipoa-mission pause` and `rtl` with the same --link command it",
+    Stage.FLIGHT: "to command it: `ipoa-mission pause --link {link}`, or `rtl`",
 }
 
 
@@ -119,7 +119,7 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         assert there.flight.armed is armed
     result = json.loads(ended.out)
     assert (ended.code, result["exit_code"], result["error"]) == (130, 130, words)
-    assert result["hint"] == HINTS.get(stage)
+    assert result["hint"] == (HINTS[stage].format(link=link) if stage in HINTS else None)
     assert result["written"] == ["hop.tlog"]
     assert result["completed"] is False
     assert (there.table.values["MPC_XY_CRUISE"], there.table.values["RTL_RETURN_ALT"]) == parameters
@@ -137,11 +137,11 @@ def test_ctrl_c_in_a_stage_says_what_the_vehicle_holds(
         ("clear --link {link}", linking, "_report", "stopped: the vehicle's lists are deleted", 0),
         ("set-current 1 --link {link}", linking, "connect_to", "stopped: nothing was done", 0),
         ("download back.plan --link {link}", Vehicle, "download", "stopped: back.plan was not written", 1),
-        ("download back.plan --link {link}", linking, "_report", "stopped", 2),
+        ("download back.plan --link {link}", linking, "_report", "stopped; files written: 2", 2),
         ("fly {mission} --link {link}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
         ("fly {mission}", flight_output, "print_flown", "stopped: hop: the vehicle is disarmed", 1),
         ("demo", Flight, "report", "stopped: campus: the vehicle is disarmed", 5),
-        ("plan campus --report", Flight, "report", "stopped", 4),
+        ("plan campus --report", Flight, "report", "stopped; files written: 4", 4),
     ],
 )
 def test_ctrl_c_says_what_a_verb_has_done(
@@ -182,11 +182,10 @@ def test_ctrl_c_at_a_question_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_the_link_s_more_exact_words_follow_the_earlier_changes() -> None:
-    done.clear()
-    done["parameters"] = "parameters were written: MPC_XY_CRUISE"
+    CHANGES.set(ChangesMade({Change.PARAMETERS: "parameters were written: MPC_XY_CRUISE"}))
     with pytest.raises(Interrupted) as ended, reporting_interrupt("either mission"):
         raise Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
-    done.clear()
+    CHANGES.set(ChangesMade())
     words = "stopped: parameters were written: MPC_XY_CRUISE; cancelled: the vehicle keeps the mission it had"
     assert str(ended.value) == words
     assert ended.value.known["holds"] == "old"
