@@ -24,6 +24,7 @@ from ipoa_mission.forecast.forecast import Forecast as Forecast
 from ipoa_mission.forecast.forecast import estimate as estimate
 from ipoa_mission.forecast.timing.estimate import Estimate as Estimate
 from ipoa_mission.forecast.timing.estimate import ItemTime as ItemTime
+from ipoa_mission.geodesy import Geodetic as Geodetic
 from ipoa_mission.link.channel import LinkDown as LinkDown
 from ipoa_mission.link.connect import connect as connect
 from ipoa_mission.link.conversations import KeepsChanging as KeepsChanging
@@ -82,7 +83,6 @@ from ipoa_mission.survey.survey_flight import plan_survey as plan_survey
 from ipoa_mission.wind import Wind as Wind
 from ipoa_mission.world.airspace import Airspace as Airspace
 from ipoa_mission.world.airspace import Bounds as Bounds
-from ipoa_mission.world.frame import Geodetic as Geodetic
 from ipoa_mission.world.obstacles import Cylinder as Cylinder
 from ipoa_mission.world.obstacles import Prism as Prism
 from ipoa_mission.world.obstacles import Sphere as Sphere

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
@@ -16,7 +17,6 @@ from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.world.frame import Geodetic
 from tests.px4_waypoints import PX4_117
 
 T = TypeVar("T")

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.waypoints_file import OTHER_LISTS
-from ipoa_mission.world.frame import Geodetic
 
 LATITUDE = st.floats(-90, 90)
 LONGITUDE = st.floats(-180, 180)

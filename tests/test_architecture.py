@@ -13,19 +13,20 @@ import ipoa_mission
 from ipoa_mission.cli.app import VERBS
 
 PACKAGE = Path(ipoa_mission.__file__).parent
+ON_GEOMETRY = {"geodesy", "ground"}
 #: Everyone may import these.
-GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind"}
+GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind", *ON_GEOMETRY}
 
 #: From the ground up: a room may import the named ones, listed before it.
-_MISSION = {"autopilot", "mission", "world"}  # what all above a mission know
-_PLANNED = {"forecast", "planning", "scenario", *_MISSION}
+_MISSION = {"autopilot", "mission"}  # what all above a mission know
+_PLANNED = {"forecast", "planning", "scenario", "world", *_MISSION}
 MAY_IMPORT = {
     "compiled": set(),
     "world": {"compiled"},
     "maps": {"world"},
     "optimize": set(),
     "autopilot": set(),
-    "mission": {"autopilot", "world"},
+    "mission": {"autopilot"},
     "scenario": {"autopilot", "maps", "world"},
     "planning": {"compiled", "optimize", "scenario", "world"},
     "forecast": _PLANNED - {"forecast"},
@@ -41,7 +42,7 @@ MAY_IMPORT = {
 VEHICLES = ("arducopter", "px4_multicopter")
 MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
 _BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
-MAY_IMPORT["cli"] = _BELOW_THE_CLI
+MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"world"}
 MAY_IMPORT["paper"] = _BELOW_THE_CLI | {"cli"}
 MAY_IMPORT["learn"] = _BELOW_THE_CLI | {"cli"}
 MAY_IMPORT["survey"] = _BELOW_THE_CLI | {"cli"}
@@ -99,6 +100,8 @@ def imports(path: Path) -> set[str]:
 
 
 def allowed(here: str) -> set[str]:
+    if here in ON_GEOMETRY:
+        return {here, "geometry"}
     return {here, "errors"} if here in GROUND else MAY_IMPORT.get(here, set()) | GROUND | {here}
 
 

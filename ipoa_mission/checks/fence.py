@@ -9,8 +9,8 @@ from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.polygon import union_of
 
 

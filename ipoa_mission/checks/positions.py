@@ -12,8 +12,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.leg_limits import above_or_below, landings
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.world.frame import Geodetic, apart
 
 MAX_DISTANCE = 100_000.0  # from home [m]
 MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # above home [m]

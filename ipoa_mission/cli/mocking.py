@@ -27,8 +27,8 @@ from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.errors import BadInput, OptionConflict
 
 if TYPE_CHECKING:
+    from ipoa_mission.geodesy import Geodetic
     from ipoa_mission.simulator.situation import Conditions
-    from ipoa_mission.world.frame import Geodetic
 
 ZURICH = (47.397742, 8.545594, 488.0)
 
@@ -126,9 +126,9 @@ def mock_setup(
     parameters: Mapping[str, float],
 ) -> MockSetup:
     """Return the scenario's values, replaced by options. Raises BadInput."""
+    from ipoa_mission.geodesy import Geodetic
     from ipoa_mission.scenario import read_scenario
     from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, Conditions
-    from ipoa_mission.world.frame import Geodetic
 
     if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")

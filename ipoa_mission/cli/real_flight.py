@@ -20,12 +20,12 @@ from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.progress import Progress
-from ipoa_mission.world.frame import Geodetic
 
 log = logging.getLogger(__name__)
 

@@ -9,13 +9,13 @@ import numpy as np
 from ipoa_mission.centimeters import down, falls_short, up
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
+from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
-from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:

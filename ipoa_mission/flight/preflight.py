@@ -20,13 +20,13 @@ from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.forecast.leg_limits import landings
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.world.frame import Geodetic, apart
 
 log = logging.getLogger(__name__)
 

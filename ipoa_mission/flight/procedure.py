@@ -10,6 +10,7 @@ from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
@@ -17,7 +18,6 @@ from ipoa_mission.link.vehicle_setup import OtherValue, idle_fence, other_values
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import ConformanceMonitor

@@ -12,9 +12,9 @@ from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import pieces_of
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.flight_record import Deviation, DeviationKind
-from ipoa_mission.world.frame import Geodetic
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,12 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
 from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
+from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.energy import Consumption

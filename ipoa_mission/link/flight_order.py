@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
 from ipoa_mission.link.logbook import Logbook
@@ -16,7 +17,6 @@ from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
-from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import ConformanceMonitor

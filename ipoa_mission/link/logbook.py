@@ -7,6 +7,7 @@ from typing import Protocol
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import LAST_NAV, MULTICOPTER_LANDINGS, Command
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
@@ -14,7 +15,6 @@ from ipoa_mission.link.vehicle_state import IN_AIR_HEIGHT
 from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.world.frame import Geodetic, apart
 
 COMPLETE = 5  # MISSION_STATE
 LANDING_RADIUS = 20.0  # around the place of its LAND [m]

@@ -8,12 +8,12 @@ from typing import TypeVar
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
-from ipoa_mission.world.frame import Geodetic
 
 M = TypeVar("M", bound=m.Message)
 

@@ -15,6 +15,7 @@ from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
@@ -36,7 +37,6 @@ from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, to_wire
 from ipoa_mission.progress import Progress, count, silent
-from ipoa_mission.world.frame import Geodetic
 
 log = logging.getLogger(__name__)
 STARTUP_S = 60.0

@@ -13,6 +13,7 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
@@ -21,7 +22,6 @@ from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.stored_mission import from_wire, home_item
-from ipoa_mission.world.frame import Geodetic
 
 AIRBORNE_HEIGHT = 1.0  # a rise that counts as flight [m]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import TooFar
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
+from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame
 
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,) [m]
 

@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes, printed
@@ -49,7 +50,6 @@ from ipoa_mission.maps.planar import MapExtent, clean_polygons, closed_as_polygo
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
-from ipoa_mission.world.frame import LocalFrame
 
 # Unreadable values may hide a greater height.
 HEIGHTENING = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)

@@ -18,10 +18,10 @@ from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NotCovered, imported
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Vector
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.lengths import FOOT
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
 UPPER_LEVEL = 1000.0  # second altitude of conversion [m]

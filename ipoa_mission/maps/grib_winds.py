@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps.wind_levels import (
     FARTHEST_DEG,
     Component,
@@ -20,7 +21,6 @@ from ipoa_mission.maps.wind_levels import (
     to_east_north,
     unit_factor,
 )
-from ipoa_mission.world.frame import Geodetic
 
 SHORT_NAME = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # of eccodes: u, 10u, 100v, 10si, wdir
 SHORT_NAMES = {

@@ -8,7 +8,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
-from ipoa_mission.world.ground import Ground
+from ipoa_mission.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 

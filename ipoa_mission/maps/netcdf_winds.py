@@ -15,6 +15,7 @@ from pyproj import CRS
 from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps.wind_levels import (
     FARTHEST_DEG,
     Component,
@@ -25,7 +26,6 @@ from ipoa_mission.maps.wind_levels import (
     to_east_north,
     unit_factor,
 )
-from ipoa_mission.world.frame import Geodetic
 
 STANDARD_COMPONENTS = {
     **dict.fromkeys(("eastward_wind", "x_wind"), Component.EAST),

@@ -8,11 +8,11 @@ from typing import Any, TypeAlias
 
 import shapely
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.feature import Feature, Missing
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.planar import MapExtent, to_plane
 from ipoa_mission.unread import Unread
-from ipoa_mission.world.frame import LocalFrame
 
 MOST_NAMED = 3
 # Certainly no obstacle, file, reason.

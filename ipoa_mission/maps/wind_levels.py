@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from pyproj import CRS, Geod, Proj
 
 from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
-from ipoa_mission.world.frame import Geodetic
 
 FARTHEST_DEG = 0.5  # to the nearest grid point
 Times = NDArray[np.datetime64]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput, NotCovered, NothingThere
 from ipoa_mission.files import read_bytes
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.grib_winds import grib_winds
@@ -15,7 +16,6 @@ from ipoa_mission.maps.netcdf_winds import netcdf_winds
 from ipoa_mission.maps.wind_levels import Datum, ForecastWind, ForecastWinds, Times, WindSamples
 from ipoa_mission.unread import gathered
 from ipoa_mission.wind import MAX_LEVELS, Wind
-from ipoa_mission.world.frame import Geodetic
 
 FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
 HIGHEST = 500.0  # above home [m]; one level above is read

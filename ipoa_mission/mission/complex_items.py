@@ -14,10 +14,10 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, SphericalPlane
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import ComplexItem, Item, camera_trigger, waypoint
 from ipoa_mission.mission.json_node import Node
-from ipoa_mission.world.frame import Geodetic, SphericalPlane
 
 TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from ipoa_mission.autopilot.commands import Command, Frame, command_name
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
-from ipoa_mission.world.frame import Geodetic
 
 #: Command: stay inside.
 POLYGON = {Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}

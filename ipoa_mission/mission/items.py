@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.geodesy import Geodetic
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.ground import LEVEL, Ground, HighPlace
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import LEVEL, Ground, HighPlace
 
 
 def landing_height(mission: Mission) -> float | None:

@@ -14,6 +14,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Fram
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
@@ -21,7 +22,6 @@ from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.stored_mission import settle_frames
-from ipoa_mission.world.frame import Geodetic
 
 
 class AltitudeMode(IntEnum):

@@ -14,8 +14,8 @@ from ipoa_mission.autopilot.commands import Command, Frame, command_name, plain_
 from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.world.frame import Geodetic
 
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:

@@ -14,12 +14,12 @@ from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.autopilot.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.errors import BadInput, MissionError, WrongFormat
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import NUMBER
 from ipoa_mission.mission.stored_mission import home_item, settle_frames
-from ipoa_mission.world.frame import Geodetic
 
 FIRST_LINE = "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"

@@ -15,12 +15,12 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.frame import LocalFrame
 
 
 @dataclass(frozen=True)

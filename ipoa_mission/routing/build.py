@@ -5,6 +5,7 @@ import numpy as np
 from ipoa_mission.autopilot.guidance_profile import WaypointDefaults
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.itinerary.unknown import MAX_TURN_DEG, turn_deg
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import (
     FenceCircle,
@@ -24,7 +25,6 @@ from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 # [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5

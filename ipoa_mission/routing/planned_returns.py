@@ -30,10 +30,10 @@ from ipoa_mission.forecast.contingency.shortfalls import (
     try_return_altitudes,
 )
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.frame import Geodetic
 
 NAMED = 3  # in a note on LAND
 RALLIED_ALTITUDES = 3  # at which rally points are tried

@@ -11,10 +11,10 @@ from ipoa_mission.forecast.contingency.shortfalls import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import landings
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.frame import Geodetic
 
 
 def slow_landings(mission: Mission, scenario: Scenario) -> Mission:

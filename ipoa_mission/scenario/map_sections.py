@@ -5,13 +5,13 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, model_validator
 
 from ipoa_mission.errors import NothingThere
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, existing_file
-from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.terrain import Grid
 
 

@@ -12,7 +12,9 @@ from pydantic_core import PydanticKnownError
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput, TooFar
+from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
@@ -41,8 +43,6 @@ from ipoa_mission.scenario.vehicle_section import VehicleSection
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, swap_hint
-from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 # docs/lab/profiles.md: few stops save most time and energy.
 PROFILES: Mapping[str, Mapping[str, Any]] = {

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import default_autopilot
 from ipoa_mission.errors import BadInput, NothingThere
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.scenario.scenario_file import parse_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FREE_RADIUS = 12.0  # [m]
 UNKNOWN_ALTITUDE = "home.altitude_amsl is 0 m: correct it, or give --elevation FILE or --home LAT LON ALT"

@@ -4,11 +4,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.around import Box
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.unread import Unread
-from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain

@@ -4,11 +4,11 @@ import numpy as np
 import shapely
 from pydantic import Field, field_validator, model_validator
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
+from ipoa_mission.ground import Ground
 from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
 from ipoa_mission.scenario.section import Positive, Section
-from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
 

@@ -5,11 +5,11 @@ from typing import Annotated, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import Ground
 from ipoa_mission.scenario.map_sections import ElevationTerrain
 from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
-from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]

@@ -12,7 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, InvalidRing, NotCovered
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
@@ -32,8 +34,6 @@ from ipoa_mission.scenario.place_sections import (
 )
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import LEVEL, Ground
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain

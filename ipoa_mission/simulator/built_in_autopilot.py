@@ -7,6 +7,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame, VehicleCommand
 from ipoa_mission.autopilot.parameters import REAL32, Parameters
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
@@ -20,7 +21,6 @@ from ipoa_mission.simulator.mock_vehicle import MockVehicle
 from ipoa_mission.simulator.reporting import Reporter
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, STEP_S, Conditions
-from ipoa_mission.world.frame import Geodetic
 
 #: The message that each command older than REQUEST_MESSAGE requests.
 OLD_REQUESTS: Mapping[int, str] = {

@@ -8,10 +8,10 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.firmware_tables import Firmware
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import values_of
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
 def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:

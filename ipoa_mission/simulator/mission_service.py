@@ -8,6 +8,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
@@ -18,7 +19,6 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, home_item
 from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
-from ipoa_mission.world.frame import Geodetic
 
 KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
 MAX_READERS = 16

@@ -14,6 +14,7 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.forecast.itinerary.program import Program
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.situation import (
@@ -26,7 +27,6 @@ from ipoa_mission.simulator.situation import (
     SimulatedVehicle,
     Situation,
 )
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
 class Pilot(Protocol):

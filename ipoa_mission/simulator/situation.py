@@ -11,9 +11,9 @@ from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Program
 from ipoa_mission.geometry import Place
+from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.ground import LEVEL, Ground
 
 STEP_S = 0.02  # [s]
 

@@ -8,11 +8,11 @@ import shapely
 import tomlkit
 
 from ipoa_mission.errors import BadInput, InvalidRing
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapArea, OwnArea, PutCorner
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.survey.survey_area import depth_of, parts_of
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 DIGITS, DEGREES = 2, 7  # decimals of meters and of degrees
 #: [east, north] or [latitude, longitude]

@@ -8,12 +8,12 @@ from typing import Any
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
+from ipoa_mission.geodesy import REACH, Geodetic, apart
 from ipoa_mission.maps.map_reader import READERS
 from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.studio.edits import parse_table
 from ipoa_mission.studio.requests import Change, Put, Shift
-from ipoa_mission.world.frame import REACH, Geodetic, apart
 
 LARGEST = 200_000_000  # [bytes]
 MODELS = (".tif", ".tiff", ".hgt")

@@ -14,6 +14,7 @@ from tomlkit.items import AoT, Array
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.autopilot.commands import Command, Frame, plain_frame
 from ipoa_mission.errors import BadInput, WrongFormat
+from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_io import parse_mission
@@ -38,7 +39,6 @@ from ipoa_mission.studio.requests import (
     TakeItem,
 )
 from ipoa_mission.studio.vocabulary import LngLat, Path
-from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 Placed = TypeVar("Placed", Item, Geodetic)
 

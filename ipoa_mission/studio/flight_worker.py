@@ -18,6 +18,7 @@ from ipoa_mission.forecast.contingency.contingencies import ContingencyRow
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import connect, open_line
@@ -32,7 +33,6 @@ from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded,
 from ipoa_mission.studio.handed import HandedOver
 from ipoa_mission.studio.processes import Answer, JobOrder, work
 from ipoa_mission.studio.vocabulary import InFlight
-from ipoa_mission.world.frame import Geodetic
 
 LISTEN_S = 1.5  # per link; heartbeats come once a second
 USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")

@@ -14,6 +14,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.link.definitions import params_in_words
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
@@ -27,7 +28,6 @@ from ipoa_mission.studio.flight_answers import Checked, Flaw, ItemField, ItemKin
 from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
-from ipoa_mission.world.frame import LocalFrame
 
 #: Label and unit by command and param; others are shown if not zero.
 FIELDS: Mapping[int, Mapping[int, tuple[str, str]]] = {

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.area_edits import rings_in
@@ -35,7 +36,6 @@ from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.survey_section import SurveySection, surveyed_area
 from ipoa_mission.survey.survey_task import SurveySketch
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.frame import LocalFrame
 
 
 def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) -> SurveyArea:

@@ -12,6 +12,7 @@ from contourpy import FillType, contour_generator
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import LocalFrame, radii_of_curvature
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.map_extent import ground_mesh, round_step
@@ -20,7 +21,6 @@ from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
-from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
 CELLS = 96  # of the ground, along the longer side
 

@@ -9,12 +9,12 @@ import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.survey_section import between
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.frame import LocalFrame
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ import shapely
 
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.ground import Ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
-from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import union_of
 

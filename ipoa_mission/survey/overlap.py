@@ -11,11 +11,11 @@ import shapely
 
 from ipoa_mission import Command
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import Ground
 from ipoa_mission.survey.sight import Sight, lifted
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import Ground
 
 
 @dataclass(frozen=True)

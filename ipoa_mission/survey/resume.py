@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.geometry import Points
+from ipoa_mission.ground import Ground
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.ground import Ground
 
 MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 

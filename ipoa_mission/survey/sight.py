@@ -9,11 +9,11 @@ import shapely
 
 from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import Ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.survey_section import BAND, SurveySection
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.ground import Ground
 
 MIN_TRIGGER = 0.1  # [m]
 USUAL_OVERLAP = 0.7

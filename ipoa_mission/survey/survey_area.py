@@ -7,11 +7,11 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
+from ipoa_mission.geodesy import REACH, LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
-from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.polygon import union_of
 
 LEAST_M2 = 1e-3

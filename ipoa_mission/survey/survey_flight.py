@@ -19,6 +19,7 @@ from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight_files import write_files, write_several
 from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.waypoints_file import left_out
@@ -33,7 +34,6 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_fligh
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
-from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.logs.flight_log import FlightLog

@@ -8,6 +8,7 @@ import shapely
 from pydantic import AfterValidator, Field, PositiveInt, WithJsonSchema, model_validator
 
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.map_sections import NoFlyMap
@@ -25,7 +26,6 @@ from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Reach
 from ipoa_mission.survey.camera import GivenCamera
 from ipoa_mission.survey.survey_area import Area, corridor, depth_of, drawn, expect_here, mapped, shapes_in
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 
 BAND = 0.15  # share of height over uneven ground

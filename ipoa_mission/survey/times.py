@@ -11,12 +11,12 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey._kernels import path_seconds
 from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 RIGHT_ANGLE = 4  # index in ANGLES
 ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.world.ground import Ground
+from ipoa_mission.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle, straightened
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Terrain

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, radii_of_curvature
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
 Spot: TypeAlias = tuple[float, int, float]  # height [m], leg, fraction
 

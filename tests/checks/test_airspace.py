@@ -14,12 +14,12 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
 from ipoa_mission.forecast.leg_limits import broken_limits
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic
-from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
 from tests.finding_codes import codes_of

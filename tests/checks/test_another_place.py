@@ -8,12 +8,12 @@ import pytest
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
-from ipoa_mission.world.frame import Geodetic
 from tests.finding_codes import codes_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses

@@ -11,6 +11,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import (
     FenceCircle,
     FencePolygon,
@@ -25,7 +26,6 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.world.frame import Geodetic
 from tests.finding_codes import codes_of
 from tests.mission_strategies import missions
 from tests.px4_waypoints import PX4_117

@@ -6,10 +6,10 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import home_elsewhere, refusals
 from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import write_export
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 AUSTRALIA, JAPAN = Geodetic(-35.363, 149.165, 584.0), Geodetic(36.319, 138.650, 900.0)

@@ -7,10 +7,10 @@ import pytest
 import ipoa_mission
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.cli.check_files import sarif
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.rules import RULES
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 from tools.generate import findings
 

@@ -6,9 +6,9 @@ import pytest
 
 from ipoa_mission import Mission, check_mission, read_scenario
 from ipoa_mission.finding import Severity
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.0, 8.0, 500.0)
 

@@ -8,9 +8,9 @@ import pytest
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.px4_waypoints import waypoint
 from tests.quick_search import search_quickly
 from tests.refused import refuses

@@ -5,8 +5,8 @@ from dataclasses import replace
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 

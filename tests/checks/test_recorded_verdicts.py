@@ -6,11 +6,11 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import MissionType, Result
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.judgement import judge
-from ipoa_mission.world.frame import Geodetic
 from tests.verdicts import RECORDS, Record, read_record
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

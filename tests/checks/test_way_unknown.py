@@ -11,9 +11,9 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.checks.check import check, check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)

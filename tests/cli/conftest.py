@@ -13,6 +13,7 @@ import typer
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.mission.items import Mission, land, takeoff
@@ -21,7 +22,6 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.px4_waypoints import waypoint
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly

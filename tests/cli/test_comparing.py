@@ -4,9 +4,9 @@ from pathlib import Path
 import pytest
 import shapely
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.world.frame import LocalFrame
 from tests.cli.conftest import Run
 from tests.logs.several import write_several
 

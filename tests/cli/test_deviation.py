@@ -8,7 +8,7 @@ from ipoa_mission import Forecast, read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.geodesy import Geodetic
 from tests.cli.conftest import Run, Serve
 from tests.cli.test_surveying import SCENARIO
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.item_run import ItemsSent
 from ipoa_mission.mission.mission_io import read_mission, write_mission
-from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Planned, Run, Serve
 
 PASSPHRASE = "correct horse battery staple"

@@ -4,8 +4,8 @@ import pytest
 
 from ipoa_mission import Autopilot, Geodetic, read_mission, read_scenario
 from ipoa_mission.cli.mocking import ZURICH, mock_setup
+from ipoa_mission.ground import LEVEL
 from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.world.ground import LEVEL
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -5,9 +5,9 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run
 
 HOME, THERE = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.3985, 8.5456)

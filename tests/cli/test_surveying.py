@@ -10,8 +10,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli import linking
 from ipoa_mission.cli.groups import LinkOptions
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
 from tests.logs.several import write_several
 

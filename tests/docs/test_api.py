@@ -17,6 +17,7 @@ from pydantic import BaseModel
 import ipoa_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
@@ -25,7 +26,6 @@ from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 from tests.quick_search import QUICK, search_quickly
 

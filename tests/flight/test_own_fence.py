@@ -9,9 +9,9 @@ from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.flight.preflight import breaches, expect_fit
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)

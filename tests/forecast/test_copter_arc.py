@@ -13,9 +13,9 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.copter_curves import arc_center, arc_chords, arc_length, arc_radius, turn_of
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -10,6 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_entry, circle_radius, circle_turn
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
@@ -17,7 +18,6 @@ from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.vehicles.arducopter.braking import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -10,8 +10,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 
 Places = list[tuple[float, float, float]]
 VINES, HURDLES = Geodetic(49.8, 9.93, 200.0), Geodetic(47.397742, 8.545594, 488.0)

@@ -10,6 +10,7 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate as predict
 from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -20,7 +21,6 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = Geodetic(39.101, 121.82, 20.0)

@@ -9,7 +9,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.geodesy import LocalFrame
 from tests.recorded_flights import Recorded, read_flights
 
 COPTER = read_flights(Autopilot.ARDUPILOT)

@@ -5,8 +5,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.3977, 8.5456, 488.0)
 NORTH, CORNER, EAST, SOUTH = (

@@ -11,10 +11,10 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.recorded_flights import FLOWN_ON
 

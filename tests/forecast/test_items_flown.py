@@ -15,10 +15,10 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import LocalFrame
 
 FOLDERS = sorted((Path(__file__).resolve().parents[1] / "items_flown").iterdir())
 FLOWN = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name.removesuffix("-ardupilot"))

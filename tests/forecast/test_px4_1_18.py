@@ -12,9 +12,9 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
-from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 
 AWAY = Path(__file__).parent / "flyaway" / "h6_rally-px4.plan"

@@ -11,8 +11,8 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 
 ROWS = list(csv.DictReader(Path(__file__).with_name("takeoffs-4.8.csv").read_text(encoding="utf-8").splitlines()))
 HOME, THERE = Geodetic(46.9232, 10.5127, 1050.0), Geodetic(46.9242, 10.5127, 1050.0)

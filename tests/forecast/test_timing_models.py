@@ -10,6 +10,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -25,7 +26,6 @@ from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE as 
 from ipoa_mission.vehicles.arducopter.parameter_table import RENAMED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import normal
 from ipoa_mission.wind import Wind
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 HOME = Geodetic(39.101, 121.82, 20.0)

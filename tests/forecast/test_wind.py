@@ -5,11 +5,11 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.frame import Geodetic
 from tests.recorded_flights import FLIGHTS, IN_WIND, Recorded, read_flight, read_flights
 
 FLOWN = read_flights(Autopilot.ARDUPILOT, IN_WIND)

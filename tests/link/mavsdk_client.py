@@ -6,13 +6,13 @@ import sys
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import upload
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
 from ipoa_mission.link.mavsdk_backend import MavsdkVehicle, connect
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 from tests.quick_link import hurry
 
 HOME = Geodetic(47.4, 8.5, 400.0)

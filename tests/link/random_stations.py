@@ -15,6 +15,7 @@ from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import clear, download, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
@@ -25,7 +26,6 @@ from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff,
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 US = Target(245, 190)

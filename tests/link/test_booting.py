@@ -7,6 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.flight.procedure import Stage, fly_mission
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED
@@ -23,7 +24,6 @@ from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.refused import refuses
 

@@ -8,6 +8,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
@@ -20,7 +21,6 @@ from ipoa_mission.mission.flight_record import Deviation, DeviationKind
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.link_pair import far_end, line_of
 from tests.px4_waypoints import waypoint
 from tests.refused import refuses

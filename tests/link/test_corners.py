@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.geodesy import Geodetic, swap_hint
 from ipoa_mission.link.codec import numbered
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
@@ -12,7 +13,6 @@ from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.mock_profile import asks_every
-from ipoa_mission.world.frame import Geodetic, swap_hint
 from ipoa_mission.world.obstacles.cylinder import RoundZone
 
 

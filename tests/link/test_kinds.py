@@ -7,6 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, VehicleKind
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import wait
@@ -19,7 +20,6 @@ from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.channel import Address, LinkDown, Transport, UdpChannel, open_channel, parse_address
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target
 from ipoa_mission.link.connect import connect, meet, open_line
@@ -23,7 +24,6 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses

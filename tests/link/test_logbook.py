@@ -1,12 +1,12 @@
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.logbook import Logbook, watch
 from ipoa_mission.link.messages import ARMED_FLAG, CommandAck, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.world.frame import Geodetic
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME, THERE = Geodetic(47.4, 8.5, 400.0), Geodetic(47.401, 8.5, 400.0)

@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("mavsdk")
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import upload
 from ipoa_mission.link.channel import UdpChannel, parse_address
 from ipoa_mission.link.codec import Codec
@@ -19,7 +20,6 @@ from ipoa_mission.link.vehicle import ConnectionOptions
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import to_wire
-from ipoa_mission.world.frame import Geodetic
 from tests.examples import vehicles
 from tests.quick_link import hurry
 

@@ -5,6 +5,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
@@ -17,7 +18,6 @@ from ipoa_mission.link.vehicle_state import ON_GROUND, SETTLED_S, ModeWatch, Veh
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import onboard_list as onboard_lists
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -21,7 +22,6 @@ from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
 from tests.px4_waypoints import waypoint

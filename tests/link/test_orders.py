@@ -5,6 +5,7 @@ from typing import TypeVar
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import orders
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
@@ -27,7 +28,6 @@ from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.scripted_answers import lead_by
 from tests.refused import refuses
 

@@ -8,6 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
@@ -23,7 +24,6 @@ from ipoa_mission.link.vehicle_setup import without_station
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.link.suited import suited
 from tests.px4_waypoints import waypoint

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import NoAnswer
@@ -27,7 +28,6 @@ from ipoa_mission.link.signing import (
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end
 from tests.refused import refuses
 

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import ARMED_FLAG, Current, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle_setup import idle_fence, other_values, own_values
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import FenceCircle, Mission, return_to_launch, takeoff
-from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 ARMED, DISARMED = (Heartbeat(2, MavAutopilot.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))

@@ -6,6 +6,7 @@ import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
@@ -20,7 +21,6 @@ from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import line_of
 from tests.refused import refuses

@@ -8,6 +8,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.flight.procedure import load_mission, upload_mission
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import connect as connecting
 from ipoa_mission.link import orders
 from ipoa_mission.link import vehicle as verbs
@@ -29,7 +30,6 @@ from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypo
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
-from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import line_of
 from tests.refused import refuses

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.logs.flight_log import _Known, _Stretch, read_flights
 from ipoa_mission.logs.logged import Begun
 from ipoa_mission.mission.items import waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.vehicles.arducopter.log import _differences
 from ipoa_mission.vehicles.px4_multicopter import log as ulog
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -7,11 +7,11 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.messages import Heartbeat
 from ipoa_mission.logs.flight_log import read_flight, read_flights
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import vehicles
 from tests.logs.log_writers import WRITERS, Flown, write_dataflash, write_ulog
 from tests.refused import refuses

@@ -17,12 +17,12 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
 from ipoa_mission.learn.fit import fit, left_out, median_errors, timed
 from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import vehicles
 from tests.recorded_flights import FLOWN_ON
 from tests.refused import refuses

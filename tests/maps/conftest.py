@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 
 WriteMap = Callable[..., Path]
 

@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
@@ -20,7 +21,6 @@ from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
 from ipoa_mission.unread import Unread
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 400.0))

@@ -7,12 +7,12 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.ground import Ground
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
 from ipoa_mission.maps.map_obstacles import raise_obstacles
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses

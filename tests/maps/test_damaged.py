@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.planar import MapExtent, to_plane
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 from tests.refused import refuses
 

@@ -7,8 +7,8 @@ import pytest
 from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.elevation import ElevationRules, local_grid
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.refused import refuses
 

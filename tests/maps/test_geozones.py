@@ -7,10 +7,10 @@ import pytest
 from pyproj import Geod
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 CENTER = [8.002, 47.0]  # 152 m east of home

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import LocalFrame
 
 WriteMap = Callable[..., Path]
 At = Callable[[float, float], list[float]]

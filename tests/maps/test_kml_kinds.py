@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from shapely import Point
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import Zones, find_zones
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 
 RING = "8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.001 8.0,47.0"

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps import geojson, streamed
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.building_rules import BuildingRules
@@ -15,7 +16,6 @@ from ipoa_mission.maps.buildings import find_buildings, search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.scenario import parse_scenario, surroundings
-from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some
 
 WITHIN: Box = (np.array([-150.0, -100.0]), np.array([200.0, 120.0]))

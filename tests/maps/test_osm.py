@@ -3,10 +3,10 @@ from pathlib import Path
 import pytest
 import shapely
 
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 CORNERS = {1: (47.0, 8.0), 2: (47.0, 8.004), 3: (47.003, 8.004), 4: (47.003, 8.0)}

@@ -11,13 +11,13 @@ import shapely
 from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.conftest import degrees
 from tests.refused import refuses
 

@@ -5,11 +5,11 @@ from typing import Any
 import pytest
 import shapely
 
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import count_passed_over
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]

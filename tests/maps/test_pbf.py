@@ -8,12 +8,12 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps import map_reader, pbf
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.test_osm import RELATION, TOWN, node, way_xml
 from tests.refused import refuses
 

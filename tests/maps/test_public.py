@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import shapely
 
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import LocalFrame
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]

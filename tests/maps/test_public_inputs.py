@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import Zones, find_zones
 from ipoa_mission.maps.geozones import VerticalLimit
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.winds import read_wind
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = LocalFrame(Geodetic(53.3, -6.3, 50.0))
 RING = [[-6.24, 53.33], [-6.22, 53.33], [-6.22, 53.34], [-6.24, 53.34], [-6.24, 53.33]]

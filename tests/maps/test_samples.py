@@ -4,9 +4,9 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 QGC, FIELDS, INTERUSS = "DonLakeFlyer+qgroundcontrol/test", "Fields2Cover+Fields2Cover/data", "interuss+monitoring"
 RID = "monitoring/uss_qualifier/test_data"

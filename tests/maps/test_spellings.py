@@ -8,11 +8,11 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings, search_buildings
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.001], [8.0, 47.0]]

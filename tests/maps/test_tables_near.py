@@ -7,9 +7,9 @@ import shapely
 from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 pyogrio = pytest.importorskip("pyogrio")

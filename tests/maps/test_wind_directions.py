@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from pyproj import CRS, Transformer
 
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps.winds import read_wind
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)

@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps import netcdf_winds
 from ipoa_mission.maps.winds import read_wind
-from ipoa_mission.world.frame import Geodetic
 
 xarray = pytest.importorskip("xarray")
 HOME = Geodetic(47.4, 8.5, 488.0)

@@ -7,10 +7,10 @@ import pytest
 
 from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.maps.winds import read_wind
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.wind import Wind
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 pytestmark = pytest.mark.skipif(find_spec("xarray") is None, reason="needs xarray")

@@ -8,13 +8,13 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.ground import LEVEL
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.map_obstacles import raise_obstacles, raise_span
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.wires import spans, volts_of, wire_of
-from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import LEVEL
 
 At = Callable[[float, float], list[float]]
 WriteMap = Callable[..., Path]

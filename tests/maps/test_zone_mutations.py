@@ -8,9 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))
 RING = [[8.002, 47.0], [8.004, 47.0], [8.004, 47.001], [8.002, 47.001], [8.002, 47.0]]

@@ -3,9 +3,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, takeoff
 from ipoa_mission.mission.mission_io import read_mission, write_mission
-from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import same
 from tests.refused import refuses
 

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -20,7 +21,6 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.mission.stored_mission import as_stored, compare, from_wire, to_wire
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = Geodetic(39.101, 121.82, 20.0)

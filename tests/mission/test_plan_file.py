@@ -11,11 +11,11 @@ from ipoa_mission.autopilot import autopilot as autopilots
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.parameter_file import read_parameter_file
 from ipoa_mission.mission.plan_file import plan_text
-from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
 

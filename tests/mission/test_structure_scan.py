@@ -8,9 +8,9 @@ import shapely
 
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
-from ipoa_mission.world.frame import SphericalPlane
 
 HOME = [47.398027, 8.54612, 488.2]
 SQUARE = [[47.398, 8.546], [47.398, 8.547], [47.3975, 8.547], [47.3975, 8.546]]

@@ -10,10 +10,10 @@ from hypothesis import assume, given
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import TAKEOFFS
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
-from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
 from tests.refused import refuses
 

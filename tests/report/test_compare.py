@@ -12,12 +12,12 @@ import ipoa_mission as api
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.page import report_html
-from ipoa_mission.world.frame import LocalFrame
 from tests.px4_waypoints import PX4_117
 from tests.report.conftest import Bowed, Foreseen
 

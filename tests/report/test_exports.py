@@ -10,6 +10,7 @@ from pyproj import Geod
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import (
     FenceCircle,
     FencePolygon,
@@ -25,7 +26,6 @@ from ipoa_mission.report.exports import EXPORTS, write_export
 from ipoa_mission.report.exports.map_formats import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 fastkml = pytest.importorskip("fastkml")

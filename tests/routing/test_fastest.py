@@ -12,6 +12,7 @@ from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.forecast.timing.track import thinned
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
@@ -23,7 +24,6 @@ from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
-from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 

@@ -10,13 +10,13 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.checks.test_ground import ARDUPILOT, PX4, slope
 from tests.examples import some
 from tests.quick_search import search_quickly

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 from tests.refused import refuses
 

@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.survey.camera import CAMERAS
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_section import surveyed_area
 from ipoa_mission.survey.survey_task import expect_survey
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 HOME = {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 400.0}

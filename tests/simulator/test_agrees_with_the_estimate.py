@@ -8,10 +8,10 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.forecast import estimate
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 
 HOME = Geodetic(39.101, 121.82, 20.0)

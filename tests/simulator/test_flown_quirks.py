@@ -7,6 +7,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import (
     Ack,
     ClearAll,
@@ -29,7 +30,6 @@ from ipoa_mission.mission.items import Item, Mission, change_speed, land, return
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.simulator.situation import Conditions, FlightMode
-from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown
 

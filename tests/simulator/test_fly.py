@@ -5,6 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.tlog import read_tlog
@@ -12,7 +13,6 @@ from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, retur
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
-from ipoa_mission.world.frame import Geodetic
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses

@@ -5,6 +5,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.messages import (
     ClearAll,
@@ -32,7 +33,6 @@ from ipoa_mission.link.telemetry import (
 )
 from ipoa_mission.link.wire import INT32_MAX
 from ipoa_mission.mission.items import waypoint
-from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import HOME
 from tests.simulator.flown import Flown
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.messages import (
     Ack,
     CommandAck,
@@ -30,7 +31,6 @@ from ipoa_mission.mission.items import Item, land, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import home_item
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4

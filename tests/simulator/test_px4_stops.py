@@ -3,10 +3,10 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import takeoff, waypoint
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import FlightMode
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MODES = {Contingency.LAND: FlightMode.LAND, Contingency.HOLD: FlightMode.HOLD, Contingency.RTL: FlightMode.RETURN}

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Reached
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.situation import Conditions
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.link_pair import CLIENT
 from tests.recorded_flights import FLOWN_ON

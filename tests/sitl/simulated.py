@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A square beside home [m]: east, north, up.
 SQUARE = ((0.0, 0.0, 12.0), (25.0, 0.0, 12.0), (25.0, 25.0, 15.0), (0.0, 25.0, 12.0))

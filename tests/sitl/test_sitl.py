@@ -6,11 +6,11 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.geodesy import LocalFrame, apart
 from ipoa_mission.link import orders
 from ipoa_mission.link.dialogue import until
 from ipoa_mission.link.messages import CommandResult
 from ipoa_mission.mission.items import FenceCircle, FencePolygon
-from ipoa_mission.world.frame import LocalFrame, apart
 from tests.sitl.bad_radio import bad_radio
 from tests.sitl.simulated import Sitl, interrupt
 

@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from ipoa_mission import read_mission, read_scenario
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from tests.studio import chromium as own
 from tests.studio.chromium import address, browser, own_page, page, proved, pytestmark, scenario_of, until, window
 from tests.studio.pointing import Hand, feature

@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey.cover import CoverProblem, quickest_tour
@@ -17,7 +18,6 @@ from ipoa_mission.survey.flown_coverage import coverage
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.frame import Geodetic
 from tests.examples import examples
 from tests.refused import refuses
 

@@ -17,6 +17,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
@@ -29,7 +30,6 @@ from ipoa_mission.survey.survey_flight import Survey, plan_survey
 from ipoa_mission.survey.survey_report import survey_as_json
 from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
 HOME = {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 400.0}

@@ -3,11 +3,11 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 488.0)

@@ -8,13 +8,13 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from ipoa_mission.autopilot.autopilot import registered
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey._kernels import path_seconds
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.free import FreeSpace, Transits
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.world.frame import Geodetic
 
 ROUNDS = 200
 

@@ -6,12 +6,12 @@ import shapely
 
 from ipoa_mission import plan_survey, read_scenario
 from ipoa_mission.errors import BadInput
+from ipoa_mission.ground import Ground
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.overlap import Overlaps, laid_lines, photo_places, smallest_overlaps
 from ipoa_mission.survey.survey_task import SurveySketch, sketch_survey
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.world.ground import Ground
 from tests.refused import refuses
 
 FIELD = [[[20.0, 10.0], [220.0, 10.0], [220.0, 160.0], [20.0, 160.0]], [[60, 40], [90, 40], [90, 70], [60, 70]]]

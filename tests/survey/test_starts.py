@@ -15,6 +15,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy import NotEnoughBattery
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
@@ -27,7 +28,6 @@ from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.survey.tour_split import RouteCost, StartSites, nearest_areas, quickest_parts
-from ipoa_mission.world.frame import Geodetic, apart
 from tests.refused import refuses
 from tests.survey.test_flights import AIRFRAME, HOME, TOWER, scenario
 from tests.survey.test_split import tour_of

@@ -9,9 +9,9 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare
-from ipoa_mission.world.frame import Geodetic
 from tests.finding_codes import codes_of
 from tests.refused import refuses
 

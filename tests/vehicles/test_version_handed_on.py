@@ -7,12 +7,12 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.mocking import mock_setup
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.built_in_autopilot import ParameterServer
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import Conditions
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.world.frame import Geodetic
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 PX4 = Autopilot.PX4

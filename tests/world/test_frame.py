@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 
 TABLE = np.genfromtxt(Path(__file__).parent.parent / "reference" / "enu.csv", delimiter=",", names=True)
 MILLIMETER = 1e-3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission.world.frame import Geodetic, apart
+from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.world.obstacles import Cylinder, Prism, Sphere
 from tests.world.test_new_kind import CABLE
 

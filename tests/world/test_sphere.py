@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Proj
 
-from ipoa_mission.world.frame import SphericalPlane
-from ipoa_mission.world.ground import EARTH_RADIUS
+from ipoa_mission.geodesy import EARTH_RADIUS, SphericalPlane
 
 
 @given(  # pyproj rounds the center to some 1e-8 degrees: it is given to MAVLink's resolution

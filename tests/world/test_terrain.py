@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy
 
-from ipoa_mission.world.frame import Geodetic, LocalFrame
-from ipoa_mission.world.ground import Ground
+from ipoa_mission.geodesy import Geodetic, LocalFrame
+from ipoa_mission.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 from tests.plain_python import as_plain_python
 from tests.refused import refuses

@@ -20,6 +20,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.flight.procedure import begin_mission
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
@@ -30,7 +31,6 @@ from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.admission_scenes import as_flown_by
 from tools.fly.simulators import connected, load, newest_log, set_up, simulation, true_track
 

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.known_parameters import firmware_of
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import FencePolygon, Mission
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameter_file
-from ipoa_mission.world.frame import Geodetic
 from tools.fuzz.outcome import Reading
 
 HOME = [47.397742, 8.545594, 488.0]

@@ -12,9 +12,9 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate, qgroundcontrol_time
+from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.wind import CALM
-from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
 from tools import REPOSITORY, command_line
 from tools.fly.admission_flight import beside

@@ -27,9 +27,9 @@ from ipoa_mission.autopilot.commands import (
 )
 from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 MAX_ACTIONS = 255  # in passing, of ArduPilot
@@ -78,7 +78,7 @@ def as_flown(mission: Mission) -> Mission:
     """Return the mission with a place and a height in each item that is flown to.
 
     >>> from ipoa_mission.mission.items import takeoff, waypoint
-    >>> from ipoa_mission.world.frame import Geodetic
+    >>> from ipoa_mission.geodesy import Geodetic
     >>> home, there = Geodetic(47.397742, 8.545594, 488.0), Geodetic(47.398642, 8.545594)
     >>> items = (takeoff(home, 15.0), waypoint(there, 0.0))
     >>> as_flown(Mission(home, items, Autopilot.ARDUPILOT)).items[1].altitude

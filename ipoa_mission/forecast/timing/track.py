@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.geodesy import EARTH_RADIUS
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.world.ground import EARTH_RADIUS
 
 THINNING_TOLERANCE = 0.02  # [m]
 

@@ -17,8 +17,8 @@ import numpy as np
 from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
+from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 LonLatUp: TypeAlias = tuple[float, float, float]
 """Longitude [deg], latitude [deg], altitude [m]."""

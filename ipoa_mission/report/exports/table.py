@@ -15,10 +15,10 @@ from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.mission.item_words import details_of, hold_of
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

@@ -19,6 +19,7 @@ from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
+from ipoa_mission.geodesy import SphericalPlane
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
@@ -26,7 +27,6 @@ from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Battery, Begun, Fixes, Log, LogFormat, Measured, presence, version_name
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
-from ipoa_mission.world.frame import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state to HEARTBEAT.custom_mode.

@@ -12,6 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import Place, Points
+from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (
@@ -46,7 +47,6 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
 from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, fly_leg, step
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
-from ipoa_mission.world.ground import LEVEL, Ground
 
 JUST_BEGUN = 0.3  # a later speed change does not replan the leg, as flown [s]
 SAME_PLACE = 1e-3  # [m]

@@ -1,3 +1,5 @@
+"""Heights of the ground over a terrain."""
+
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -5,8 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector
-
-EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
 
 
 class HasHeight(Protocol):

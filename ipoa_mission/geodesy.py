@@ -11,7 +11,8 @@ import numpy as np
 from pyproj import Geod, Transformer
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.ground import EARTH_RADIUS
+
+EARTH_RADIUS = 6_371_000.0  # spherical, as vehicles count heights [m]
 
 
 @dataclass(frozen=True)
