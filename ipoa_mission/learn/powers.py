@@ -15,7 +15,6 @@ from ipoa_mission.autopilot.energy import PowerCurve
 from ipoa_mission.autopilot.learned import Learned
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 
 AIRBORNE_HEIGHT = 2.0  # beyond the ground effect [m]
@@ -43,8 +42,7 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
     Raises:
         MissionError: no positions, or a wrong clock.
     """
-    places = (place for place in flight.messages if isinstance(place, Position))
-    rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])
+    rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in flight.places])
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
     if not len(rows) or np.ptp(rows[:, 0]) > 86_400.0:  # [s]
         raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")

@@ -58,6 +58,10 @@ class LoggedFlight:
     def tells_items(self) -> bool:
         return any(isinstance(message, Current | Reached) for message in self.messages)
 
+    @property
+    def places(self) -> Iterator[Position]:
+        return (message for message in self.messages if isinstance(message, Position))
+
     def flown_in_mission(self) -> tuple[Position, ...]:
         places, is_flying = list[Position](), False
         for message in self.messages:

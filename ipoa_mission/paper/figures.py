@@ -13,17 +13,11 @@ from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import TrialRow, results
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.report.plots import Color
 
-#: distinct with color blindness
+#: distinct with color blindness (Okabe and Ito)
 COLORS = {
-    "ipoa": Color.VERMILLION,
-    "dbo": Color.BLUE,
-    "poa": Color.BLUISH_GREEN,
-    "ssa": Color.ORANGE,
-    "mpoa": Color.REDDISH_PURPLE,
-    "hho": Color.SKY_BLUE,
-    "adaptive-pelican": Color.BLACK,
+    **{"ipoa": "#D55E00", "dbo": "#0072B2", "poa": "#009E73", "ssa": "#E69F00", "mpoa": "#CC79A7", "hho": "#56B4E9"},
+    "adaptive-pelican": "#000000",
 }
 
 
