@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "routing": {"checks", "compiled", *_PLANNED},
     "link": {"checks", "forecast", *_MISSION},
     "logs": {"link", *_MISSION},
-    "simulator": {"link", "forecast", *_MISSION},
+    "simulator": {"link", *_MISSION},
     "report": {"checks", "link", "logs", *_PLANNED},
     "flight": {"checks", "link", "report", "routing", *_PLANNED},
 }
@@ -43,8 +43,8 @@ VEHICLES = ("arducopter", "px4_multicopter")
 MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
 _BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
 MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"world"}
-MAY_IMPORT["paper"] = _BELOW_THE_CLI | {"cli"}
-MAY_IMPORT["learn"] = _BELOW_THE_CLI | {"cli"}
+MAY_IMPORT["paper"] = {"optimize", "planning", "cli"}
+MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | {"cli"}
 MAY_IMPORT["survey"] = _BELOW_THE_CLI | {"cli"}
 MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli", "survey"}
 OF_THE_FACE = {"survey", "paper", "learn", "studio"}  # what they can, they import from `ipoa_mission`

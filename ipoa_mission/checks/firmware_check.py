@@ -31,9 +31,9 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
-from ipoa_mission.forecast.itinerary.program import Steps, as_flown, items_tagged, jump_target, program_of
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.program import Steps, as_flown, items_tagged, jump_target, program_of
 from ipoa_mission.mission.stored_mission import to_wire, values_of
 
 NOT_MEASURED = "version-not-measured"

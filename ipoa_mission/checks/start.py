@@ -9,9 +9,9 @@ from ipoa_mission.autopilot.commands import JUMPS
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.program import jump_target
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
+from ipoa_mission.mission.program import jump_target
 
 HOME_RADIUS = 1.5  # below the error of satellite positioning [m]
 

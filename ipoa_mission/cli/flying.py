@@ -107,10 +107,15 @@ def fly(
 
 def _fly_built_in(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "FlownJob":
     from ipoa_mission.cli.mission_source import FlownJob, landing_remarks
-    from ipoa_mission.simulator.fly import fly_forecast
+    from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 
-    with reporting_interrupt(f"{log} has the part flown"), progress_bar("flying") as bar:
-        record = fly_forecast(job.forecast, seed, faults, log, flying=bar)
+    conditions = conditions_for(job.mission, job.forecast.wind, job.forecast.ground, seed)
+    with (
+        reporting_interrupt(f"{log} has the part flown"),
+        progress_bar("flying") as bar,
+        board(job.mission, conditions, faults, log) as vehicle,
+    ):
+        record = fly_aboard(vehicle, job.mission, flying=bar)
     note_flown(job.name, record.armed)
     return FlownJob(job, landing_remarks(job, record), record)
 

@@ -13,12 +13,12 @@ from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationB
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, join
-from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths, polyline_length
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.report.exports.table import MIN_HEADING_LENGTH
 from ipoa_mission.scenario import Scenario

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
-from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.ground import Ground
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.line import Line
@@ -13,6 +13,7 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import known_ground
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -60,39 +61,32 @@ def fly(
         True
     """
     expect_known(parameters, mission.autopilot)
-    forecast = Forecast(mission.with_parameters(parameters), wind=wind)
-    with board(forecast, seed, faults, log) as vehicle:
-        return _fly(vehicle, forecast.mission, uploading, flying)
+    mission = mission.with_parameters(parameters)
+    with board(mission, conditions_for(mission, wind, seed=seed), faults, log) as vehicle:
+        return fly_aboard(vehicle, mission, uploading, flying)
 
 
-def fly_forecast(
-    forecast: Forecast,
-    seed: int = 0,
-    faults: Faults = PERFECT,
-    log: str | Path | None = None,
-    flying: Progress = silent,
+def fly_aboard(
+    vehicle: Vehicle, mission: Mission, uploading: Progress = silent, flying: Progress = silent
 ) -> FlightRecord:
-    """Fly in the forecast's wind and over its ground."""
-    with board(forecast, seed, faults, log) as vehicle:
-        return _fly(vehicle, forecast.mission, silent, flying)
-
-
-def _fly(vehicle: Vehicle, mission: Mission, uploading: Progress, flying: Progress) -> FlightRecord:
     vehicle.upload(mission, uploading, checked=False)
     vehicle.prepare()
     vehicle.start()
     return vehicle.watch(flying)
 
 
-def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
-    mission = forecast.mission
-    autopilot = BuiltInAutopilot(
-        mission.autopilot,
-        mission.home,
-        mission.parameters,
-        nak_at=faults.nak_at,
-        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle, mission.firmware_version, seed),
-    )
+def conditions_for(mission: Mission, wind: Wind = CALM, ground: Ground | None = None, seed: int = 0) -> Conditions:
+    """`ground`: by default as the mission's landing knows it."""
+    ground = known_ground(mission) if ground is None else ground
+    return Conditions(wind, ground, mission.vehicle, mission.firmware_version, seed)
+
+
+def board(
+    mission: Mission, conditions: Conditions | None = None, faults: Faults = PERFECT, log: str | Path | None = None
+) -> Vehicle:
+    conditions = conditions or conditions_for(mission)
+    home, parameters, seed = mission.home, mission.parameters, conditions.seed
+    autopilot = BuiltInAutopilot(mission.autopilot, home, parameters, nak_at=faults.nak_at, conditions=conditions)
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
     line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)

@@ -13,10 +13,10 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.situation import (
     STANDARD_CONDITIONS,
     STEP_S,

@@ -9,10 +9,10 @@ from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Program
 from ipoa_mission.geometry import Place
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import MAX_ACTIONS, Program
 from ipoa_mission.wind import CALM, Wind
 
 STEP_S = 0.02  # [s]

@@ -28,7 +28,7 @@ from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocit
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.progress import Progress
-from ipoa_mission.simulator.fly import board
+from ipoa_mission.simulator.fly import board, conditions_for
 from ipoa_mission.studio.flight_answers import Heard, HeardLink, Landed, Loaded, OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.handed import HandedOver
 from ipoa_mission.studio.processes import Answer, JobOrder, work
@@ -59,8 +59,8 @@ class FlightWorker:
 
     def _fly(self, handed: HandedOver, order: JobOrder, answer: Answer) -> None:
         link, log = order["link"], Path(order["log"])
-        board_it = board(handed.forecast, log=log) if link is None else connect(link, system=order["system"], log=log)
-        with board_it as vehicle:
+        system = order["system"]
+        with _built_in(handed.forecast, log) if link is None else connect(link, system=system, log=log) as vehicle:
             forecast = handed.forecast.on(vehicle.firmware_version())
             items = len(forecast.given.items)
             name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
@@ -105,6 +105,10 @@ class FlightWorker:
             if start.get(key) != getattr(loaded, key):
                 words = f"not started: {key}: expected {getattr(loaded, key)!r}, not {start.get(key)!r}"
                 raise MissionError(words, hint="upload again", code="upload-again")
+
+
+def _built_in(forecast: Forecast, log: Path) -> Vehicle:
+    return board(forecast.mission, conditions_for(forecast.mission, forecast.wind, forecast.ground), log=log)
 
 
 def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, answer: Answer) -> tuple[Forecast, tuple[str, ...]]:

@@ -5,7 +5,6 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import home_elsewhere, refusals
 from ipoa_mission.flight.preflight import expect_fit
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import write_export
@@ -36,7 +35,7 @@ def test_places_far_from_each_other_are_errors() -> None:
 
 def test_a_vehicle_that_stands_far_from_all_places_is_refused() -> None:
     over_terrain = replace(IN_JAPAN, items=(HERE, replace(waypoint(JAPAN, 25.0), frame=10), return_to_launch()))
-    with board(Forecast(over_terrain)) as vehicle:  # in Australia
+    with board(over_terrain) as vehicle:  # in Australia
         with refuses("unsafe", "", "8010"):
             expect_fit(vehicle, over_terrain)
         assert any("8010 km" in words for words in expect_fit(vehicle, over_terrain, anyway=True))

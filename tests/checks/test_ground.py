@@ -10,7 +10,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.simulator.fly import fly_forecast
+from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 from tests.examples import vehicles
 from tests.px4_waypoints import waypoint
 
@@ -108,7 +108,8 @@ def test_landings_below_at_and_above_home_take_their_own_times(autopilot: Autopi
         )
         flown = Forecast(mission, scenario)
         landing = flown.estimate.items[-1].duration_s
-        here = fly_forecast(flown)
+        with board(flown.mission, conditions_for(flown.mission, flown.wind, flown.ground)) as vehicle:
+            here = fly_aboard(vehicle, flown.mission)
         assert here.item_reached_s[2] - here.item_reached_s[1] == pytest.approx(landing, rel=0.1)
         assert here.path[-1].height == pytest.approx(height, abs=1.0)
         row = mission_table(mission, scenario)[-1]

@@ -24,12 +24,12 @@ from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.forecast.deviation.law import DeviationLaw, Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
-from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel, Prediction
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation

@@ -36,7 +36,7 @@ def plain(autopilot: Autopilot) -> Mission:
 
 
 def aboard(autopilot: Autopilot, version: Version | None) -> Vehicle:
-    return board(Forecast(replace(plain(autopilot), firmware_version=version or Version(0, 0, 0, "dev"))))
+    return board(replace(plain(autopilot), firmware_version=version or Version(0, 0, 0, "dev")))
 
 
 def scenario(version: str, unmeasured: bool = False) -> Scenario:

@@ -8,7 +8,6 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.flight.preflight import breaches, expect_fit
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
@@ -121,10 +120,10 @@ def test_nothing_is_sent_to_a_vehicle_whose_own_fence_is_too_narrow(
     autopilot: Autopilot, own: Parameters, wide: Parameters
 ) -> None:
     flight = mission(autopilot, 200.0, 30.0)
-    with board(Forecast(flight.with_parameters(own))) as vehicle:
+    with board(flight.with_parameters(own)) as vehicle:
         with refuses("outside-own-fence", "", "200.0", "150") as no:
             expect_fit(vehicle, flight)
         assert "--anyway" in str(no.value.hint)
         assert any("200.0 m away from home" in words for words in expect_fit(vehicle, flight, anyway=True))
-    with board(Forecast(flight.with_parameters(wide))) as vehicle:
+    with board(flight.with_parameters(wide)) as vehicle:
         assert not any("fence" in words for words in expect_fit(vehicle, flight))

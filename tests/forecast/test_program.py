@@ -5,9 +5,9 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Item, Mission, change_speed, takeoff, waypoint
+from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.situation import MissionState, Situation
 from tests.refused import refuses
 

@@ -8,7 +8,6 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
 from ipoa_mission.link.messages import CommandAck, CommandResult, Message
@@ -29,7 +28,7 @@ HOME = {Autopilot.ARDUPILOT: "RTL", Autopilot.PX4: "AUTO.RTL"}
 
 def flying(name: str) -> tuple[Mission, Vehicle]:
     mission = read_mission(MISSIONS / name)
-    vehicle = board(Forecast(mission))
+    vehicle = board(mission)
     vehicle.upload(mission)
     vehicle.prepare()
     vehicle.start()
@@ -90,7 +89,7 @@ def test_arducopter_brakes_where_it_cannot_pause() -> None:
 
 @pytest.mark.parametrize("name", ["campus.plan", "sitl.plan"])
 def test_a_vehicle_on_the_ground_is_told_nothing(name: str) -> None:
-    with board(Forecast(read_mission(MISSIONS / name))) as vehicle:
+    with board(read_mission(MISSIONS / name)) as vehicle:
         for order in (vehicle.pause, vehicle.resume, vehicle.return_to_launch):
             with refuses("not-in-the-air", kind=NotReady):
                 order()

@@ -8,10 +8,10 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
-from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
+from ipoa_mission.mission.program import as_flown
 from tests.px4_waypoints import PX4_117
 
 ODD = Path(__file__).parent.parent / "odd"

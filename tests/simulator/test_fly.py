@@ -4,7 +4,6 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
@@ -12,7 +11,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.fly import board, fly
+from ipoa_mission.simulator.fly import board, conditions_for, fly
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses
@@ -55,7 +54,7 @@ def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path
 @pytest.mark.parametrize("autopilot", registered())
 def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot) -> None:
     sent = mission(autopilot, 200)
-    with board(Forecast(sent), seed=5, faults=BAD_RADIO) as vehicle:
+    with board(sent, conditions_for(sent, seed=5), BAD_RADIO) as vehicle:
         vehicle.upload(sent)
         stored = far_end(line_of(vehicle)).autopilot.transfers.stores[MissionType.MISSION].items
     assert compare(to_wire(sent), stored, autopilot) is None
@@ -65,7 +64,7 @@ def test_two_hundred_items_arrive_exactly_over_a_bad_radio(autopilot: Autopilot)
 def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot) -> None:
     fence = (FenceCircle((47.4, 8.5), 500.0),)
     rally = (Geodetic(47.4005, 8.5, 25.0),)
-    with board(Forecast(mission(autopilot))) as vehicle:
+    with board(mission(autopilot)) as vehicle:
         vehicle.upload(replace(mission(autopilot), fence=fence, rally=rally))
         read = vehicle.download()
         assert (read.fence, read.rally) == (fence, rally)
@@ -76,7 +75,7 @@ def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopilot: Autopilot) -> None:
-    with board(Forecast(mission(autopilot))) as vehicle:
+    with board(mission(autopilot)) as vehicle:
         vehicle.upload(mission(autopilot))
         vehicle.set_current(3)
         vehicle.prepare()
@@ -85,7 +84,7 @@ def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopil
 
 
 def test_a_flight_begins_with_another_item_where_that_is_asked_for() -> None:
-    with board(Forecast(mission(Autopilot.PX4))) as vehicle:
+    with board(mission(Autopilot.PX4)) as vehicle:
         vehicle.upload(mission(Autopilot.PX4))
         vehicle.prepare(3)
         vehicle.start()

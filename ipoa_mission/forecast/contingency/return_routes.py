@@ -14,8 +14,8 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
-from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.mission.program import as_flown
 
 WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
-from ipoa_mission.forecast.itinerary.program import over_terrain
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import over_terrain
 
 NEAR_CIRCLE = 3.0  # [m]
 CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards

@@ -26,11 +26,11 @@ from ipoa_mission.forecast.itinerary.copter_curves import (
     spline_tangents,
     turn_of,
 )
-from ipoa_mission.forecast.itinerary.program import as_flown, led_to, next_navigated, onward, over_terrain
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place, Points, Vector, arc_lengths
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.program import as_flown, led_to, next_navigated, onward, over_terrain
 from ipoa_mission.world.terrain import Flat
 
 CHORD_TOLERANCE = 0.005  # of a curve to its chords [m]

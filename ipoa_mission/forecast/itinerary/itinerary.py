@@ -7,11 +7,11 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS,
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
-from ipoa_mission.forecast.itinerary.program import Program, as_flown, jump_target, program_of, repeats
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.program import Program, as_flown, jump_target, program_of, repeats
 
 # Above LAST_NAV, but not instant.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})

@@ -8,10 +8,10 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_curves import WITH_PLACE, circle_radius, entry_is_unsure, reads_as_here
 from ipoa_mission.forecast.itinerary.flown_legs import LEVEL_SPEEDS
-from ipoa_mission.forecast.itinerary.program import Program, as_flown, is_passed, next_navigated, program_of
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.program import Program, as_flown, is_passed, next_navigated, program_of
 
 MAX_TURN_DEG = 150.0  # limit of the forecast's accuracy: docs/lab/flight-time.md
 NO_PLACE = (math.nan, math.nan, math.nan)

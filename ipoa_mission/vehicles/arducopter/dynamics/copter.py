@@ -10,10 +10,10 @@ from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
-from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import Place, Points
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import (
     Course,

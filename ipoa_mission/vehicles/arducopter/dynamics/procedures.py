@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import HOME
 from ipoa_mission.forecast.itinerary.copter_curves import NEAR_CIRCLE, circle_entry, circle_radius, circle_turn
-from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.arducopter.dynamics.copter import SAME_PLACE, Copter
 from ipoa_mission.vehicles.arducopter.dynamics.legs import Stop, straight_leg
 from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
