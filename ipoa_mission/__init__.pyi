@@ -66,10 +66,10 @@ from ipoa_mission.planning.planner import plan_path as plan_path
 from ipoa_mission.report.compare import Comparison as Comparison
 from ipoa_mission.report.compare import compare_flight as compare_flight
 from ipoa_mission.report.exports import write_export as write_export
-from ipoa_mission.report.exports.table import mission_table as mission_table
 from ipoa_mission.report.page import write_report as write_report
 from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
+from ipoa_mission.report.table import mission_table as mission_table
 from ipoa_mission.routing.assemble import assemble as assemble
 from ipoa_mission.routing.battery_split import split as split
 from ipoa_mission.routing.route import NoRoute as NoRoute

@@ -152,7 +152,7 @@ return_routes contingency_paths shortfalls energy_budget contingencies contingen
 FORECAST = "itinerary", "timing", "deviation", "forecast"
 PARTS = (
     tuple(f"forecast/{module}" for module in (*FORECAST, *(f"contingency/{module}" for module in CONTINGENCY.split()))),
-    ("report/exports",),
+    ("report/table", "report/exports"),
 )
 
 

@@ -20,7 +20,7 @@ from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 
 if TYPE_CHECKING:
-    from ipoa_mission.report.exports.table import Row
+    from ipoa_mission.report.table import Row
 
 
 def show(
@@ -44,7 +44,7 @@ def show(
     from ipoa_mission.cli.reading import read_requested, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.report.exports.table import rows_of, shown
+    from ipoa_mission.report.table import rows_of, shown
     from ipoa_mission.unread import unread_as_json
 
     expect_world_of(contingencies, scenario)

@@ -20,7 +20,7 @@ from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import as_flown
 from ipoa_mission.planning.proof import Proof, prove
-from ipoa_mission.report.exports.table import MIN_HEADING_LENGTH
+from ipoa_mission.report.table import MIN_HEADING_LENGTH
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 

@@ -11,7 +11,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.report.exports import forecast_text
-from ipoa_mission.report.exports.table import mission_table
+from ipoa_mission.report.table import mission_table
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.finding_codes import codes_of

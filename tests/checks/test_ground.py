@@ -8,7 +8,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff
-from ipoa_mission.report.exports.table import mission_table
+from ipoa_mission.report.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 from tests.examples import vehicles

@@ -13,8 +13,8 @@ from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.item_edits import without_item
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.report.exports.map_formats import lines_of
-from ipoa_mission.report.exports.table import mission_table
+from ipoa_mission.report.exports import lines_of
+from ipoa_mission.report.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from tests.finding_codes import codes_of

@@ -7,8 +7,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.report.exports.map_formats import lines_of
-from ipoa_mission.report.exports.table import mission_table
+from ipoa_mission.report.exports import lines_of
+from ipoa_mission.report.table import mission_table
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)

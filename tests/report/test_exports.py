@@ -22,9 +22,8 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
-from ipoa_mission.report.exports import EXPORTS, write_export
-from ipoa_mission.report.exports.map_formats import lines_of
-from ipoa_mission.report.exports.table import mission_table
+from ipoa_mission.report.exports import EXPORTS, lines_of, write_export
+from ipoa_mission.report.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from tests.refused import refuses
 

@@ -1,4 +1,4 @@
-"""GeoJSON (RFC 7946), KML 2.2 (OGC 07-147r2) and GPX 1.1: path, items, rally points, home; not in GPX the fence.
+"""Write a mission as CSV, GeoJSON (RFC 7946), KML 2.2 (OGC 07-147r2) and GPX 1.1; not in GPX the fence.
 
 Altitudes are above mean sea level, in GeoJSON too (`altitude_datum`); the RFC's are above the ellipsoid. A height above
 terrain is KML's `relativeToGround`; GeoJSON has it in properties only, GPX not at all.
@@ -6,19 +6,27 @@ terrain is KML's `relativeToGround`; GeoJSON has it in properties only, GPX not 
 
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 from xml.etree import ElementTree as Tree
 
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
+from ipoa_mission.checks.positions import refuse_unsound
+from ipoa_mission.errors import WrongSuffix
+from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.report.table import to_csv
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 LonLatUp: TypeAlias = tuple[float, float, float]
 """Longitude [deg], latitude [deg], altitude [m]."""
@@ -248,3 +256,34 @@ def _element(parent: Tree.Element, tag: str, text: str | None = None, **attribut
 def _text_of(root: Tree.Element) -> str:
     Tree.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Tree.tostring(root, encoding="unicode") + "\n"
+
+
+Export: TypeAlias = Callable[[Forecast, str], str]
+EXPORTS: dict[str, Export] = {".kml": to_kml, ".geojson": to_geojson, ".csv": to_csv, ".gpx": to_gpx}
+
+
+def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None" = None) -> None:
+    """Write the mission in the format of the suffix; the same mission gives the same bytes.
+
+    Args:
+        mission: to write.
+        path: ends in a suffix of `EXPORTS`, like `.kml`.
+        scenario: gives heights above its ground; a landing goes down to it.
+
+    Raises:
+        BadInput: no such format, a position or height that cannot be drawn, or the file cannot be written.
+
+    Example:
+        >>> from ipoa_mission import read_mission, write_export
+        >>> write_export(read_mission("missions/sitl.plan"), "sitl.kml")
+    """
+    path = Path(path)
+    if path.suffix.lower() not in EXPORTS:
+        raise WrongSuffix(f'expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"', place=path)
+    write_atomically(path, forecast_text(Forecast(mission, scenario), path.suffix.lower(), path.stem))
+
+
+def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
+    """Raise BadInput for an undrawable position or height."""
+    refuse_unsound(forecast.given)
+    return EXPORTS[suffix](forecast, name)
