@@ -8,11 +8,15 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
-from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ContingencySamples, ReturnLeg
+from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ReturnLeg
 from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
-from ipoa_mission.forecast.contingency.shortfalls import find_shortfalls, try_return_altitudes
+from ipoa_mission.forecast.contingency.shortfalls import (
+    find_shortfalls,
+    nearest_of,
+    nearest_of_legs,
+    try_return_altitudes,
+)
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.wind import CALM, Wind
 
 
@@ -83,19 +87,10 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
             seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
-            worst = _check(paths, samples, int(np.argmin(short)), legs)
+            worst = nearest_of_legs(paths, samples, int(np.argmin(short)), legs)
             words = f"{name_items(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
             hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
-
-
-def _check(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
-    some = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
-    if GROUND in samples.which[n, :, legs.start : legs.stop]:
-        checks = (check for path in some for check in prove_ground(path[:2], paths.forecast.world))
-        return min(checks, key=lambda check: check.slack)
-    clearances = (paths.enlarged.airspace.obstacle_clearance(path) for path in some)
-    return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)
 
 
 def _remedy(paths: ContingencyPaths) -> str | None:
@@ -127,6 +122,6 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     if len(unclear):
         seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
         worst = unclear[np.argmin(samples.slack[unclear])]
-        kept = Check("obstacles", paths.exactly(Contingency.LAND, samples, int(worst)), paths.required)
+        kept = nearest_of(paths, Contingency.LAND, samples, int(worst))
         words = f"{name_items(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -19,7 +19,7 @@ from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
-from ipoa_mission.planning.proof import prove_ground
+from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.scenario import Scenario
 
 HEIGHT_STEP, MAX_HEIGHT = 5, 500  # [m above home]
@@ -156,3 +156,16 @@ def find_shortfalls(
             climbs = number >= 0 and leg == ReturnLeg.CLIMBS
             over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
             yield Shortfall(contingency, float(samples.times[n]), name, -float(short[n, k, leg]), leg, over)
+
+
+def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
+    return Check("obstacles", paths.exactly(contingency, samples, n), paths.required)
+
+
+def nearest_of_legs(paths: ContingencyPaths, samples: ContingencySamples, n: int, legs: range) -> Check:
+    some = [path[legs.start : legs.stop + 1] for path in samples.paths[n][samples.possible[n]]]
+    if GROUND in samples.which[n, :, legs.start : legs.stop]:
+        checks = (check for path in some for check in prove_ground(path[:2], paths.forecast.world))
+        return min(checks, key=lambda check: check.slack)
+    clearances = (paths.enlarged.airspace.obstacle_clearance(path) for path in some)
+    return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), paths.required)
