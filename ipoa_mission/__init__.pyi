@@ -6,13 +6,14 @@ from ipoa_mission.autopilot.commands import Frame as Frame
 from ipoa_mission.autopilot.energy import NotEnoughBattery as NotEnoughBattery
 from ipoa_mission.checks.check import check_mission as check_mission
 from ipoa_mission.checks.start import NotAtStart as NotAtStart
-from ipoa_mission.checks.unsafe import Unsafe as Unsafe
 from ipoa_mission.errors import BadInput as BadInput
 from ipoa_mission.errors import MissionError as MissionError
+from ipoa_mission.errors import Unsafe as Unsafe
 from ipoa_mission.finding import Finding as Finding
 from ipoa_mission.finding import Severity as Severity
 from ipoa_mission.flight.flight import Flight as Flight
 from ipoa_mission.flight.flight import plan_flight as plan_flight
+from ipoa_mission.flight.flight_parts import split as split
 from ipoa_mission.flight.preflight import FarFromHome as FarFromHome
 from ipoa_mission.flight.preflight import FastLanding as FastLanding
 from ipoa_mission.flight.preflight import LowBattery as LowBattery
@@ -71,7 +72,6 @@ from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.report.table import mission_table as mission_table
 from ipoa_mission.routing.assemble import assemble as assemble
-from ipoa_mission.routing.battery_split import split as split
 from ipoa_mission.routing.route import NoRoute as NoRoute
 from ipoa_mission.scenario import Scenario as Scenario
 from ipoa_mission.scenario import read_scenario as read_scenario

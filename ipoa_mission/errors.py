@@ -174,6 +174,10 @@ class NotModeled(MissionError):
     """No model computes this."""
 
 
+class Unsafe(MissionError):
+    """The checks found errors; the message has one line for each."""
+
+
 def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = MissionError) -> Any:
     """Import a library of an extra, or raise `wrong` with the message `needed`."""
     try:

@@ -6,17 +6,13 @@ from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.firmware_check import check_version
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, Unsafe
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.unread import Unread
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
-
-
-class Unsafe(MissionError):
-    """The checks found errors; the message has one line for each."""
 
 
 def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:

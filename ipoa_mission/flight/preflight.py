@@ -14,8 +14,8 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
 from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.checks.positions import refusals
-from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
-from ipoa_mission.errors import MissionError
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.errors import Unsafe
 from ipoa_mission.forecast.contingency.contingencies import (
     Contingencies,
     contingencies_of,

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
+from ipoa_mission.forecast.contingency.energy_budget import greatest_fitting
 from ipoa_mission.geometry import Points, Vector, polyline_length
-from ipoa_mission.routing.battery_split import greatest_fitting
 from ipoa_mission.survey.survey_area import Area
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour, without_repeats

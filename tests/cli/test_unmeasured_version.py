@@ -16,7 +16,7 @@ from ipoa_mission import (
 )
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.errors import Unsafe
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission

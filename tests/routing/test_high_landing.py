@@ -7,7 +7,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.checks.unsafe import Unsafe
+from ipoa_mission.errors import Unsafe
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame

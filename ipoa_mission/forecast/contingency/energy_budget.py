@@ -1,6 +1,6 @@
 """Compare the energy of a flight, and of an RTL from each place, with the battery."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -176,3 +176,20 @@ def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
 def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
+
+
+def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
+    """Return the greatest number up to `count` that fits; quick if `guess` is near.
+
+    Energy grows with the part flown before the return: flights as long as possible are the fewest.
+    """
+    least, beyond, here, step = 0, count + 1, guess, 1
+    while beyond - least > 1:
+        here = min(max(here, least + 1), beyond - 1)
+        least, beyond = (here, beyond) if fits(here) else (least, here)
+        if least > 0 and beyond <= count:
+            here = (least + beyond) // 2
+        else:
+            here = least + step if beyond > count else beyond - step
+        step *= 2
+    return least
