@@ -149,7 +149,7 @@ def test_a_flight_is_worked_out_in_one_place(name: str) -> None:
 CONTINGENCY = """
 return_routes contingency_paths shortfalls energy_budget contingencies contingencies_now
 """
-FORECAST = "itinerary", "timing", "deviation", "forecast"
+FORECAST = "itinerary", "timing", "flight_energy", "deviation", "forecast"
 PARTS = (
     tuple(f"forecast/{module}" for module in (*FORECAST, *(f"contingency/{module}" for module in CONTINGENCY.split()))),
     ("report/table", "report/exports"),

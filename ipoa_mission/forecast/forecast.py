@@ -198,7 +198,7 @@ class Forecast:
         if (self.scenario is None and self.mission.vehicle is None) or not np.diff(track.times).any():
             return None
         from ipoa_mission.autopilot.energy import TimedPath
-        from ipoa_mission.scenario.budget import flight_energy
+        from ipoa_mission.forecast.flight_energy import flight_energy
 
         path = TimedPath(track.times, track.points, track.speeds)
         return flight_energy(self.scenario, path, self.mission.vehicle, self.wind)

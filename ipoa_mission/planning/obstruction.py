@@ -8,10 +8,10 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.lattice import Lattice, lay
+from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
-from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, GRADIENT_STEP, LEAST_FLIGHT = 1e-6, 1e-4, 0.1  # [m]

@@ -66,3 +66,7 @@ PathTask: TypeAlias = PathProblem | Scenario
 def problem_of(task: PathTask) -> PathProblem:
     given = {one.name: getattr(task, one.name) for one in fields(PathProblem)}
     return PathProblem(**given)
+
+
+def place_names(places: Points) -> list[str]:
+    return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]

@@ -15,7 +15,7 @@ from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.deviation.proximity import TYPICAL_CHANCE
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound
-from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.path_problem import PathTask, place_names
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
 from ipoa_mission.planning.planner import move_aside, plan_path
@@ -28,7 +28,6 @@ from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_g
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.routing.slower import ChangeTrials, slowed_where_needed
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 

@@ -77,10 +77,6 @@ def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
     return np.vstack([*stops, goal])
 
 
-def place_names(places: Points) -> list[str]:
-    return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
-
-
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
     """Return circles around places (k, 3) below `least` [m]."""
     heights = spots[:, 2] - airspace.ground(spots)

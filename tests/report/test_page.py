@@ -12,6 +12,7 @@ import pytest
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy import TimedPath
 from ipoa_mission.centimeters import down
+from ipoa_mission.forecast.flight_energy import flight_energy
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.mission.items import return_to_launch
@@ -23,7 +24,6 @@ from ipoa_mission.report.page import PageNotes, report_html, write_report
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Foreseen, Planned
 

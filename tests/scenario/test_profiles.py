@@ -7,8 +7,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.energy import NotEnoughBattery, TimedPath, power, shortage
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.flight_energy import battery_of, flight_energy
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.scenario.budget import battery_of, flight_energy
 from ipoa_mission.scenario.model import PROFILES
 from tests.refused import refuses
 

@@ -11,8 +11,8 @@ from ipoa_mission.autopilot.energy import LIFTED_DISTANCE, Battery, Consumption,
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import predict_contingency
+from ipoa_mission.forecast.flight_energy import battery_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.scenario.budget import battery_of
 
 RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.path_problem import PathTask, problem_of
+from ipoa_mission.planning.path_problem import PathTask, place_names, problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Clearance
 
 

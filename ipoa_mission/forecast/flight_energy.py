@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from ipoa_mission.autopilot.energy import Battery, Consumption, PowerCurve, TimedPath, by_curve, consumption
 from ipoa_mission.autopilot.learned import LearnedVehicle
-from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM, Wind
 
 
