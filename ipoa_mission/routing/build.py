@@ -1,5 +1,7 @@
 """Build a mission from a route."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import WaypointDefaults
@@ -24,7 +26,6 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.place_sections import FenceSection
 
 # [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5
@@ -79,7 +80,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         items=tuple(items),
         autopilot=scenario.vehicle.autopilot,
         cruise_speed=scenario.vehicle.cruise_speed,
-        fence=tuple(_fence(fence, frame) for fence in scenario.geofence),
+        fence=tuple(_fences(scenario)),
         rally=_rally(scenario),
         parameters=scenario.vehicle.autopilot_parameters(),
         vehicle=scenario.vehicle.learned,
@@ -124,16 +125,18 @@ def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
     ]
 
 
-def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle:
-    if fence.center is not None:
-        assert fence.radius is not None
-        center = _geodetic(np.array([[*fence.center.east_north(frame), 0.0]]), frame)[0]
-        return FenceCircle((center.latitude_deg, center.longitude_deg), fence.radius, fence.inclusion)
-    if fence.polygon_geodetic is not None:
-        return FencePolygon(tuple(fence.polygon_geodetic), fence.inclusion)
-    corners = np.array([(east, north, 0.0) for east, north in fence.polygon or ()])
-    places = _geodetic(corners, frame)
-    return FencePolygon(tuple((place.latitude_deg, place.longitude_deg) for place in places), fence.inclusion)
+def _fences(scenario: Scenario) -> Iterator[FencePolygon | FenceCircle]:
+    frame = scenario.frame
+    for fence in scenario.geofence:
+        if fence.center is not None:
+            assert fence.radius is not None
+            center = _geodetic(np.array([[*fence.center.east_north(frame), 0.0]]), frame)[0]
+            yield FenceCircle((center.latitude_deg, center.longitude_deg), fence.radius, fence.inclusion)
+        elif fence.polygon_geodetic is not None:
+            yield FencePolygon(tuple(fence.polygon_geodetic), fence.inclusion)
+        else:
+            places = _geodetic(np.array([(east, north, 0.0) for east, north in fence.polygon or ()]), frame)
+            yield FencePolygon(tuple((place.latitude_deg, place.longitude_deg) for place in places), fence.inclusion)
 
 
 def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:

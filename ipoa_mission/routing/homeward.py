@@ -7,7 +7,6 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.leg_limits import broken_limits
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.place_sections import Place
 
 if TYPE_CHECKING:
     from ipoa_mission.routing.attempt import Attempt
@@ -33,7 +32,7 @@ def expect_way_home(attempt: "Attempt") -> None:
 
 def by_way_of_the_goal(scenario: Scenario) -> Scenario:
     """Return the scenario with its goal as a via point, and a new one over home."""
-    over_home = Place(east=0.0, north=0.0, up=float(scenario.start_point[2]))
+    over_home = type(scenario.goal)(east=0.0, north=0.0, up=float(scenario.start_point[2]))
     return scenario.model_copy(update={"via": (*scenario.via, scenario.goal), "goal": over_home})
 
 
