@@ -61,10 +61,8 @@ def read_requested(
 
 
 def _two_readers(world: "Scenario") -> Iterator[Finding]:
-    from ipoa_mission.maps.second_reader import differences
-
-    for file in dict.fromkeys(each.file for each in world.maps):
-        yield from differences(file)
+    for section in {each.file: each for each in world.maps}.values():
+        yield from section.differences()
 
 
 def taken_for(read: "MissionFile") -> tuple[str, ...]:

@@ -263,7 +263,7 @@ def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | Non
 def _leg_routes(
     lattice: Lattice, problem: PreparedProblem, ends: tuple[Vector, Vector], most: int, looking: bool
 ) -> list[Points]:
-    from ipoa_mission.planning._dijkstra import spread
+    from ipoa_mission.planning._kernels import spread
 
     start, goal = ends
     source, target = _end(lattice, problem, start), _end(lattice, problem, goal)

@@ -1,16 +1,18 @@
+from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
 from ipoa_mission.errors import NothingThere
+from ipoa_mission.finding import Finding
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_reader import READERS, differences, read_features
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.terrain import Grid
 
@@ -21,6 +23,11 @@ class MapFile(Section):
     file: Annotated[Path, existing_file("a map")]
     """Path relative to the scenario file. Text formats: `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`,
     `.kmz`, `.osm`. Binary formats: `.osm.pbf`, `.parquet`, `.geoparquet`, `.shp`, `.fgb`, `.gpkg`."""
+    suffixes: ClassVar[tuple[str, ...]] = READERS
+
+    def differences(self) -> Iterator[Finding]:
+        """Compare two readers' shapes."""
+        return differences(self.file)
 
 
 class BuildingsMap(MapFile):

@@ -1,15 +1,26 @@
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
+from ipoa_mission.maps.areas import MapArea
+from ipoa_mission.maps.around import Box
+from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
 from ipoa_mission.scenario.section import Positive, Section
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from ipoa_mission.unread import Unread
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone
+from ipoa_mission.world.polygon import rings_of
+from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
+
+UNLIMITED_HEIGHT = 10_000.0  # of a zone [m]
+MARGIN = 100.0  # around the bounds [m]
 
 
 class SphereSection(Horizontal):
@@ -126,3 +137,82 @@ def _vertical_extent(base: float | None, height: float, ground: Ground, footprin
 
 def _ring(corners: Points) -> tuple[tuple[float, float], ...]:
     return tuple((float(east), float(north)) for east, north in corners)
+
+
+def no_fly_prisms(
+    no_fly: Sequence[tuple[NoFlyMap, MapArea]],
+    corners: Box,
+    up: tuple[float, float],
+    terrain: Terrain,
+    frame: LocalFrame,
+) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
+    """Return the zones as obstacles. One with limits below the ground is unlimited, and reported."""
+    prisms, unread = list[Obstacle](), list[Unread]()
+    for section, zone in no_fly:
+        if not zone_near(zone, corners):
+            continue
+        base, top = _ends(section, zone, corners, terrain, frame)
+        if section.base is None and section.top is None and top is not None:
+            least = _ground_under(terrain, _box_of(zone, corners))[0]
+            if top <= max(least, least if base is None else base):
+                what = "limits below the ground, ignored"
+                unread.append(Unread(section.file.name, what, zone.name.removeprefix(f"{section.file}: ")))
+                base = top = None
+        low = base if base is not None else min(up[0], top or 0.0) - MARGIN
+        high = top if top is not None else max(UNLIMITED_HEIGHT, (base or 0.0) + MARGIN)
+        if low < high:
+            prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
+    return tuple(prisms), tuple(unread)
+
+
+def _box_of(zone: MapArea, corners: Box) -> Box:
+    west, south, east, north = shapely.bounds(zone.shape)
+    return np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
+
+
+def _ends(
+    section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
+) -> tuple[float | None, float | None]:
+    base, top = section.base, section.top
+    if zone.lower is None and zone.upper is None:
+        return base, top
+    box = _box_of(zone, corners)
+    ground = _ground_under(terrain, box)
+    reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
+    if base is None and zone.lower is not None:
+        level = zone.lower.height - frame.home.altitude
+        at_sea = level - SeaLevel.around(frame.home, level, reach).drop
+        base = at_sea if zone.lower.reference == "AMSL" else ground[0] + zone.lower.height
+    if top is None and zone.upper is not None:
+        at_sea = zone.upper.height - frame.home.altitude
+        top = at_sea if zone.upper.reference == "AMSL" else ground[1] + zone.upper.height
+    return base, top
+
+
+def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
+    """Return least and greatest height; of a grid, at its nodes."""
+    if isinstance(terrain, Grid):
+        rows, columns = terrain.heights.shape
+        origin = np.array([terrain.east, terrain.north])
+        first = np.clip(np.floor((box[0] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
+    else:
+        heights = on_lines(terrain, box)
+    return float(heights.min()), float(heights.max())
+
+
+def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
+    """Return heights on a lattice, (n,) [m]."""
+    east, north = (np.linspace(box[0][axis], box[1][axis], 33) for axis in (0, 1))
+    return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+
+
+def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
+    """Return which boxes (n, 4) are within `reach`."""
+    boxes = boxes.reshape(-1, 4)
+    return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
+
+
+def zone_near(zone: MapArea, corners: Box) -> bool:
+    return bool(meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

@@ -22,8 +22,15 @@ from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
-from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
-from ipoa_mission.scenario.obstacles import ObstacleSection
+from ipoa_mission.scenario.obstacles import (
+    MARGIN,
+    UNLIMITED_HEIGHT,
+    ObstacleSection,
+    meets,
+    no_fly_prisms,
+    on_lines,
+    zone_near,
+)
 from ipoa_mission.scenario.place_sections import (
     BoundsSection,
     FenceSection,

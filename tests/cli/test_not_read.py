@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import plan_flight
-from ipoa_mission.maps.second_reader import differences
+from ipoa_mission.maps.map_reader import differences
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.scenario import parse_scenario

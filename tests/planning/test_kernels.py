@@ -163,7 +163,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
 
 
 def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
-    from ipoa_mission.planning._dijkstra import spread
+    from ipoa_mission.planning._kernels import spread
 
     anywhere = prepare(scenario())
     rng = np.random.default_rng(5)
@@ -186,7 +186,7 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
 
 def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None:
     """Two nodes on either side of a wall, and one beside each by which it can be passed."""
-    from ipoa_mission.planning._dijkstra import spread
+    from ipoa_mission.planning._kernels import spread
 
     wall = {"kind": "box", "east": 50, "north": 0, "width": 0.2, "depth": 20, "height": 99, "base": 0.0}
     problem = prepare(scenario(obstacles=[wall], vehicle={"radius": 0.1}, safety_distance=0.1))
@@ -199,7 +199,7 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
 
 
 def test_nodes_on_cheap_routes_cost_the_same_within_a_ratio(scenario: Make) -> None:
-    from ipoa_mission.planning._dijkstra import spread
+    from ipoa_mission.planning._kernels import spread
 
     anywhere, rng = prepare(scenario()), np.random.default_rng(3)
     for _ in range(10):

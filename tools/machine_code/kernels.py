@@ -22,7 +22,7 @@ MODULES = {
     "path_costs": "planning._kernels",
     "survey": "planning._kernels",
     "descend": "planning._path_model",
-    "spread": "planning._dijkstra",
+    "spread": "planning._kernels",
     "solve_banded": "planning.banded",
     "extreme": "world._analytic",
     "farthest": "routing._corridor",
