@@ -194,13 +194,16 @@ def _as_json(row: _Row) -> dict[str, Any]:
 
 
 def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
-    east, north, up = flown.least.place
+    near, required = flown.least.nearest, round(flown.least.required, 3)
+    east, north, up = near.place
     return {
-        "least": round(flown.least.distance, 3),
-        "to": flown.least.what,
+        "least": round(near.distance, 3),
+        "to": near.what,
         "place": picked(flown.place, "latitude_deg", "longitude_deg", digits=7)
         | {"east": round(east, 3), "north": round(north, 3), "up": round(up, 3)},
-        **picked(flown, "time_s", "kept", "required", "planned", "promised", "strayed"),
+        **picked(flown, "time_s", "kept"),
+        "required": required,
+        **picked(flown, "planned", "promised", "strayed"),
     }
 
 
@@ -256,7 +259,7 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
 
 
 def _cells(row: _Row) -> tuple[str, ...]:
-    clearance = "" if row.clearance is None else f"{down(row.clearance.least.distance):.2f}"
+    clearance = "" if row.clearance is None else f"{down(row.clearance.least.nearest.distance):.2f}"
     about = (str(row.number), f"{row.flight.armed_s:.1f}")
     if row.compared is None:
         how = "" if row.flight.in_mission else "not in a mission"

@@ -14,8 +14,8 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
+from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.airspace import Clearance
 
 
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
@@ -50,32 +50,32 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
 
 @dataclass(frozen=True)
 class FlownClearance:
-    """The smallest clearance of a flight, the required and the planned one [m].
+    """The smallest clearance of a flight, and the planned one [m].
 
     `least` has the smallest slack, east, north, up of home. `strayed`: the largest distance from the planned legs.
     `promised`: guaranteed.
     """
 
-    least: Clearance
+    least: Check
     place: Geodetic
     time_s: float
-    required: float
     planned: float | None = None
     strayed: float | None = None
     promised: float | None = None
 
     @property
     def kept(self) -> bool:
-        return not falls_short(self.least.distance, self.required)
+        return not falls_short(self.least.nearest.distance, self.least.required)
 
     def words(self) -> str:
-        where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {self.least.place[2]:.1f} m"
+        near, required = self.least.nearest, self.least.required
+        where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {near.place[2]:.1f} m"
         promised = "" if self.promised is None else f", {down(self.promised):.2f} m guaranteed"
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
-            f"least clearance flown {down(self.least.distance):.2f} m, to {self.least.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{promised}; {up(self.required):.2f} m required{verdict}{strayed}"
+            f"least clearance flown {down(near.distance):.2f} m, to {near.what} at {where}, "
+            f"{self.time_s:.1f} s after arming{promised}; {up(required):.2f} m required{verdict}{strayed}"
         )
 
 
@@ -97,11 +97,11 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     if apart(begins, scenario.frame.home) > 20_000.0:  # [m]: of another place
         return None
     points, times = _flown(record, scenario), np.array([sample.time_s for sample in record.path])
-    least, required = _least(points, scenario)
-    if not np.isfinite(least.distance):
+    least = _least(points, scenario)
+    if not np.isfinite(least.nearest.distance):
         return None
-    near = int(np.argmin(np.linalg.norm(points - np.asarray(least.place), axis=1)))
-    place = scenario.frame.geodetic(np.asarray(least.place))
+    at = np.asarray(least.nearest.place)
+    near = int(np.argmin(np.linalg.norm(points - at, axis=1)))
     planned = strayed = promised = None
     forecast = None if mission is None else Forecast(mission, scenario)
     if forecast is not None and (legs := forecast.cruise):
@@ -111,7 +111,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         guarantee = forecast.guarantee_if_known
         clearance = None if guarantee is None else guarantee.clearance
         promised = None if clearance is None else clearance.guaranteed
-    return FlownClearance(least, place, float(times[near]), required, planned, strayed, promised)
+    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, strayed, promised)
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:
@@ -125,19 +125,19 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
     return frame.to_local(latitude, longitude, frame.home.altitude + ground + height)
 
 
-def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
+def _least(points: Points, scenario: Scenario) -> Check:
     world, limits = scenario.airspace, scenario.limits
-    clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
+    checks = [Check("obstacles", world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
     if len(high) and high[-1] > high[0]:
         over = points[high[0] : high[-1] + 1]
         ground = world.terrain_clearance(over)
         path = over[_in_column(over) : len(over) - _in_column(over[::-1])]
         if falls_short(ground.distance, limits.height_above_ground):
-            clearances.append((ground, limits.height_above_ground))
+            checks.append(Check("ground", ground, limits.height_above_ground))
         elif len(path) > 1:  # a climb or descent passes every height
-            clearances.append((world.terrain_clearance(path), limits.height_above_ground))
-    return min(clearances, key=lambda pair: pair[0].distance - pair[1])
+            checks.append(Check("ground", world.terrain_clearance(path), limits.height_above_ground))
+    return min(checks, key=lambda check: check.slack)
 
 
 def _in_column(points: Points) -> int:
