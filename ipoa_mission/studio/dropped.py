@@ -9,9 +9,9 @@ from ipoa_mission.autopilot.commands import WAYPOINTS, Command
 from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.geodesy import REACH, Geodetic, apart
-from ipoa_mission.maps.map_reader import READERS
 from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.scenario.map_sections import MapFile
 from ipoa_mission.studio.edits import parse_table
 from ipoa_mission.studio.requests import Change, Put, Shift
 
@@ -21,7 +21,7 @@ LOGS = (".tlog", ".bin", ".ulg")
 
 
 def keep(
-    name: str, content: bytes, folder: Path, suffixes: Sequence[str] = (*READERS, *MODELS, *MISSIONS, *LOGS)
+    name: str, content: bytes, folder: Path, suffixes: Sequence[str] = (*MapFile.suffixes, *MODELS, *MISSIONS, *LOGS)
 ) -> Path:
     """Write a dropped file next to the scenario, never over another."""
     bare = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission import Airspace, Bounds, Flat
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.centimeters import down, up
@@ -36,8 +37,6 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.handed import proof_digest
 from ipoa_mission.studio.view import line_of, on_map, without_folders
-from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.terrain import Flat
 
 UNKNOWN_EXTENT = 1e7  # [m]
 

@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.requests import Add, Change, Put, Take
@@ -19,7 +20,6 @@ from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.survey_area import depth_of
 from ipoa_mission.survey.survey_section import survey_of
 from ipoa_mission.survey.survey_task import expect_survey
-from ipoa_mission.world.obstacles import Obstacle
 
 
 def plan_trouble(
@@ -179,14 +179,14 @@ def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
     bodies = [body for body in obstacles if (body.name == name if name else body.plan.intersects(covered))]
     if not bodies:
         return
-    height = math.ceil(max(_height_over(body, scenario) for body in bodies))
+    height = math.ceil(max(_height_over(body.bounds, scenario) for body in bodies))
     ceiling = scenario.planning.max_height_above_ground
     if height > sight.least and (ceiling is None or height * (1 + sight.band / sight.least) < ceiling):
         yield _at_height(height, f", over {name or 'all of it'}", scenario)
 
 
-def _height_over(body: Obstacle, scenario: Scenario) -> float:
-    (west, south, _), (east, north, top) = body.bounds.tolist()
+def _height_over(box: Points, scenario: Scenario) -> float:
+    (west, south, _), (east, north, top) = box.tolist()
     ground = scenario.airspace.ground(np.array([[west, south], [west, north], [east, south], [east, north]]))
     clearance = float(scenario.limits.obstacle_distance) + survey_bound(scenario).down
     return float(top) - float(ground.min()) + clearance + 2 * SPARE

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame, radii_of_curvature
 from ipoa_mission.geometry import Points
-from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.map_extent import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
@@ -86,16 +85,16 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
         )
     for thing in scenario.passed_over:
         if thing.may_be_obstacle and not shapely.is_empty(thing.shape):
-            yield from _doubtful(thing, frame)
+            yield from _doubtful(thing.name, thing.shape, frame)
 
 
-def _doubtful(thing: PassedOver, frame: LocalFrame) -> Iterator[Body]:
+def _doubtful(name: str, shape: shapely.Geometry, frame: LocalFrame) -> Iterator[Body]:
     """Yield the outline of a thing of unknown height; a line or a point becomes a thin area."""
     half_width = 0.75  # of a line [m]
-    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(half_width, quad_segs=3)
+    wide = shape if shapely.get_dimensions(shape) == 2 else shape.buffer(half_width, quad_segs=3)
     for part in shapely.get_parts(wide):
         rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
-        yield Body(name=thing.name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
+        yield Body(name=name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
 
 
 def _spots(scenario: Scenario) -> Iterator[Spot]:
