@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "forecast": _PLANNED - {"forecast"},
     "checks": _PLANNED - {"planning"},
     "routing": {"compiled", *_PLANNED},
-    "link": {"checks", "forecast", *_MISSION},
+    "link": {"checks", *_MISSION},
     "logs": {"link", *_MISSION},
     "simulator": {"link", *_MISSION},
     "report": {"checks", "link", "logs", *_PLANNED},

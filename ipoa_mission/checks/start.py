@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.mission.program import jump_target
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 HOME_RADIUS = 1.5  # below the error of satellite positioning [m]
 
@@ -44,13 +48,12 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     return replace(mission, home=home, items=beginning + mission.items[first:])
 
 
-def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, ...]:
+def check_start(mission: Mission, scenario: "Scenario | None", first: int, there: Geodetic) -> tuple[str, ...]:
     """Return remarks on a vehicle `there` that begins with item `first`.
 
     Raises:
         NotAtStart: the way from there is not clear, or unknown and far from home; or another start place is nearer.
     """
-    mission, scenario = forecast.given, forecast.scenario
     distance = apart(there, mission.home)
     if distance <= HOME_RADIUS and first == 0:
         return ()

@@ -202,7 +202,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
         if not options.anyway:
             expect_charge(vehicle, forecast, options.first)
         try:
-            notes = check_start(forecast, options.first, there)
+            notes = check_start(forecast.given, forecast.scenario, options.first, there)
         except NotAtStart as elsewhere:
             if not options.anyway:
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"

@@ -4,7 +4,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
@@ -19,7 +19,7 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.conformance import ConformanceMonitor
+    from ipoa_mission.geometry import Vector
     from ipoa_mission.mission.flight_record import Deviation
 
 log = logging.getLogger(__name__)
@@ -198,6 +198,14 @@ def _expect_flying(state: VehicleState) -> Dialogue[None]:
         raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")
 
 
+class Monitor(Protocol):
+    """Compares samples with a forecast."""
+
+    def local(self, at: Geodetic, height: float) -> "Vector": ...
+    def interrupt(self) -> None: ...
+    def see(self, time: float, place: "Vector", item: int | None) -> "Deviation | None": ...
+
+
 class Conformance:
     """React to deviations of one vehicle's flight.
 
@@ -212,12 +220,12 @@ class Conformance:
         self.ends_held = True
         self.deviations: list[Deviation] = []
         self._state, self._order = state, order
-        self._monitor: ConformanceMonitor | None = None
+        self._monitor: Monitor | None = None
         self._logbook: Logbook | None = None
         self._seen_s = -math.inf
         self._is_ordered = False
 
-    def compare(self, monitor: "ConformanceMonitor | None") -> None:
+    def compare(self, monitor: "Monitor | None") -> None:
         self._monitor, self._seen_s, self._is_ordered = monitor, -math.inf, False
         self.deviations.clear()
 

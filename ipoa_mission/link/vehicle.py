@@ -14,7 +14,6 @@ from ipoa_mission.checks.firmware_check import check_aboard
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import conversations, departure, orders
 from ipoa_mission.link.channel import LinkDown
@@ -222,7 +221,7 @@ class Vehicle(RemoteVehicle):
             self.line.expect_alone(self.system)
         with self._in_time():
             self._tell(departure.prepare(self._departure, self.ready_s))
-        permit = permit or (None if mission is None else partial(check_start, Forecast(mission), first))
+        permit = permit or (None if mission is None else partial(check_start, mission, None, first))
         if permit is not None and (at := self.state.position) is not None:
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
