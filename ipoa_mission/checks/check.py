@@ -14,8 +14,7 @@ from ipoa_mission.checks.firmware_check import (
     check_version,
     is_too_long,
 )
-from ipoa_mission.checks.positions import check_ground, check_landings, check_positions, refusals, unsound
-from ipoa_mission.checks.unsafe import check_unread
+from ipoa_mission.checks.positions import check_landings, check_positions, refusals, unsound
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import LEFT_OUT, Mission
@@ -80,34 +79,13 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
 
             findings += check_fence(flown)
         if scenario is not None:
-            findings += _check_world(flown, is_sound and not is_too_long(mission), findings)
+            from ipoa_mission.checks.world_check import check_world
+
+            findings += check_world(flown, is_sound and not is_too_long(mission), findings)
         elif mission.landing_ground is not None:
             findings += check_landings(flown)
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
-
-
-def _check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
-    from ipoa_mission.checks.airspace_check import check_airspace, check_clearance, check_passed_over
-    from ipoa_mission.checks.contingency_check import (
-        check_energy,
-        check_failsafe_landing,
-        check_failsafe_return,
-        check_wind,
-    )
-
-    guarantee = forecast.guarantee_if_known if is_flown else None
-    findings = [*check_airspace(forecast)]
-    judged = {finding.seq for finding in findings}
-    if guarantee is not None:
-        clearances = check_clearance(forecast.mission, forecast.world, guarantee)
-        findings += [finding for finding in clearances if finding.seq not in judged]
-    findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
-    findings += check_wind(forecast) if is_flown else ()
-    findings += () if guarantee is None else check_energy(forecast)
-    if guarantee is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
-        findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
-    return findings
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:

@@ -65,7 +65,7 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
                 hint="bring it there, or plan from its place: `fly SCENARIO` checks the way",
             )
         return (f"{where}: without a scenario the way from there was not checked",)
-    from ipoa_mission.checks.airspace_check import check_airspace
+    from ipoa_mission.checks.world_check import check_airspace
 
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import ipoa_mission as api
-from ipoa_mission.checks.contingency_check import check_failsafe_return
+from ipoa_mission.checks.world_check import check_failsafe_return
 from ipoa_mission.routing.seek import plan_with_margins
 from tests.cli.conftest import Run
 from tests.quick_search import once, search_quickly
@@ -68,7 +68,7 @@ def looked_for_once() -> Iterator[None]:
     ways_home = once(lambda f: tuple(check_failsafe_return(f)), lambda f: (f.mission, f.scenario))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("ipoa_mission.flight.flight.plan_with_margins", paths)
-        patch.setattr("ipoa_mission.checks.contingency_check.check_failsafe_return", ways_home)
+        patch.setattr("ipoa_mission.checks.world_check.check_failsafe_return", ways_home)
         search_quickly(patch.setattr)
         yield
 

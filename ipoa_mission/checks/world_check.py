@@ -1,0 +1,253 @@
+"""Check a flight in its scenario: clearances, battery, wind, and RTL and LAND at each second."""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import takewhile
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.checks.numbered_finding import item_of, leg_name
+from ipoa_mission.checks.positions import check_ground
+from ipoa_mission.checks.unsafe import check_unread
+from ipoa_mission.errors import MissionError, Remedy
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.contingency.contingencies import lands_by_choice, to_return_instead, who_lands
+from ipoa_mission.forecast.contingency.contingency_paths import GROUND, ContingencyPaths, ReturnLeg
+from ipoa_mission.forecast.contingency.energy_budget import RETURN_HINT, budget_of
+from ipoa_mission.forecast.contingency.shortfalls import (
+    clear_in,
+    find_shortfalls,
+    heights_above,
+    nearest_of,
+    nearest_of_legs,
+    try_return_altitudes,
+)
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee, KeptLimit
+from ipoa_mission.forecast.deviation.law import not_measured
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.wind import CALM, Wind
+
+
+def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
+    guarantee = forecast.guarantee_if_known if is_flown else None
+    findings = [*check_airspace(forecast)]
+    judged = {finding.seq for finding in findings}
+    if guarantee is not None:
+        clearances = check_clearance(forecast.mission, forecast.world, guarantee)
+        findings += [finding for finding in clearances if finding.seq not in judged]
+    findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
+    findings += check_wind(forecast) if is_flown else ()
+    findings += () if guarantee is None else check_energy(forecast)
+    if guarantee is not None and not any(finding.severity is Severity.ERROR for finding in (*before, *findings)):
+        findings += (*check_failsafe_return(forecast), *check_failsafe_landing(forecast))
+    return findings
+
+
+def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
+    """Return a hint and changes of the scenario that make the way home clear.
+
+    Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
+    Near home there may be none: an autopilot does not climb to it there.
+    """
+    others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
+    mission, scenario = forecast.mission, forecast.world
+    by = mission.autopilot.parameter_table.return_height
+    is_clear, land = clear_in(scenario), Remedy(("route", "ending"), "land")
+    for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0)):
+        name, value = by.name, by.spelled(altitude)
+        if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
+            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
+            return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), land)
+    return others, (land,)
+
+
+def check_airspace(forecast: Forecast) -> Iterator[Finding]:
+    """Report a home elsewhere, then each broken limit of each leg.
+
+    The planner chooses no climb, way home or landing: there it is a warning, and contact an error.
+    """
+    mission, scenario = forecast.mission, forecast.world
+    offset = np.abs(scenario.frame.local(mission.home))
+    if offset.max() > 1.0:  # [m]
+        message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
+        yield Finding("home-differs", Severity.WARNING, 0, message)
+    reported = set[str]()
+    for leg in forecast.legs:
+        for check in broken_limits(leg, scenario):
+            words = check.words()
+            begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
+            if words in reported and begins:
+                continue
+            reported |= {words} if leg.phase is Phase.CRUISE else set()
+            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
+            contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
+            if leg.phase is not Phase.CRUISE and not check.nearest.distance < contact:
+                yield item.warning("leg-too-near", message)
+            else:
+                hint, remedies = remedy(forecast) if leg.phase is Phase.RETURN else (None, ())
+                yield item.error("leg-too-near", message, hint, remedies)
+
+
+def check_clearance(mission: Mission, scenario: Scenario, guarantee: ClearanceGuarantee) -> Iterator[Finding]:
+    """Report each limit that too few flights keep.
+
+    It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
+    """
+    if guarantee.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
+        yield Finding("wind-not-measured", Severity.WARNING, None, why)
+    for limit in guarantee.broken:
+        item = item_of(mission, limit.item)
+        touches = limit.limit == "obstacles" and limit.guaranteed < scenario.vehicle.radius
+        report = item.error if limit.forbids or touches else item.warning
+        yield report("flights-too-near", f"{_where(limit)}: {limit.words(guarantee.confidence)}")
+
+
+def _where(limit: KeptLimit) -> str:
+    east, north, up = limit.place
+    part = f"{limit.part}, " if limit.part else ""
+    words = {"obstacles": f"to {limit.to}", "bounds": f"inside {limit.to}"}.get(limit.limit, "above the ground")
+    return f"{part}{words} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+
+
+def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
+    things = [
+        thing for thing in forecast.world.passed_over if thing.may_be_obstacle and not shapely.is_empty(thing.shape)
+    ]
+    for code in sorted({thing.code for thing in things}):
+        yield from _near(forecast, [thing for thing in things if thing.code == code], code)
+
+
+def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Finding]:
+    scenario = forecast.world
+    tree = shapely.STRtree([thing.shape for thing in things])
+    required = scenario.limits.obstacle_distance + scenario.route.tolerance
+    for leg in forecast.legs:
+        line = shapely.LineString(leg.points[:, :2])
+        near = [things[i] for i in tree.query(line, "dwithin", required + leg.stray)]
+        if near:
+            distances = [float(shapely.distance(line, thing.shape)) for thing in near]
+            first, distance = near[int(np.argmin(distances))], min(distances)
+            others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
+            where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
+            words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
+            item = item_of(forecast.mission, leg.seq)
+            sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]
+            heights = tuple(Remedy(("maps", n, key), value) for key, value in first.heights for n in sections)
+            if code == "not-read":
+                yield item.error("not-read", words, first.remedy, heights)
+            else:
+                yield item.error("map-not-understood", words, first.remedy, heights)
+
+
+def check_energy(forecast: Forecast) -> Iterator[Finding]:
+    if forecast.world.vehicle.battery is None or not forecast.mission.items:
+        return
+    if (budget := budget_of(forecast)) is None or budget.battery is None:
+        return
+    if (short := budget.shortage) is not None:
+        left = (item.left for item in budget.items if item.left is not None)
+        number = next((n for n, share in enumerate(left) if share.likely < budget.battery.reserve), None)
+        seq = None if number is None else budget.items[number].seq
+        words = f"{short}" if seq is None else f"{short}; not enough from item {seq} on"
+        yield Finding("battery-short", Severity.ERROR, seq, words, short.hint)
+        return
+    if budget.eats_reserve:
+        taken, usable = budget.used.between, budget.battery.usable_wh
+        needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
+        words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
+        learned = forecast.mission.vehicle or forecast.world.vehicle.learned
+        hint = (
+            "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
+        )
+        is_learned = learned is not None and learned.energy_ratio is not None
+        yield Finding("battery-unsure", Severity.WARNING, None, words, None if is_learned else hint)
+    if (late := budget.no_return) is not None:
+        severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
+        yield Finding("battery-no-return", severity, late.seq, str(late), RETURN_HINT if budget.plans_returns else None)
+
+
+def check_wind(forecast: Forecast) -> Iterator[Finding]:
+    if not forecast.mission.items or not forecast.wind.strongest > 0:
+        return
+    for wind in dict.fromkeys((forecast.wind, forecast.wind.as_strong_as_may_be())):
+        if (why := _why_not(forecast, wind)) is not None and _why_not(forecast, CALM) is None:
+            words, hint = f"in wind up to {wind.strongest:g} m/s: {why}", "fly in less wind, slower, or another way"
+            yield Finding("wind-too-strong", Severity.ERROR, None, words, hint)
+            return
+
+
+def _why_not(forecast: Forecast, wind: Wind) -> str | None:
+    try:
+        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(noise_free=True)
+    except MissionError as error:
+        return str(error)
+    return None
+
+
+def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
+    if not forecast.mission.items:
+        return
+    paths = forecast.cached(ContingencyPaths)
+    if len(paths.stops().times) < 2:
+        return
+    if (why := paths.why_unknown()) is not None:
+        yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
+        return
+    samples = paths.samples(Contingency.RTL)
+    begin, end = forecast.guarantee.flight.cruise_span
+    checked = ~samples.clear & (samples.times >= begin) & (samples.times <= end)
+    near = np.where(samples.possible[..., None] & checked[:, None, None], samples.near - paths.required, 0.0)
+    braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
+    near[:, :, ReturnLeg.RETURNS :][near[:, :, ReturnLeg.RETURNS :] >= braking - 0.02] = 0.0  # [m], rounding
+    for legs, verb, order in (  # the descent is a leg of the mission
+        (range(ReturnLeg.RETURNS), "brakes and climbs", "RTL or pause"),
+        (range(ReturnLeg.RETURNS, ReturnLeg.RETURNS + 1), "flies home", "RTL"),
+    ):
+        short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
+        if (short < 0.0).any():
+            seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
+            worst = nearest_of_legs(paths, samples, int(np.argmin(short)), legs)
+            words = f"{name_items(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
+            hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
+            yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
+
+
+def _remedy(paths: ContingencyPaths) -> str | None:
+    by = paths.mission.autopilot.parameter_table.return_height
+    short = list(find_shortfalls(paths, Contingency.RTL))
+    higher, left = try_return_altitudes(paths, paths.forecast, short)[0]
+    if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
+        return None
+    value = higher.given.parameters[by.name]
+    return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
+
+
+def name_items(seqs: Sequence[int]) -> str:
+    """3, 4, 5 and 7 are "items 3 to 5, 7"."""
+    runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
+    words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
+    return f"item{'' if len(seqs) == 1 else 's'} {words}"
+
+
+def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
+    """Warn where such a landing would come down on something."""
+    if not forecast.mission.items or not lands_by_choice(forecast):
+        return
+    paths = forecast.cached(ContingencyPaths)
+    if len(paths.stops().times) < 2:
+        return
+    samples = paths.samples(Contingency.LAND)
+    unclear = np.flatnonzero(((samples.near < paths.required) & (samples.which != GROUND)).any(axis=(1, 2)))
+    if len(unclear):
+        seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
+        worst = unclear[np.argmin(samples.slack[unclear])]
+        kept = nearest_of(paths, Contingency.LAND, samples, int(worst))
+        words = f"{name_items(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
+        yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))
