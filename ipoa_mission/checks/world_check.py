@@ -207,14 +207,14 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     braking = near[:, :, : ReturnLeg.RETURNS].min(axis=2, keepdims=True)
     near[:, :, ReturnLeg.RETURNS :][near[:, :, ReturnLeg.RETURNS :] >= braking - 0.02] = 0.0  # [m], rounding
     for legs, verb, order in (  # the descent is a leg of the mission
-        (range(ReturnLeg.RETURNS), "brakes and climbs", "RTL or pause"),
-        (range(ReturnLeg.RETURNS, ReturnLeg.RETURNS + 1), "flies home", "RTL"),
+        (range(ReturnLeg.RETURNS), "brake or climb", "an RTL or pause"),
+        (range(ReturnLeg.RETURNS, ReturnLeg.RETURNS + 1), "pass", "an RTL"),
     ):
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
             seqs = np.unique(paths.stops().seqs_at(samples.times[short < 0.0]))
             worst = nearest_of_legs(paths, samples, int(np.argmin(short)), legs)
-            words = f"{name_items(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
+            words = f"{name_items(seqs.tolist())}: {order} ordered there would {verb} {worst.words()}"
             hint = _remedy(paths) if legs.start == ReturnLeg.RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
@@ -249,5 +249,5 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
         seqs = np.unique(paths.stops().seqs_at(samples.times[unclear]))
         worst = unclear[np.argmin(samples.slack[unclear])]
         kept = nearest_of(paths, Contingency.LAND, samples, int(worst))
-        words = f"{name_items(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
+        words = f"{name_items(seqs.tolist())}: a LAND there, by {who_lands(forecast)}, would descend {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

@@ -1,5 +1,6 @@
 import sys
 from functools import partial
+from itertools import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -128,14 +129,16 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
 
 def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
     """Refuse a vehicle's options without a link, and the built-in autopilot's with one."""
-    if on_vehicle.link is None and on_vehicle != FlightOptions():
-        words = "--from, --set-params, --on-deviation: expected with --link"
+    if on_vehicle.link is None and on_vehicle != (usual := FlightOptions()):
+        changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != usual.on_deviation)
         raise OptionConflict(
-            words, hint="the built-in autopilot begins at the first item, and flies by the forecast's model"
+            "needs --link",
+            hint="the built-in autopilot begins at the first item, and flies by the forecast's model",
+            place=", ".join(compress(("--from", "--set-params", "--on-deviation"), changed)),
         )
     if on_vehicle.link is not None and not faults.is_none:
         raise OptionConflict(
-            "expected without --loss, --duplicate, --delay and --reorder",
+            "cannot be combined with --loss, --duplicate, --delay or --reorder",
             hint="they are for the built-in autopilot, which flies without --link",
             place="--link",
         )

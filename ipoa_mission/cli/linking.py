@@ -207,7 +207,7 @@ def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "holds its place", lambda vehicle: vehicle.pause())
+    _order(link, on_link, as_json, "hold", lambda vehicle: vehicle.pause())
 
 
 def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
@@ -215,7 +215,7 @@ def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) 
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "goes on with its mission", lambda vehicle: vehicle.resume())
+    _order(link, on_link, as_json, "mission", lambda vehicle: vehicle.resume())
 
 
 def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
@@ -223,7 +223,7 @@ def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> 
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "comes home", lambda vehicle: vehicle.return_to_launch())
+    _order(link, on_link, as_json, "rtl", lambda vehicle: vehicle.return_to_launch())
 
 
 def scan(
@@ -264,11 +264,12 @@ def scan(
         print_lines(*(_in_words(row) for row in rows))
 
 
-def _order(link: str, on_link: LinkOptions, as_json: bool, done: str, order: "Callable[[Vehicle], None]") -> None:
+def _order(link: str, on_link: LinkOptions, as_json: bool, does: str, order: "Callable[[Vehicle], None]") -> None:
+    done = {"hold": "holds its position", "mission": "continues its mission", "rtl": "returns and lands"}[does]
     words = "the vehicle may have received the order"
     with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, after=f"the vehicle {done}"):
         order(vehicle)
-    about = {"does": done, "mode": vehicle.mode, "written": on_link.written(None)}
+    about = {"does": does, "mode": vehicle.mode, "written": on_link.written(None)}
     _report(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
 
 

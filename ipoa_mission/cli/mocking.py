@@ -135,7 +135,7 @@ def mock_setup(
     if scenario is None:
         return MockSetup(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters, STANDARD_CONDITIONS)
     if home is not None:
-        raise OptionConflict("expected without --scenario, which defines home", place="--home")
+        raise OptionConflict("cannot be combined with --scenario, which defines home", place="--home")
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None

@@ -49,7 +49,7 @@ def show(
 
     expect_world_of(contingencies, scenario)
     if contingencies and as_json:
-        words = "expected without --json"
+        words = "cannot be combined with --json"
         raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
     world = read_world(scenario, flown_by.air, ignore)
     refuse_unread(world)

@@ -43,7 +43,7 @@ def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...
     other = Forecast(landing_on(mission, landed), wind=forecast.wind).estimate.total_s
     return (
         f"it landed {landed:.1f} m above home, but the ground there is {abs(expected - landed):.1f} m "
-        f"{'higher' if expected > landed else 'lower'}: is it a simulator with level ground? `mock --scenario` has the "
+        f"{'higher' if expected > landed else 'lower'}; a simulator may have level ground, `mock --scenario` has the "
         f"scenario's. The estimate to that landing is {other:.1f} s",
     )
 

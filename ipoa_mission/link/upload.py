@@ -182,8 +182,8 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
             yield from _cancel(job, course, progress)
     except TimeUp as late:
         yield Remark(Ack(Result.OPERATION_CANCELLED, job.kind))
-        where = f"item {max(course.furthest, 0)} of {len(job.items)} of the {list_name(job.kind)}"
-        raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_remaining_list(job)) from None
+        arrived = f"{max(course.furthest, 0)} of {len(job.items)} items of the {list_name(job.kind)} had arrived"
+        raise TimeUp(f"{late}: in attempt {course.attempt} {arrived}", hint=_remaining_list(job)) from None
     if job.is_judged:
         try:
             state = yield from _verdict(course.reports)

@@ -156,7 +156,7 @@ def _too_narrow(names: tuple[str, ...], where: str, width: float, needed: float)
     return NoPath(
         f"no gap is wide enough: the widest is {width:.2f} m between {' and '.join(names)} {where}, "
         f"at least {needed:.2f} m required",
-        hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
+        hint="reduce safety_distance or the vehicle's radius",
         code="gap-too-narrow",
     )
 

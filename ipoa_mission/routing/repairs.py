@@ -52,8 +52,8 @@ def slow_landings_remarks(forecast: Forecast) -> Iterator[str]:
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
-            f"{highest.words}: {name_values(wanted)} in the vehicle would slow it down as high above it as otherwise "
-            f"above home ({scenario.name}.params; `fly --set-params` writes it)"
+            f"{highest.words}: {name_values(wanted)} in the vehicle makes LAND slow down at the usual height "
+            f"above that ground ({scenario.name}.params; `fly --set-params` writes it)"
         )
 
 

@@ -4,11 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
 
-import numpy as np
-
-from ipoa_mission.centimeters import down, up
-from ipoa_mission.errors import MissionError, Remedy
-from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
 from ipoa_mission.forecast.deviation.law import DeviationLaw, law_of
 from ipoa_mission.forecast.deviation.margins import with_margins
@@ -17,7 +13,7 @@ from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.obstruction import NoPath, NotFound
 from ipoa_mission.planning.path_problem import PathTask, place_names
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
+from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, closure
 from ipoa_mission.planning.planner import move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
@@ -25,23 +21,10 @@ from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
-from ipoa_mission.routing.planned_returns import or_else, why_not_planned
-from ipoa_mission.routing.slower import ChangeTrials, slowed_where_needed
+from ipoa_mission.routing.refusal import ChangeTrials, NarrowGap, narrow_refusal, refusal
+from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
-
-
-@dataclass(frozen=True)
-class NarrowGap:
-    gap: Closure
-    leg: str
-
-    def words(self) -> str:
-        east, north = self.gap.place
-        width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
-        where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
-        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
 
 
 class TooNarrow(MissionError):
@@ -257,95 +240,3 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     return best, best.sketched.seconds / first.sketched.seconds
-
-
-def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
-    guarantee = nearest.guarantee
-    if nearest.short:
-        helps, hint, remedies = _try_changes("", trials)
-        words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
-        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
-    tightest = min(guarantee.forbidding, key=lambda limit: limit.slack)
-    east, north, height = tightest.place
-    where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
-    if tightest.limit == "obstacles":
-        words = _gap(tightest, nearest.scenario.airspace)
-    else:
-        words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
-    return _with_help(f"{words}, {where}", ", or a via point that leads round", trials)
-
-
-def narrow_refusal(narrow: NarrowGap, trials: ChangeTrials) -> NoPath:
-    return _with_help(narrow.words(), "", trials)
-
-
-def _with_help(words: str, round_it: str, trials: ChangeTrials) -> NoPath:
-    who, chance = f"on {trials.scenario.vehicle.autopilot}", trials.scenario.safety.chance
-    if chance is None:
-        why = f"a path exists, but flights {who} would leave it"
-    else:
-        why = f"a path exists, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint, remedies = _try_changes(round_it, trials)
-    return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
-
-
-def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
-    at, curve = nearest.plan.via_at, nearest.plan.curve
-    if not len(at):
-        return ""
-    along = np.linspace(0.0, 1.0, 2000)
-    here = along[np.argmin(np.linalg.norm(curve.points(along) - np.array(tightest.place), axis=1))]
-    names = place_names(nearest.scenario.places)
-    leg = int(np.searchsorted(at, here))
-    return f", on the leg from {names[leg]} to {names[leg + 1]}"
-
-
-def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
-    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.guaranteed
-    apart, other = _across(spot, tightest.to, needed, airspace)
-    if other is not None and apart < 2 * needed:
-        names = f"{tightest.to} and {other}"
-        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
-    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
-
-
-def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
-    """Return the level width [m] to the opposite obstacle, and its name or None."""
-    import shapely
-
-    point = shapely.Point(spot[:2])
-    bodies = [body for body, _, _ in airspace.near(spot[None], 4 * needed)]
-    first = next((body for body in bodies if body.name == name), None)
-    if first is None:
-        return np.inf, None
-
-    def towards(body: Obstacle) -> np.ndarray:
-        line = shapely.shortest_line(point, body.plan)
-        return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
-
-    ahead, best, opposite_name = towards(first), np.inf, None
-    max_cosine = -0.5  # between the directions to both sides of a gap
-    for body in bodies:
-        aside = towards(body)
-        cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
-        width = float(shapely.distance(body.plan, first.plan))
-        if body is not first and cosine <= max_cosine and width < best:
-            best, opposite_name = width, body.name
-    return best, opposite_name
-
-
-def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
-    """Return a description, a hint and the first change that helps."""
-    tried = list[Remedy]()
-    for change in trials.changes:
-        if (attempt := trials.at(change)) is None:
-            tried.append(change)
-            continue
-        clearance = attempt.guarantee.clearance
-        with_it = "" if clearance is None else f" with {down(clearance.guaranteed):.2f} m kept"
-        return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
-    return (
-        f"these changes did not help: {', '.join(map(str, tried))}",
-        f"leave a wider way there, or a smaller safety_distance{round_it}",
-        (),
-    )

@@ -1,59 +1,20 @@
-"""Change a scenario, or fly single legs slower, where flights come too near; no straight gap becomes wider."""
+"""Fly single legs slower where flights come too near; no straight gap becomes wider."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import chain, count
 
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.errors import MissionError, Remedy
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
-from ipoa_mission.scenario import Scenario
+from ipoa_mission.routing.refusal import ChangeTrials, slower
 
 ROUNDS = 20
-SPEED_SHARES = (0.5, 0.25)
-LEAST_SPEED = 0.5  # [m/s]
-LOWER_CONFIDENCES = (0.9,)
-
-
-@dataclass(frozen=True, eq=False)
-class ChangeTrials:
-    """`planned` returns None without a valid plan."""
-
-    scenario: Scenario
-    planned: Callable[[Scenario], Attempt | None]
-    _seen: dict[Remedy, Attempt | None] = field(default_factory=dict)
-
-    @cached_property
-    def changes(self) -> dict[Remedy, Scenario]:
-        return dict(slower(self.scenario)) | dict(_otherwise(self.scenario))
-
-    def at(self, change: Remedy) -> Attempt | None:
-        if change not in self._seen:
-            self._seen[change] = self.planned(self.changes[change])
-        return self._seen[change]
-
-
-def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    for share in SPEED_SHARES:
-        speed = max(round(share * scenario.vehicle.cruise_speed, 1), LEAST_SPEED)
-        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
-        yield Remedy(("vehicle", "cruise_speed"), speed), scenario.model_copy(update={"vehicle": vehicle})
-
-
-def _otherwise(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    if scenario.route.mode != "fastest":
-        route = scenario.route.model_copy(update={"mode": "fastest"})
-        yield Remedy(("route", "mode"), "fastest"), scenario.model_copy(update={"route": route})
-    for confidence in LOWER_CONFIDENCES:
-        if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
-            safety = scenario.safety.model_copy(update={"confidence": confidence})
-            yield Remedy(("safety", "confidence"), confidence), scenario.model_copy(update={"safety": safety})
 
 
 def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:

@@ -66,7 +66,7 @@ class SurveyPlanner:
 
             return scenario_over(self.survey, path, {names.get(name, name): value for name, value in keys.items()})
         for name in keys:
-            raise OptionConflict("expected with --survey", place=f"--{name.replace('_', '-')}")
+            raise OptionConflict("needs --survey", place=f"--{name.replace('_', '-')}")
         return None
 
     def accepts(self, scenario: "Scenario") -> bool:
@@ -96,7 +96,7 @@ class SurveyPlanner:
         from ipoa_mission.survey.survey_flight import plan_survey
 
         if self.system is not None and not self.flown:
-            raise OptionConflict("expected with --flown", place="--system")
+            raise OptionConflict("needs --flown", place="--system")
         logs = [log if self.system is None else (log, self.system) for log in self.flown or ()]
         wind, seed = asked.flown_by.air, asked.search.seed
         with reporting_interrupt("nothing was written"), progress_bar("planning") as show:

@@ -77,7 +77,7 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
     [
         (f"show {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
         (f"check {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
-        (f"show {SITL} --endings --json", "--endings: expected without --json"),
+        (f"show {SITL} --endings --json", "--endings: cannot be combined with --json"),
     ],
 )
 def test_contingencies_need_a_world_and_have_one_form_for_machines(run: Run, words: str, message: str) -> None:

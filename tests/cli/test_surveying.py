@@ -71,7 +71,7 @@ def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
     (tmp_path / "field.toml").write_text(SCENARIO.replace('camera = "Sony A6000 16mm"', 'camera = "box"'))
     for command, words in (
         ("plan", "expected a scenario, or an area"),
-        (f"plan {tmp_path}/field.toml --height 30", "--height: expected with --survey"),
+        (f"plan {tmp_path}/field.toml --height 30", "--height: needs --survey"),
         (f"plan {MISSIONS}/sitl.toml --flown a.tlog", "--flown: expected a survey"),
         (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a known camera"),
         (f"plan --survey {tmp_path}/no.geojson", "no.geojson"),
@@ -109,7 +109,7 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert json.loads(chosen.out)["survey"]["lines"] == left["lines"]
     assert sum("not read 1 (ArduPilot multicopter)" in words for words in json.loads(chosen.out)["remarks"]) == 1
     assert run(f"plan {tmp_path}/field.toml --flown {several}").code == 2
-    assert "--system: expected with --flown" in run(f"plan {tmp_path}/field.toml --system 7").err
+    assert "--system: needs --flown" in run(f"plan {tmp_path}/field.toml --system 7").err
     done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
     assert (done.code, "no line is left to fly" in done.err) == (2, True)
 
@@ -176,7 +176,7 @@ def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp
     assert output.startswith("error: --survey: river.geojson: ") or output.startswith("error: river.geojson: ")
     assert "hint: --width M" in output
     assert str(tmp_path) not in run("plan --survey nowhere.geojson").err
-    assert run("plan missions.toml --width 30").err.startswith("error: --width: expected with --survey")
+    assert run("plan missions.toml --width 30").err.startswith("error: --width: needs --survey")
     ended = run("plan --survey river.geojson --width 30 --json")
     assert (ended.code, json.loads(ended.out)["survey"]["lines"]) == (0, 2)
 

@@ -199,7 +199,7 @@ def test_time_that_is_up_says_how_far_it_came_and_what_the_vehicle_holds(autopil
     vehicle = Vehicle(autopilot)
     vehicle.store(items_of(autopilot, 4, shift=0.1))
     air = Air(vehicle, [Fate(1, 0.1)])
-    with refuses("time-up", "", "item 9 of 30") as late:
+    with refuses("time-up", "", "9 of 30 items") as late:
         air.hold(upload(Upload(items_of(autopilot, 30), autopilot)), interrupts={2.1: TimeUp("the time is up")})
     assert hint in str(late.value.hint)
 

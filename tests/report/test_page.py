@@ -177,9 +177,9 @@ def test_a_return_through_a_building_is_listed_before_you_fly_in_amber(bowed: Bo
     scenario, mission, _ = bowed("campus.toml")
     page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 1500.0}), scenario))
     assert re.search(
-        r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* RTL on the way there flies home', page
+        r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* an RTL ordered there would pass', page
     )
-    assert re.search(r'<h2>Before you fly</h2><ul><li class="amber">items 9 to 11: RTL on the way there', page)
+    assert re.search(r'<h2>Before you fly</h2><ul><li class="amber">items 9 to 11: an RTL ordered there', page)
 
 
 def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:

@@ -84,7 +84,7 @@ def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> No
     flight = plan_flight(asked, seed=0)
     findings = [finding for finding in check_mission(flight.mission, asked) if finding.code == "land-too-near"]
     assert len(findings) == 1
-    assert "by critical battery (BATT_FS_CRT_ACT = 1), descends" in findings[0].message
+    assert "by critical battery (BATT_FS_CRT_ACT = 1), would descend" in findings[0].message
     assert str(findings[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
 
 

@@ -73,10 +73,11 @@ def test_a_gap_too_narrow_is_named_with_its_leg_before_any_search(monkeypatch: p
     with pytest.raises(NoPath) as refused:
         plan_with_margins(narrow, 0, lambda *_: None)
     words = str(refused.value)
+    assert words.startswith("a path exists, but fewer than 99 % of flights on px4 would keep its limits: the gap")
     assert "the gap between left and right is 5.60 m wide, and it needs 7.14 m at least" in words
     assert "on the leg from via[0] to goal" in words
     assert "these changes did not help: vehicle.cruise_speed" in words
-    assert refused.value.hint == "leave a wider way there, or a smaller safety_distance"
+    assert refused.value.hint == "reduce safety_distance, or move the places of this leg"
 
 
 @pytest.mark.parametrize(

@@ -76,8 +76,10 @@ class KeptLimit:
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
             return f"predicted {predicted}; {required}"
-        distance = f"{bound}{least(self.guaranteed):.2f} m" if self.guaranteed >= 0 else "nothing"
-        return f"{100 * confidence:g} % of flights keep {distance} (predicted {predicted}); {required}"
+        kept = f"{100 * confidence:g} % of flights keep {bound}{least(self.guaranteed):.2f} m"
+        if self.guaranteed < 0:
+            kept = f"{100 * confidence:g} % of flights cannot be guaranteed any distance"
+        return f"{kept} (predicted {predicted}); {required}"
 
 
 @dataclass(frozen=True)

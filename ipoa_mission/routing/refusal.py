@@ -1,0 +1,158 @@
+"""Refuse a plan, with its tightest place and the first change of the scenario that helps."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ipoa_mission.centimeters import down, up
+from ipoa_mission.errors import Remedy
+from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.planning.plan_view import Closure
+from ipoa_mission.routing.attempt import Attempt
+from ipoa_mission.routing.planned_returns import or_else, why_not_planned
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.planning.path_problem import place_names
+from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.obstacles import Obstacle
+
+SPEED_SHARES = (0.5, 0.25)
+LEAST_SPEED = 0.5  # [m/s]
+LOWER_CONFIDENCES = (0.9,)
+
+
+@dataclass(frozen=True, eq=False)
+class ChangeTrials:
+    """`planned` returns None without a valid plan."""
+
+    scenario: Scenario
+    planned: Callable[[Scenario], Attempt | None]
+    _seen: dict[Remedy, Attempt | None] = field(default_factory=dict)
+
+    @cached_property
+    def changes(self) -> dict[Remedy, Scenario]:
+        return dict(slower(self.scenario)) | dict(_otherwise(self.scenario))
+
+    def at(self, change: Remedy) -> Attempt | None:
+        if change not in self._seen:
+            self._seen[change] = self.planned(self.changes[change])
+        return self._seen[change]
+
+
+def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
+    for share in SPEED_SHARES:
+        speed = max(round(share * scenario.vehicle.cruise_speed, 1), LEAST_SPEED)
+        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
+        yield Remedy(("vehicle", "cruise_speed"), speed), scenario.model_copy(update={"vehicle": vehicle})
+
+
+def _otherwise(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
+    if scenario.route.mode != "fastest":
+        route = scenario.route.model_copy(update={"mode": "fastest"})
+        yield Remedy(("route", "mode"), "fastest"), scenario.model_copy(update={"route": route})
+    for confidence in LOWER_CONFIDENCES:
+        if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
+            safety = scenario.safety.model_copy(update={"confidence": confidence})
+            yield Remedy(("safety", "confidence"), confidence), scenario.model_copy(update={"safety": safety})
+
+
+@dataclass(frozen=True)
+class NarrowGap:
+    gap: Closure
+    leg: str
+
+    def words(self) -> str:
+        east, north = self.gap.place
+        width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
+        where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
+        return f"the gap between {' and '.join(self.gap.names)} is {width}, and it needs {needed} at least, {where}"
+
+
+def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
+    guarantee = nearest.guarantee
+    if nearest.short:
+        helps, hint, remedies = _try_changes("", trials)
+        words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
+        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
+    tightest = min(guarantee.forbidding, key=lambda limit: limit.slack)
+    east, north, height = tightest.place
+    where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
+    if tightest.limit == "obstacles":
+        words = _gap(tightest, nearest.scenario.airspace)
+    else:
+        words = f"{tightest.to}, where {tightest.words(guarantee.confidence)}"
+    return _with_help(f"{words}, {where}", ", or add a via point that leads round", trials)
+
+
+def narrow_refusal(narrow: NarrowGap, trials: ChangeTrials) -> NoPath:
+    return _with_help(narrow.words(), ", or move the places of this leg", trials)
+
+
+def _with_help(words: str, otherwise: str, trials: ChangeTrials) -> NoPath:
+    who, chance = f"on {trials.scenario.vehicle.autopilot}", trials.scenario.safety.chance
+    if chance is None:
+        why = f"a path exists, but flights {who} would leave its limits"
+    else:
+        why = f"a path exists, but fewer than {100 * (1 - chance):g} % of flights {who} would keep its limits"
+    helps, hint, remedies = _try_changes(otherwise, trials)
+    return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
+
+
+def _leg(nearest: Attempt, tightest: KeptLimit) -> str:
+    at, curve = nearest.plan.via_at, nearest.plan.curve
+    if not len(at):
+        return ""
+    along = np.linspace(0.0, 1.0, 2000)
+    here = along[np.argmin(np.linalg.norm(curve.points(along) - np.array(tightest.place), axis=1))]
+    names = place_names(nearest.scenario.places)
+    leg = int(np.searchsorted(at, here))
+    return f", on the leg from {names[leg]} to {names[leg + 1]}"
+
+
+def _gap(tightest: KeptLimit, airspace: Airspace) -> str:
+    spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.guaranteed
+    apart, other = _across(spot, tightest.to, needed, airspace)
+    if other is not None and apart < 2 * needed:
+        names = f"{tightest.to} and {other}"
+        return f"the gap between {names} is {down(apart):.2f} m wide, and it needs {up(2 * needed):.2f} m"
+    return f"{down(tightest.nominal):.2f} m from {tightest.to}, where it needs {up(needed):.2f} m"
+
+
+def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
+    """Return the level width [m] to the opposite obstacle, and its name or None."""
+    import shapely
+
+    point = shapely.Point(spot[:2])
+    bodies = [body for body, _, _ in airspace.near(spot[None], 4 * needed)]
+    first = next((body for body in bodies if body.name == name), None)
+    if first is None:
+        return np.inf, None
+
+    def towards(body: Obstacle) -> np.ndarray:
+        line = shapely.shortest_line(point, body.plan)
+        return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
+
+    ahead, best, opposite_name = towards(first), np.inf, None
+    max_cosine = -0.5  # between the directions to both sides of a gap
+    for body in bodies:
+        aside = towards(body)
+        cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
+        width = float(shapely.distance(body.plan, first.plan))
+        if body is not first and cosine <= max_cosine and width < best:
+            best, opposite_name = width, body.name
+    return best, opposite_name
+
+
+def _try_changes(otherwise: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
+    """Return a description, a hint and the first change that helps."""
+    tried = list[Remedy]()
+    for change in trials.changes:
+        if (attempt := trials.at(change)) is None:
+            tried.append(change)
+            continue
+        clearance = attempt.guarantee.clearance
+        with_it = "" if clearance is None else f" with {down(clearance.guaranteed):.2f} m kept"
+        return f"{change} plans it{with_it}", f"{change}, which was tried; or reduce safety_distance", (change,)
+    return (f"these changes did not help: {', '.join(map(str, tried))}", f"reduce safety_distance{otherwise}", ())
