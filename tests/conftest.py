@@ -119,14 +119,23 @@ def missions() -> Path:
 
 
 @pytest.fixture
-def samples() -> Path:
-    """Other people's files, beside the repository or at IPOA_SAMPLES; may be missing."""
-    named = os.environ.get("IPOA_SAMPLES")
-    folders = [Path(named)] if named else [parent / "shared" / "samples" for parent in REPOSITORY.parents]
-    folder_there = next((folder for folder in folders if folder.is_dir()), None)
-    if folder_there is None:
-        pytest.skip("no samples beside the repository")
-    return folder_there
+def shared() -> Path:
+    """Return the folder of other people's files that IPOA_SHARED names."""
+    if (folder := os.environ.get("IPOA_SHARED")) is None:
+        pytest.skip("IPOA_SHARED names no folder of other people's files")
+    assert Path(folder).is_dir(), f"IPOA_SHARED: no folder {folder}"
+    return Path(folder)
+
+
+@pytest.fixture
+def samples(shared: Path) -> Path:
+    return shared / "samples"
+
+
+@pytest.fixture
+def field4(shared: Path) -> Path:
+    """Return inputs rebuilt from public reports."""
+    return shared / "field4"
 
 
 def pytest_make_parametrize_id(val: object) -> str | None:

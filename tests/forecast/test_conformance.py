@@ -28,7 +28,6 @@ from tests.recorded_flights import FLIGHTS, IN_WIND, LANDINGS, read_flight
 
 HERE = Path(__file__).resolve().parent
 AWAY = HERE / "flyaway"
-SHARED = HERE.parents[1].parent / "shared"
 LOGS = HERE.parents[1] / "missions" / "logs"
 HOME = Geodetic(47.4, 8.5, 400.0)
 RECORDED = [
@@ -94,11 +93,9 @@ def test_a_fly_away_is_found_long_before_it_is_50_m_from_the_item() -> None:
     assert reported[DeviationKind.PASSED] < 35.0
 
 
-def test_the_fly_away_that_was_recorded_first_is_found_within_50_m() -> None:
+def test_the_fly_away_that_was_recorded_first_is_found_within_50_m(shared: Path) -> None:
     """A sample every 20 s, joined by straight lines; it passed items 3 and 4, and never turned at item 5."""
-    file = SHARED / "real4" / "traces" / "h6_rally-px4-118-1.flyaway.csv"
-    if not file.exists():
-        pytest.skip("no ../shared")
+    file = shared / "real4" / "traces" / "h6_rally-px4-118-1.flyaway.csv"
     forecast = rally_on_px4()
     goals = forecast.itinerary.program.places
     monitor, item = ConformanceMonitor(forecast), 2
@@ -114,12 +111,10 @@ def test_the_fly_away_that_was_recorded_first_is_found_within_50_m() -> None:
 
 
 @pytest.mark.parametrize("with_world", [False, True])
-def test_no_other_flight_of_the_same_campaign_deviates(with_world: bool) -> None:
+def test_no_other_flight_of_the_same_campaign_deviates(shared: Path, with_world: bool) -> None:
     from ipoa_mission import read_scenario
 
-    folder, flown = SHARED / "real4", 0
-    if not folder.exists():
-        pytest.skip("no ../shared")
+    folder, flown = shared / "real4", 0
     for line in (folder / "flights.jsonl").read_text().splitlines():
         flight = json.loads(line)
         trace = folder / "traces" / f"{flight['name']}.csv"

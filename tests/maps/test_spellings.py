@@ -213,15 +213,6 @@ def test_the_public_cases_are_read(field4: Path, frame: LocalFrame) -> None:
         ] == heights
 
 
-@pytest.fixture
-def field4() -> Path:
-    """Inputs rebuilt from public reports, which lie beside the repository."""
-    folder = Path(__file__).parents[3] / "shared" / "field4"
-    if not folder.is_dir():
-        pytest.skip("the inputs are not here")
-    return folder
-
-
 @pytest.mark.parametrize("kind", ["multipolygon", "boundary", "building", "site"])
 def test_a_relation_that_goes_round_an_area_is_one(tmp_path: Path, frame: LocalFrame, kind: str) -> None:
     """`boundary`: reserves and military areas."""

@@ -14,7 +14,6 @@ from tests.refused import refuses
 pytestmark = pytest.mark.skipif(find_spec("xarray") is None, reason="needs xarray")
 HOME = Geodetic(47.4, 8.5, 488.0)
 TEN = np.datetime64("2026-11-22T10:00")
-FIELD = next((each for p in Path(__file__).parents if (each := p / "shared/field4").is_dir()), Path("field4"))
 
 
 def netcdf(
@@ -331,13 +330,12 @@ def test_both_components_in_one_message_are_read_and_a_cut_file_is_refused(eccod
         read_wind(path, HOME, AT_NOON)
 
 
-@pytest.mark.skipif(not FIELD.is_dir(), reason="without the inputs of others")
-def test_the_forecasts_of_others_are_read_rightly() -> None:
+def test_the_forecasts_of_others_are_read_rightly(field4: Path) -> None:
     home = Geodetic(47.397742, 8.545594, 488.0)
-    assert levels(FIELD / "f4-34-wind-altitude-amsl.nc", home) == pytest.approx(OVER_HOME, abs=0.01)
+    assert levels(field4 / "f4-34-wind-altitude-amsl.nc", home) == pytest.approx(OVER_HOME, abs=0.01)
     for name, speed in (("f4-35-wind-knots", 10.2889), ("f4-35c-wind-kmh", 10.0)):
-        assert read_wind(FIELD / f"{name}.nc", home, TEN).wind.speed == pytest.approx(speed, abs=1e-3)
-    read = read_wind(FIELD / "f4-36b-grib-amsl-levels.grib2", Geodetic(37.4, -122.1, 300.0), TEN)
+        assert read_wind(field4 / f"{name}.nc", home, TEN).wind.speed == pytest.approx(speed, abs=1e-3)
+    read = read_wind(field4 / "f4-36b-grib-amsl-levels.grib2", Geodetic(37.4, -122.1, 300.0), TEN)
     assert [(level.height, level.east) for level in read.wind.levels] == [(10.0, 3.0), (200.0, 12.0)]
 
 
