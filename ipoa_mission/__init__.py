@@ -12,13 +12,8 @@ each. The modules below are internal and may change with any version.
 
 # No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
 _WHERE: dict[str, str] = {}
-#: Names of 0.3 and their replacements; the old ones are removed with 0.5.
-_RENAMED = {
-    "Unlike": "NotTheSameVehicle",
-    "Unsettled": "KeepsChanging",
-    "write_plan": "write_mission",
-    "write_waypoints": "write_mission",
-}
+#: Names of 0.4 and their replacements; the old ones are removed with 0.6.
+_RENAMED = {"write_plan": "write_mission", "write_waypoints": "write_mission"}
 
 
 def _where() -> dict[str, str]:
@@ -43,7 +38,7 @@ def __getattr__(name: str) -> object:
     if name in _RENAMED:
         import warnings
 
-        warnings.warn(f"{name} is {_RENAMED[name]} since 0.4", DeprecationWarning, stacklevel=2)
+        warnings.warn(f"{name} is {_RENAMED[name]} since 0.5", DeprecationWarning, stacklevel=2)
         name = _RENAMED[name]
     if name in _where():
         return getattr(import_module(_where()[name]), name)
