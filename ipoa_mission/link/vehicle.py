@@ -73,6 +73,7 @@ class Vehicle(RemoteVehicle):
         super().__init__(line, heard, self._options.patience, round_trip_s)
         self._mission: Mission | None = None
         self._onboard_lists: dict[int, OnboardList] = {}
+        self._departure: departure.Departure | None = None
         self._logbook = Logbook((), self.autopilot)
         self._mode_watch = ModeWatch(self.state)
         self.order = FlightOrder(self.state, line.now)
@@ -216,14 +217,15 @@ class Vehicle(RemoteVehicle):
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
         onboard_lists, home = tuple(self._onboard_lists.values()), self.autopilot.counts_home
-        self._departure = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
+        prepared = departure.Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._options.anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
-            self._tell(departure.prepare(self._departure, self.ready_s))
+            self._tell(departure.prepare(prepared, self.ready_s))
         permit = permit or (None if mission is None else partial(check_start, mission, None, first))
         if permit is not None and (at := self.state.position) is not None:
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+        self._departure = prepared
 
     def start(self, progress: Progress = silent) -> None:
         """Arm a prepared vehicle and start its mission; time zero is the arming.
@@ -232,11 +234,13 @@ class Vehicle(RemoteVehicle):
         again; `progress` reports that.
 
         Raises:
-            NotReady, TimeUp: it could not be armed in time; with its reasons.
+            NotReady, TimeUp: it was not prepared, or could not be armed in time; with its reasons.
             Replaced, ReplacedSince: it holds other lists.
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: the hint is its state; on the ground it was
                 disarmed again.
         """
+        if self._departure is None:
+            raise NotReady("the vehicle was not prepared", hint="call `prepare` first")
         until_s, limit_s = min(self._until, self.line.now() + self.ready_s), self._until
         prepared = replace(self._departure, progress=progress)
         self._until = math.inf  # complete a begun departure first

@@ -61,6 +61,15 @@ OTHERS: dict[str, Callable[[Mission], Mission]] = {
 }
 
 
+@pytest.mark.parametrize("family", registered())
+def test_start_without_prepare_is_not_ready(family: Autopilot) -> None:
+    vehicle = vehicle_of(family)
+    vehicle.upload(suited(vehicle, MISSION))
+    with refuses("not-ready", "", "not prepared", kind=NotReady):
+        vehicle.start()
+    assert not mock_of(vehicle).flight.armed
+
+
 @pytest.mark.parametrize("replacement", OTHERS)
 @pytest.mark.parametrize("family", registered())
 def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilot, replacement: str) -> None:
