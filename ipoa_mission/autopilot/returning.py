@@ -66,7 +66,7 @@ class MissionLanding:
 
 @dataclass(frozen=True)
 class OverTerrain:
-    """Height error `margin` [m]; `surely`: it never falls back to heights above home."""
+    """Height error `margin` [m]; `always_over_terrain`: it never falls back to heights above home."""
 
     margin: float
-    surely: bool
+    always_over_terrain: bool

@@ -352,7 +352,7 @@ class ContingencyPaths:
         goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
         chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
         possible = np.repeat(chosen, self._variants, axis=1)
-        if self.routes.surely_over_terrain:
+        if self.routes.always_over_terrain:
             possible &= np.arange(possible.shape[1]) % self._variants >= len(self._shares)
         return np.stack(paths, axis=1), possible
 

@@ -69,8 +69,8 @@ class ReturnRoutes:
         return None if self.forecast.ground.is_level else self.mission.autopilot.over_terrain(self.parameters)
 
     @property
-    def surely_over_terrain(self) -> bool:
-        return self._over_terrain is not None and self._over_terrain.surely
+    def always_over_terrain(self) -> bool:
+        return self._over_terrain is not None and self._over_terrain.always_over_terrain
 
     def over_terrain(self, places: Points, stops: Points, beyond: Points, up: float, off: float) -> NDArray[np.float64]:
         """Return the paths (n, p, 3) from places over `stops` straight to beyond, following the ground.

@@ -36,7 +36,7 @@ class Shaping(NamedTuple):
         return np.concatenate([np.zeros((0, 2)), *ways])
 
     def _way(self, velocity: Points, accel: Points) -> Points:
-        """`way` with axes first (2, n): faster."""
+        """Return `displacement` with axes first (2, n): faster."""
         way, max_change = np.zeros_like(velocity), self.jerk * STEP
         for _ in range(math.ceil(12.0 / STEP)):  # at rest within 12 s
             speed = np.hypot(*velocity)

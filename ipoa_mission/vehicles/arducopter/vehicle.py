@@ -352,7 +352,7 @@ class ArduCopter(Autopilot):
         While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
-        OverTerrain(margin=6.0, surely=True)
+        OverTerrain(margin=6.0, always_over_terrain=True)
         """
         p = self.parameter_table.by_old_names(parameters)
         sees_ground = p.get("RNGFND1_TYPE", 0.0) > 0.0 and p.get("WPNAV_RFND_USE", 1.0) > 0.0
