@@ -188,14 +188,21 @@ class Scenario(Section):
             The copy; it shares the world unless `update` changes it.
         """
         copied = super().model_copy(update=update, deep=deep)
-        if not (WORLD | added_sections().keys()) & (update or {}).keys():
-            copied.__dict__ |= {key: self.__dict__[key] for key in CACHED if key in self.__dict__}
-        return copied
+        return copied if (WORLD | added_sections().keys()) & (update or {}).keys() else copied._taking(self._cached())
 
     def in_airspace(self, airspace: Airspace) -> "Scenario":
-        copied = self.model_copy(update={})
-        copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
-        return copied
+        return self.model_copy()._taking({"_surroundings": replace(self._surroundings, airspace=airspace)})
+
+    def in_world_of(self, other: "Scenario") -> "Scenario":
+        """Return a copy with the frame and maps of another scenario."""
+        return self.model_copy()._taking(other._cached())
+
+    def _cached(self) -> dict[str, Any]:
+        return {key: self.__dict__[key] for key in CACHED if key in self.__dict__}
+
+    def _taking(self, cached: Mapping[str, Any]) -> "Scenario":
+        self.__dict__ |= cached
+        return self
 
     def with_wind_read(self) -> "Scenario":
         """Return the scenario with the wind of its forecast. Raises BadInput, MissionError."""

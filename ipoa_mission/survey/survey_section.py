@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import REACH, Geodetic, LocalFrame, apart
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.map_sections import NoFlyMap
-from ipoa_mission.scenario.model import CACHED, WORLD, AddedSection
+from ipoa_mission.scenario.model import WORLD, AddedSection
 from ipoa_mission.scenario.place_sections import (
     BoundsSection,
     FlatTerrain,
@@ -241,8 +241,7 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
             raise error.at(f"survey.starts[{n}]: as home") from error
         from_starts[n] = seen
     moved = scenario.model_copy(update={key: getattr(seen, key) for key in (*WORLD, "rally", "survey")})
-    moved.__dict__ |= {key: seen.__dict__[key] for key in CACHED if key in seen.__dict__}
-    return moved
+    return moved.in_world_of(seen)
 
 
 def between(old: LocalFrame, new: LocalFrame) -> Move:

@@ -162,39 +162,42 @@ class ContingencySamples:
 class ContingencyPaths:
     """Compute contingency paths: `forecast.cached(ContingencyPaths)`. Times are of a flight with exact position."""
 
-    def __init__(self, forecast: Forecast) -> None:
-        self.forecast, self.mission = forecast, forecast.mission
-        self.required = forecast.world.limits.obstacle_distance
-        self.rally = rally_places(self.mission)
-        self.routes = ReturnRoutes(forecast, self.rally)
+    def __init__(
+        self, forecast: Forecast, enlarged: PathTask | None = None, alike: "ContingencyPaths | None" = None
+    ) -> None:
+        """Share the stopping points of paths `alike`: those of another RTL, or in another world."""
+        self.forecast, self.mission, self._enlarged = forecast, forecast.mission, enlarged
+        self.required, self.rally = forecast.world.limits.obstacle_distance, rally_places(self.mission)
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
+        self.routes, self._in_air = ReturnRoutes(forecast, self.rally), None if alike is None else alike.in_air
+        if alike is not None:
+            self._stops = alike._stops
+            if alike.forecast is forecast:
+                self.routes = alike.routes
+            else:
+                self._samples = {by: some for by, some in alike._samples.items() if by is not Contingency.RTL}
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
         """Return the paths of a forecast whose RTL alone differs: all else is taken over."""
         return forecast.cached(ContingencyPaths, self._of_another)
 
     def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
-        other = ContingencyPaths(forecast)
-        other.__dict__["enlarged"] = self.enlarged
-        if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["in_air"], other._stops = self.in_air, self._stops
-            other._samples = {by: samples for by, samples in self._samples.items() if by is not Contingency.RTL}
-        return other
+        returns = any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items)
+        return ContingencyPaths(forecast, self.enlarged, None if returns else self)
 
     @cached_property
     def enlarged(self) -> PathTask:
-        return with_margins(clearance_task(self.forecast.world), tight=4.0)
+        return self._enlarged or with_margins(clearance_task(self.forecast.world), tight=4.0)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
         """Paths without room for the deviation bound."""
-        other = ContingencyPaths(self.forecast)
-        other.__dict__ |= {"enlarged": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
-        other._stops = self._stops
-        return other
+        return ContingencyPaths(self.forecast, self.forecast.world, self)
 
     @cached_property
     def in_air(self) -> tuple[float, float]:
+        if self._in_air is not None:
+            return self._in_air
         track = self.forecast.guarantee.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + 1.0]  # [m]; lower it can end in place
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)

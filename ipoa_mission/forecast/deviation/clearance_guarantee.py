@@ -168,6 +168,9 @@ class PredictedFlight:
     def pieces(self) -> Pieces:
         return pieces_of(self.prediction.track.local())
 
+    def drop_pieces(self) -> None:
+        self.__dict__.pop("pieces", None)
+
     @cached_property
     def cruise_span(self) -> tuple[float, float]:
         """Return the end of the take-off and of the last waypoint [s]."""
