@@ -215,7 +215,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     findings = tuple(finding for finding in found_by_check if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
-        *slowed_where_needed_remarks(forecast),
+        *slowed_where_needed_remarks(found.route),
         *by_way_of_the_goal_remarks(scenario, requested),
         *raise_way_home_remarks(mission),
         *slow_landings_remarks(forecast),

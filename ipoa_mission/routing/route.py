@@ -35,6 +35,7 @@ class Route:
     radius: float = 0.0
     slow: frozenset[int] = frozenset()
     slow_speed: float = 0.0
+    slow_reason: str = ""
 
     @property
     def legs(self) -> int:

@@ -6,13 +6,11 @@ from itertools import chain, count
 
 import numpy as np
 
-from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.refusal import ChangeTrials, slower
+from ipoa_mission.routing.route import Route
 
 ROUNDS = 20
 
@@ -32,15 +30,16 @@ def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | Non
 
 def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
     """Return the attempt with the fewest legs at this speed [m/s]."""
-    every = frozenset(range(attempt.route.legs))
+    every, reason = frozenset(range(attempt.route.legs)), ""
 
     def at(slow: frozenset[int]) -> Attempt:
-        return replace(attempt, route=replace(attempt.route, slow=slow, slow_speed=speed))
+        return replace(attempt, route=replace(attempt.route, slow=slow, slow_speed=speed, slow_reason=reason))
 
     try:
         if not at(every).holds:
             return None
         latest = at(frozenset())
+        reason = _reason(latest)
         for _ in range(ROUNDS):
             if latest.holds:
                 break
@@ -71,28 +70,18 @@ def _more(slow: frozenset[int], leg: int) -> int:
     return before if before >= 0 else next(n for n in count(leg) if n not in slow)
 
 
-def slowed_where_needed_remarks(forecast: Forecast) -> Iterator[str]:
+def slowed_where_needed_remarks(route: Route) -> Iterator[str]:
     """Yield which items are flown slower, and the limit that needs it."""
-    mission, cruise = forecast.mission, forecast.world.vehicle.cruise_speed
-    stretches = list(_stretches(mission, cruise))
-    if not stretches:
+    if not route.slow:
         return
-    asked = [item.command != Command.DO_CHANGE_SPEED or item.params[1] == cruise for item in mission.items]
-    fast = replace(mission, items=tuple(item for item, stays in zip(mission.items, asked, strict=True) if stays))
-    guarantee = Forecast(fast, forecast.world).guarantee
+    ends, changes = [item + 1 for item in items_of_waypoints(route)[1:]], [*route.speed_changes, route.legs]
+    stretches = [(ends[begin], ends[end - 1]) for begin, end in zip(changes[::2], changes[1::2], strict=False)]
+    which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last in stretches)
+    yield f"items {which} are flown at {route.slow_speed:g} m/s{route.slow_reason}"
+
+
+def _reason(fast: Attempt) -> str:
+    guarantee = fast.guarantee
     worst = min(guarantee.forbidding, key=lambda limit: limit.slack, default=None)
-    why = "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(guarantee.confidence)}"
-    which = ", ".join(f"{first} to {last}" if last > first else f"{first}" for first, last, _ in stretches)
-    yield f"items {which} are flown at {stretches[0][-1]:g} m/s{why}"
-
-
-def _stretches(mission: Mission, cruise: float) -> Iterator[tuple[int, int, float]]:
-    """Yield first item, last item and speed of each slow stretch."""
-    first = None
-    speed = cruise
-    for seq, item in enumerate(mission.items, 1):
-        is_end = seq == len(mission.items)
-        if item.command == Command.DO_CHANGE_SPEED or is_end:
-            if first is not None and speed < cruise:
-                yield first, seq - 1, speed
-            first, speed = seq + 1, item.params[1]
+    cruise = fast.scenario.vehicle.cruise_speed
+    return "" if worst is None else f": at {cruise:g} m/s, {worst.to}: {worst.words(guarantee.confidence)}"
