@@ -81,12 +81,10 @@ RULES = (
     FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH_ACTIONS, GOES_ON, since=V1_19),
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0,
-        {**TRAFFIC_ACTIONS, 4: replace(GOES_ON, words="its commander lacks the order to hold"),
-         5: replace(FALLS, since=V1_19)}, GOES_ON, until=V1_19,
+        {**TRAFFIC_ACTIONS, 4: replace(GOES_ON, words="its commander lacks the order to hold")}, GOES_ON, until=V1_19,
     ),
     FailsafeRule(
-        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0,
-        {**TRAFFIC_ACTIONS, 4: HOLDS, 5: replace(FALLS, since=V1_19)}, GOES_ON, since=V1_19,
+        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, GOES_ON, since=V1_19
     ),
     *ordered(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip

@@ -39,9 +39,7 @@ from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
-    if frame not in firmware.frames:
-        return Refused("UNSUPPORTED_FRAME")
-    if wrong := _unused(firmware, command, frame, values):
+    if wrong := _refused_anywhere(firmware, command, frame, values):
         return wrong
     where, table = ("plain", firmware.plain) if frame == Frame.MISSION else ("placed", firmware.placed)
     if command in table:
@@ -68,20 +66,20 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 def _of_a_list(
     firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
 ) -> Refused | None:
-    if frame not in firmware.frames:
-        return Refused("UNSUPPORTED_FRAME")
-    if wrong := _unused(firmware, command, frame, values):
+    if wrong := _refused_anywhere(firmware, command, frame, values):
         return wrong
     if frame == Frame.MISSION:
         return Refused("UNSUPPORTED")
     return None if command in commands else Refused("ERROR")
 
 
-def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of the first unused param other than 0 or NaN.
+def _refused_anywhere(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
+    """Return the refusal of a frame, or of the first unused param other than 0 or NaN.
 
     With a place, unused latitude or longitude must be NaN.
     """
+    if frame not in firmware.frames:
+        return Refused("UNSUPPORTED_FRAME")
     used = None if firmware.used is None else firmware.used.get(command)
     if used is None:
         return None
