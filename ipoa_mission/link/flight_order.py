@@ -96,6 +96,10 @@ class FlightOrder:
         self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
 
     @property
+    def is_held(self) -> bool:
+        return self.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
+
+    @property
     def is_under_way(self) -> bool:
         return bool(self._steps)
 
@@ -235,8 +239,7 @@ class Conformance:
 
     @property
     def is_held(self) -> bool:
-        holds = self._order.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
-        return self._is_ordered and self.on_deviation is OnDeviation.HOLD and holds
+        return self._is_ordered and self.on_deviation is OnDeviation.HOLD and self._order.is_held
 
     @property
     def is_over(self) -> bool:

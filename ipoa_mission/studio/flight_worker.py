@@ -202,11 +202,6 @@ class Watch:
         self.obeyed: Literal["rtl", "land"] | None = None
         """The page's order by which the vehicle ends its flight, if there is one."""
 
-    @property
-    def is_held(self) -> bool:
-        vehicle = self._vehicle
-        return vehicle.order.is_paused or vehicle.state.custom_mode == vehicle.autopilot.modes.hold
-
     def hear(self, message: Message) -> None:
         """Handle a message; one without a position may still require landing earlier."""
         self.look()
@@ -237,7 +232,7 @@ class Watch:
         self.obeyed = self._obeyed(vehicle.state.custom_mode)
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
-        words = words or ("it holds its place" if self.is_held else vehicle.mode_change)
+        words = words or ("it holds its place" if self._vehicle.order.is_held else vehicle.mode_change)
         if (words, lost_s) != self._state:
             self._state = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
@@ -261,7 +256,7 @@ class Watch:
             done=0 if last is None else last + 1,
             flown_s=None if last is None else round(reached[last], 2),
             expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
-            held=self.is_held,
+            held=self._vehicle.order.is_held,
             orders=orders,
             reserve=reserve,
             satellites=self._satellites,
@@ -279,7 +274,7 @@ class Watch:
             unknown = self._unknown
             if self._contingencies is not None:
                 now, aside = self._contingencies.time_at(self._local(at), time_s)
-                is_away = aside > 10.0 or (self._vehicle.mode_change and not self.is_held)
+                is_away = aside > 10.0 or (self._vehicle.mode_change and not self._vehicle.order.is_held)
                 unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
             self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._orders
@@ -287,8 +282,8 @@ class Watch:
     def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
         """Yield each order's effect, or why it is `unknown`; hold and land are checked from the actual position."""
         mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
-        done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
-        if self.is_held:
+        done = {"hold": self._vehicle.order.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
+        if self._vehicle.order.is_held:
             yield self._go_on(now, unknown)
         rows: dict[Contingency, tuple[ContingencyRow, float | None]] = {}
         if self._contingencies is not None and unknown:

@@ -34,7 +34,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, expe
     vehicle: Any = SimpleNamespace(
         state=state,
         autopilot=forecast.mission.autopilot,
-        order=SimpleNamespace(words="", is_paused=False),
+        order=SimpleNamespace(words="", is_held=False),
         changed="",
         link_loss=SimpleNamespace(seconds=None, words=""),
         mode_change="",
