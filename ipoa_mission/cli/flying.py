@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FaultOptions, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt
+from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_planning
 from ipoa_mission.cli.options import (
     NAMES,
     ForceOption,
@@ -59,7 +59,8 @@ def fly(
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
     from ipoa_mission.cli.flight_output import next_steps, print_flown, print_flown_json, print_planned
-    from ipoa_mission.cli.mission_source import adapt_scenario, plan, planned, read_job
+    from ipoa_mission.cli.mission_source import adapt_scenario, planned, read_job
+    from ipoa_mission.flight.flight import plan_flight
     from ipoa_mission.scenario import read_scenario
 
     is_planned, link = source.suffix.lower() == ".toml", on_vehicle.link
@@ -81,7 +82,8 @@ def fly(
             planner.fly(scenario, asked, pilot)
             return
         asked.files.expect_plans([scenario.name])
-        job = planned(plan(scenario, search.seed, flown_by.air))
+        with showing_planning() as show:
+            job = planned(plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show))
     else:
         job = read_job(source, flown_by, ignore=ignore or ())
     with in_folder(out):

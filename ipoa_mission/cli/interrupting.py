@@ -91,6 +91,12 @@ def reporting_interrupt(
 
 
 @contextmanager
+def showing_planning() -> "Iterator[Progress]":
+    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
+        yield show
+
+
+@contextmanager
 def showing_stage(stage: "Stage", link: str = "") -> "Iterator[Progress]":
     """Show a bar; on an interruption report the state left behind."""
     from ipoa_mission.flight.procedure import Stage

@@ -10,11 +10,8 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.interrupting import reporting_interrupt
-from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_requested
-from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.flight.flight_parts import plan_for_batteries
+from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.post_flight import landed_at_rally, landed_elsewhere
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
@@ -23,7 +20,6 @@ from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
 
@@ -78,16 +74,6 @@ def read_job(
 
 def planned(flight: Flight) -> Job:
     return Job(flight.name, flight.forecast, flight.remarks, flight)
-
-
-def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
-    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
-        return plan_flight(scenario, wind=wind, seed=seed, progress=show)
-
-
-def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple[Flight, tuple[Forecast, ...]]:
-    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
-        return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 
 
 def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:

@@ -1,10 +1,11 @@
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
+from ipoa_mission.cli.interrupting import showing_planning
 from ipoa_mission.cli.options import (
     ForceOption,
     HomeOption,
@@ -51,20 +52,20 @@ def plan(
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.flight_output import print_parts, print_planned
-    from ipoa_mission.cli.mission_source import adapt_scenario, plan_parts
-    from ipoa_mission.cli.mission_source import plan as plan_it
+    from ipoa_mission.cli.mission_source import adapt_scenario
+    from ipoa_mission.flight.flight import names_of, parts_summary, plan_flight, plan_for_batteries, write_parts
 
     expect_folder(out)
-    to, air = FileOutput(out, report, force, as_json), flown_by.air
+    to = FileOutput(out, report, force, as_json)
     adapted = adapt_scenario(_read(scenario, others), search, flown_by).ignoring(ignore or ())
     if (planner := planner_of(adapted, others)) is not None:
         planner.plan(adapted, Asked(search, flown_by, to))
         return
     to.expect_plans([adapted.name])
-    flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
+    with showing_planning() as show:
+        asked: dict[str, Any] = {"wind": flown_by.air, "seed": search.seed, "progress": show}
+        flight, parts = plan_for_batteries(adapted, **asked) if split else (plan_flight(adapted, **asked), ())
     if len(parts) > 1:
-        from ipoa_mission.flight.flight_parts import names_of, parts_summary, write_parts
-
         expect_free(names_of(flight, parts, out), force, ask=not as_json)
         summary = parts_summary(flight, parts)
         files = [*write_parts(flight, parts, summary, out, report)]

@@ -78,5 +78,4 @@ def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[s
         return None
     from ipoa_mission.scenario import read_scenario
 
-    world = read_scenario(file).ignoring(ignore or ())
-    return world if wind is None else world.in_wind(wind)
+    return read_scenario(file).ignoring(ignore or ()).in_wind(wind)

@@ -1,10 +1,11 @@
 """Plan a flight in one call."""
 
 import logging
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from threadpoolctl import threadpool_limits
 
@@ -14,7 +15,8 @@ from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_u
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.flight.flight_files import write_files
+from ipoa_mission.flight.flight_files import write_files, write_several
+from ipoa_mission.flight.flight_parts import split_flight
 from ipoa_mission.flight.flight_summary import (
     clearance_as_json,
     energy_as_json,
@@ -193,7 +195,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         hint = f"use {section.planned_by}, as `ipoa-mission plan` does"
         raise BadInput(f"expected a scenario without a {name}", hint=hint, place=name)
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
-        flight = plan_regardless_of_battery(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        flight = plan_regardless_of_battery(scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:
         raise short
     return flight
@@ -223,3 +225,55 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, forecast, findings, remarks, found)
+
+
+def plan_for_batteries(
+    scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
+) -> tuple[Flight, tuple[Forecast, ...]]:
+    """Return the whole, and the fewest flights with a battery each.
+
+    Raises BadInput without a battery, else as `plan_flight`.
+    """
+    with threadpool_limits(1, "blas"):
+        flight = plan_regardless_of_battery(scenario.in_wind(wind), seed, progress)
+        return flight, split_flight(flight.forecast)
+
+
+def write_parts(
+    whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
+) -> tuple[Path, ...]:
+    """Write the parts, `summary` as NAME.json, and for `report` NAME.html. Raises BadInput."""
+    make_folder(folder)
+    plans = names_of(whole, parts, folder)
+    missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))
+    *written, about = write_several(missions, folder, whole.name, summary)
+    if report:
+        from ipoa_mission.report.page import PageNotes, report_html
+        from ipoa_mission.report.panels.tables import parts_panel
+
+        panel = parts_panel(parts, [path.name for path in plans])
+        page = report_html(whole.forecast, whole.plan, notes=PageNotes(whole.remarks, whole.findings, panel))
+        written.append(folder / f"{whole.name}.html")
+        write_atomically(written[-1], page)
+    return (*written, about)
+
+
+def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:
+    return [folder / f"{whole.name}-{number}.plan" for number in range(1, len(parts) + 1)]
+
+
+def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
+    flights = []
+    for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
+        budget = budget_of(part)
+        assert budget is not None, "it was split by its energy"
+        taken = budget.used.between
+        left = budget.left(taken)
+        flights.append({
+            "file": path.name,
+            "items": len(part.mission.items),
+            "time_s": rounded(part.estimate.total_s),
+            "energy_wh": [rounded(wh) for wh in taken],
+            "left": None if left is None else [rounded(share) for share in left],
+        })  # fmt: skip
+    return whole.summary() | {"flights": flights}

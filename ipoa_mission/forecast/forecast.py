@@ -70,7 +70,7 @@ class Forecast:
         if scenario is not None:
             for section in scenario.added.values():
                 scenario = section.seen_from(scenario, mission.home)
-            scenario = (scenario if wind is None else scenario.in_wind(wind)).flown_by(mission.autopilot)
+            scenario = scenario.in_wind(wind).flown_by(mission.autopilot)
             vehicle = scenario.vehicle
             version = mission.firmware_version or vehicle.version
             unmeasured = mission.unmeasured_version or vehicle.unmeasured_version

@@ -22,11 +22,15 @@ class GraphAxis:
         return np.asarray((np.asarray(values, float) - self.low) / (self.high - self.low))
 
     def ticks(self, most: int = 6) -> list[float]:
-        """Return at most `most` round values: 1, 2 or 5 times a power of ten apart."""
-        span = self.high - self.low
-        power = 10.0 ** math.floor(math.log10(span / most))
-        step = next(k * power for k in (1, 2, 5, 10) if span / (k * power) <= most)
+        """Return at most `most` round values."""
+        step = round_step((self.high - self.low) / most)
         return [n * step for n in range(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)]
+
+
+def round_step(value: float) -> float:
+    """Return the smallest of 1, 2, 5, 10, ... times a power of ten that is at least `value`."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))
 
 
 def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> GraphAxis:

@@ -1,6 +1,5 @@
 """The part of the world that a map shows, and its ground."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,9 +50,3 @@ def ground_mesh(airspace: Airspace, across: int, extent: Extent | None = None) -
     east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(box.lower, box.upper, counts, strict=True)))
     up = airspace.ground(np.column_stack([east.ravel(), north.ravel()]))
     return east, north, up.reshape(east.shape)
-
-
-def round_step(value: float) -> float:
-    """Return the smallest of 1, 2, 5, 10, ... times a power of ten that is at least `value`."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))

@@ -10,11 +10,11 @@ from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.planning.plan_view import Closure
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 

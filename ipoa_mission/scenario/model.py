@@ -214,8 +214,8 @@ class Scenario(Section):
         forecast = read_wind(self.wind.file, self.home.geodetic(), begins)
         return self.model_copy(update={"wind": WindSection.of(forecast.wind, forecast)})
 
-    def in_wind(self, wind: Wind) -> "Scenario":
-        return self.model_copy(update={"wind": WindSection.of(wind)})
+    def in_wind(self, wind: Wind | None) -> "Scenario":
+        return self if wind is None else self.model_copy(update={"wind": WindSection.of(wind)})
 
     def ignoring(self, codes: Iterable[str]) -> "Scenario":
         """Ignore these findings, too. Raises BadInput if one may mean a crash."""

@@ -239,8 +239,7 @@ def plan_survey(
     """
     if area is not None or camera is not None or asked:
         scenario = _asking(scenario, area, camera, asked)
-    scenario = scenario if wind is None else scenario.in_wind(wind)
-    expect_plannable(scenario)
+    expect_plannable(scenario := scenario.in_wind(wind))
     with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
         plan, before = _rest(plan, scenario, flown, seed) if flown else (plan, [])

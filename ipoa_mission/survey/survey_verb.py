@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.interrupting import showing_planning
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import FileOutput, confirm, print_json, print_lines, print_table, progress_bar
+from ipoa_mission.cli.output import FileOutput, confirm, print_json, print_lines, print_table
 from ipoa_mission.cli.planners import Asked, Pilot
 from ipoa_mission.errors import OptionConflict
 
@@ -99,7 +99,7 @@ class SurveyPlanner:
             raise OptionConflict("needs --flown", place="--system")
         logs = [log if self.system is None else (log, self.system) for log in self.flown or ()]
         wind, seed = asked.flown_by.air, asked.search.seed
-        with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
+        with showing_planning() as show:
             return plan_survey(scenario=scenario, wind=wind, seed=seed, flown=logs, progress=show)
 
 

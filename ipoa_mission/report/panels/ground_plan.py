@@ -9,8 +9,9 @@ import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.geometry import Points
+from ipoa_mission.report.chart import round_step
 from ipoa_mission.report.drawn_flight import DrawnFlight, outline_around
-from ipoa_mission.report.map_extent import Extent, ground_mesh, round_step
+from ipoa_mission.report.map_extent import Extent, ground_mesh
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
