@@ -219,7 +219,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
     planned = (
         *slowed_where_needed_remarks(found.route),
         *by_way_of_the_goal_remarks(scenario, requested),
-        *raise_way_home_remarks(mission),
+        *(raise_way_home_remarks(mission) if len(mission.items) > len(found.draft.mission.items) else ()),
         *slow_landings_remarks(forecast),
         *settled_remarks(forecast),
     )

@@ -7,6 +7,7 @@ from shapely import LineString, box
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission
@@ -110,6 +111,21 @@ def test_a_mission_that_lands_at_its_goal_does_not_climb() -> None:
     flown = mission(world(Autopilot.ARDUPILOT, 40.0, contingency="land"))
     assert flown.items[-1].command == Command.NAV_LAND
     assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)
+
+
+def test_goal_above_its_via_point_is_no_climb_for_the_way_home() -> None:
+    text = """
+    home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
+    start = { east = 0.0, north = 0.0, up = 10.0 }
+    via = [{ east = 60.0, north = 0.0, up = 10.0 }]
+    goal = { east = 60.0, north = 0.0, up = 25.0 }
+    vehicle = { autopilot = "px4" }
+    """
+    flight = plan_flight(parse_scenario(text, Path("above.toml")))
+    before, last, _ = flight.mission.items[-3:]
+    assert (before.latitude_deg, before.longitude_deg) == (last.latitude_deg, last.longitude_deg)
+    assert before.altitude < last.altitude
+    assert not [remark for remark in flight.remarks if "climbs to" in remark]
 
 
 def test_a_start_behind_something_is_refused_with_what_helps() -> None:
