@@ -172,7 +172,7 @@ class ModeWatch:
             self._mode, self._since_s, self._is_reported = mode, now_s, False
         if mode in self._modes:
             if self.words:
-                log.warning("the vehicle goes on with its mission")
+                log.warning("the vehicle continues its mission")
             self.words, self.was_away = "", False
         elif now_s - self._since_s >= SETTLED_S and not self._is_reported:
             self._is_reported, self.words = True, self._left()

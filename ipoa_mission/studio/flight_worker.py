@@ -232,7 +232,7 @@ class Watch:
         self.obeyed = self._obeyed(vehicle.state.custom_mode)
         obeyed = {"rtl": "it returns, as ordered", "land": "it lands, as ordered", None: ""}[self.obeyed]
         words = words or vehicle.conformance.why_not or obeyed
-        words = words or ("it holds its place" if self._vehicle.order.is_held else vehicle.mode_change)
+        words = words or ("it holds its position" if self._vehicle.order.is_held else vehicle.mode_change)
         if (words, lost_s) != self._state:
             self._state = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))

@@ -70,7 +70,7 @@ def test_mode_watch_reports_hold_and_resume_within_seconds(family: Autopilot, ca
     assert "`resume` or `rtl` orders it on" in warnings[0]
     assert [words.split(":")[0] for words in warnings] == [
         "the vehicle has left its mission",
-        "the vehicle goes on with its mission",
+        "the vehicle continues its mission",
     ]
 
 

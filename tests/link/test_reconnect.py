@@ -197,7 +197,7 @@ def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
     flight.on_return = lambda: flight.order_elsewhere(PX4.modes.mission)
     assert flight.lose(20.0).completed
     assert ", and its reason may not have been heard" in caplog.text
-    assert "the vehicle goes on with its mission" in caplog.text
+    assert "the vehicle continues its mission" in caplog.text
 
 
 @pytest.mark.parametrize("family", registered())

@@ -113,7 +113,7 @@ function Watched({ now }: { now: Studio }) {
   return (
     <>
     <dl class="figures">
-      <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{seen.held ? "it holds its place" : late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
+      <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{seen.held ? "it holds its position" : late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
       <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
       <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
       {seen.reserve && <div class={isShort(seen.reserve) ? "bad" : ""}><dt>battery</dt><dd>{share(seen.reserve.left)}{seen.reserve.planned != null && <small>{share(seen.reserve.planned)} planned</small>}</dd></div>}
