@@ -134,7 +134,6 @@ def samples(shared: Path) -> Path:
 
 @pytest.fixture
 def field4(shared: Path) -> Path:
-    """Return inputs rebuilt from public reports."""
     return shared / "field4"
 
 

@@ -31,7 +31,7 @@ class Interrupted(MissionError):
 
 @dataclass
 class ChangesMade:
-    """The changes that the verb has made, or may have made, in words; flights by name."""
+    """The changes made, or perhaps made; flights by name."""
 
     states: dict[Change | str, str] = field(default_factory=dict)
 
@@ -41,7 +41,7 @@ class ChangesMade:
             self.states[change] = state
 
     def report(self, hint: str | None = None, words: str = "", exact: str = "") -> Interrupted:
-        """Return the error of Ctrl-C; it reports `words` last, or their more exact form."""
+        """Report `words` last, or their more exact form."""
         states = [state for state in self.states.values() if state != words]
         if exact and not states:
             return Interrupted(exact, hint)
@@ -103,15 +103,12 @@ def showing_stage(stage: "Stage", link: str = "") -> "Iterator[Progress]":
     from ipoa_mission.progress import silent
 
     change, left, after = {
-        Stage.POSITION: (Change.MISSION, "the mission was not sent", ""),
-        Stage.PARAMETERS: (Change.MISSION, "the mission was not sent", ""),
-        Stage.CHECK: (Change.MISSION, "the mission was not sent", ""),
         Stage.UPLOAD: (Change.MISSION, "the mission on the vehicle may be the old or the new one", str(Stage.STORED)),
         Stage.STORED: (Change.MISSION, str(Stage.STORED), str(Stage.STORED)),
         Stage.READY: (Change.START, "the vehicle was not armed", ""),
         Stage.START: (Change.START, "the start may have been completed", "the vehicle was started"),
         Stage.FLIGHT: (Change.FLIGHT, "the vehicle flies on, unwatched", ""),
-    }[stage]
+    }.get(stage, (Change.MISSION, "the mission was not sent", ""))
     hint = "look at the vehicle: it may be flying" if stage is Stage.START else None
     if stage is Stage.FLIGHT:
         hint = f"to command it: `ipoa-mission pause --link {link}`, or `rtl`"

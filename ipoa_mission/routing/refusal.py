@@ -1,4 +1,4 @@
-"""Refuse a plan, with its tightest place and the first change of the scenario that helps."""
+"""Refuse a plan, with its tightest place and a change that helps."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -17,10 +17,6 @@ from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
-
-SPEED_SHARES = (0.5, 0.25)
-LEAST_SPEED = 0.5  # [m/s]
-LOWER_CONFIDENCES = (0.9,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +38,8 @@ class ChangeTrials:
 
 
 def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    for share in SPEED_SHARES:
-        speed = max(round(share * scenario.vehicle.cruise_speed, 1), LEAST_SPEED)
+    for share in (0.5, 0.25):
+        speed = max(round(share * scenario.vehicle.cruise_speed, 1), 0.5)  # [m/s]
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
         yield Remedy(("vehicle", "cruise_speed"), speed), scenario.model_copy(update={"vehicle": vehicle})
 
@@ -52,10 +48,10 @@ def _otherwise(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
     if scenario.route.mode != "fastest":
         route = scenario.route.model_copy(update={"mode": "fastest"})
         yield Remedy(("route", "mode"), "fastest"), scenario.model_copy(update={"route": route})
-    for confidence in LOWER_CONFIDENCES:
-        if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
-            safety = scenario.safety.model_copy(update={"confidence": confidence})
-            yield Remedy(("safety", "confidence"), confidence), scenario.model_copy(update={"safety": safety})
+    lower = 0.9
+    if scenario.safety.confidence != "nominal" and scenario.safety.confidence > lower:
+        safety = scenario.safety.model_copy(update={"confidence": lower})
+        yield Remedy(("safety", "confidence"), lower), scenario.model_copy(update={"safety": safety})
 
 
 @dataclass(frozen=True)

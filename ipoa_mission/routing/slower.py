@@ -71,7 +71,6 @@ def _more(slow: frozenset[int], leg: int) -> int:
 
 
 def slowed_where_needed_remarks(route: Route) -> Iterator[str]:
-    """Yield which items are flown slower, and the limit that needs it."""
     if not route.slow:
         return
     ends, changes = [item + 1 for item in items_of_waypoints(route)[1:]], [*route.speed_changes, route.legs]

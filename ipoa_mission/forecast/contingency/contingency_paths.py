@@ -165,7 +165,7 @@ class ContingencyPaths:
     def __init__(
         self, forecast: Forecast, enlarged: PathTask | None = None, alike: "ContingencyPaths | None" = None
     ) -> None:
-        """Share the stopping points of paths `alike`: those of another RTL, or in another world."""
+        """Share the stopping points of paths `alike`, of another RTL or world."""
         self.forecast, self.mission, self._enlarged = forecast, forecast.mission, enlarged
         self.required, self.rally = forecast.world.limits.obstacle_distance, rally_places(self.mission)
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
