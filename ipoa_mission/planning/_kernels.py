@@ -131,12 +131,14 @@ def _ahead(nodes, node, target, rules):
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
-def spread(nodes, steps, lengths, look, source, target, ratio, grid, rules):
-    """Return the least cost from lattice node `source` to others (n,), and each predecessor (n,), in the order of A*.
+def spread(nodes, stepping, look, ends, grid, rules):
+    """Return the least cost from a lattice node to others (n,), and each predecessor (n,), in the order of A*.
 
-    Nodes on no route to `target` of less than `ratio` times the cheapest are not reached. A step of `steps` (s, 3)
-    costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its leg is checked for obstacles.
+    `ends`: source, target and ratio; nodes on no route of less than `ratio` times the cheapest are not reached. A
+    step of `stepping` (steps (s, 3), lengths (s,)) costs its length times the mean price of its ends. With `look`, its
+    leg is checked for obstacles.
     """
+    (steps, lengths), (source, target, ratio) = stepping, ends
     places, (nx, ny, nz) = nodes.places, nodes.price.shape
     price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
     onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]

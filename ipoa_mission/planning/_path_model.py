@@ -322,25 +322,26 @@ def _moved(control, step, moves):
 
 
 @njit(cache=True, error_model="numpy")
-def _model(control, signs, spans, moves, grid, rules, soft, even):
+def _model(control, signs, bench, grid, rules, soft):
+    spans, even = bench.spans, bench.even
     nodes, here = np.zeros((len(spans.first), 3)), spans.window[0]
     for k in range(5):
         for i in range(len(nodes)):
             for axis in range(3):
                 nodes[i, axis] += here[k, i] * control[spans.first[i] + k, axis]
     value, gradient, band, angles = path_model(nodes, spans, len(control), grid, rules, soft, even, signs)
-    slope, narrow = _reduced(gradient, band, moves)
+    slope, narrow = _reduced(gradient, band, bench.moves)
     return value, slope, narrow, angles
 
 
 @njit(cache=True, error_model="numpy")
-def descend(control, signs, spans, moves, grid, rules, soft, even, steps, enough):
+def descend(control, signs, bench, grid, rules, soft, until):
     """Minimize by Levenberg-Marquardt: damping falls as the model proves right.
 
-    Return the control points (k, 3) and signs (n, 2) after at most `steps` steps, or one that gains less than the
-    share `enough`.
+    Return the control points (k, 3) and signs (n, 2). `until`: the most steps, and the gain of the last as a share.
     """
-    value, slope, band, angles = _model(control, signs, spans, moves, grid, rules, soft, even)
+    steps, enough = until
+    value, slope, band, angles = _model(control, signs, bench, grid, rules, soft)
     damping, n = 1e-3, band.shape[1]
     for _ in range(steps):
         mean, better = 0.0, False
@@ -351,10 +352,8 @@ def descend(control, signs, spans, moves, grid, rules, soft, even, steps, enough
             for k in range(n):
                 damped[0, k] += damping * band[0, k] + 1e-6 * mean
             step, solved = solve_banded(damped, slope)
-            trial = _moved(control, step, moves)
-            trial_value, trial_slope, trial_band, trial_angles = _model(
-                trial, signs, spans, moves, grid, rules, soft, even
-            )
+            trial = _moved(control, step, bench.moves)
+            trial_value, trial_slope, trial_band, trial_angles = _model(trial, signs, bench, grid, rules, soft)
             if solved == 1 and trial_value < value:
                 better = True
                 break

@@ -274,14 +274,14 @@ def _leg_routes(
     nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
 
-    def costs(backwards: bool, *ends: int) -> tuple[Vector, NDArray[np.int64]]:
-        steps = lattice.steps(backwards)
-        return spread(nodes, *steps, look, *ends, ratio, problem.grid, problem.rules)  # type: ignore[no-any-return]
+    def costs(backwards: bool, *ends: float) -> tuple[Vector, NDArray[np.int64]]:
+        stepping = lattice.steps(backwards)
+        return spread(nodes, stepping, look, ends, problem.grid, problem.rules)  # type: ignore[no-any-return]
 
-    there, before = costs(False, source, target)
+    there, before = costs(False, source, target, ratio)
     if not np.isfinite(there[target]):
         return []
-    back, after = costs(True, target, source)
+    back, after = costs(True, target, source, ratio)
     through = there + back
     routes: list[Points] = []
     even: list[Points] = []

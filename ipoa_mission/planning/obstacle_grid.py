@@ -107,6 +107,14 @@ class Moves(NamedTuple):
     cells: Sparse
 
 
+class Bench(NamedTuple):
+    """Nodes about `even` [m] apart that depend on the control points that are moved."""
+
+    spans: Spans
+    moves: Moves
+    even: float
+
+
 class Soft(NamedTuple):
     bend: float  # smaller angles count squared [rad]
     reach: float  # at which walls begin to act [m]

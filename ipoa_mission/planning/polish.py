@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Vector, leg_lengths
-from ipoa_mission.planning.obstacle_grid import Moves, Soft, Spans, Sparse
+from ipoa_mission.planning.obstacle_grid import Bench, Moves, Soft, Spans, Sparse
 from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
@@ -92,13 +92,13 @@ def polish(
 
     stages, enough = descent.stages, descent.enough
     nodes = descent.finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
-    control, bench = candidate.curve.control.copy(), _prepare(candidate, problem, part, nodes)
-    moved, signs = np.ascontiguousarray(control[bench.some]), np.zeros((len(bench.spans.first), 2))
+    control, (some, bench) = candidate.curve.control.copy(), _prepare(candidate, problem, part, nodes)
+    moved, signs = np.ascontiguousarray(control[some]), np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
-        scaled, until = soft.scaled(problem.scale), (bench.even, descent.steps, good)
-        moved, signs = descend(moved, signs, bench.spans, bench.moves, problem.grid, problem.rules, scaled, *until)
-    control[bench.some] = moved
+        scaled, until = soft.scaled(problem.scale), (descent.steps, good)
+        moved, signs = descend(moved, signs, bench, problem.grid, problem.rules, scaled, until)
+    control[some] = moved
     return Candidate(Spline(control), candidate.via_at)
 
 
@@ -143,18 +143,8 @@ _REMEDY = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class _Bench:
-    """Nodes about `even` [m] apart that depend on control points `some`."""
-
-    problem: PreparedProblem
-    some: slice
-    spans: Spans
-    even: float
-    moves: Moves
-
-
-def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
+def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> tuple[slice, Bench]:
+    """Return the control points that are seen, and what they are moved by."""
     n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
     low, high = max(int(varied[0]) - CHANGE_REACH, 0), min(int(varied[-1]) + CHANGE_REACH + 1, n)
@@ -165,7 +155,7 @@ def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes:
     if len(candidate.via_at):
         moves = moves_along(null_space(candidate, problem.task, part)[low:high], BAND)
     even = float(leg_lengths(even_basis(n, nodes)[seen] @ candidate.curve.control).mean())
-    return _Bench(problem, slice(low, high), spans, even, moves)
+    return slice(low, high), Bench(spans, moves, even)
 
 
 @lru_cache(maxsize=64)

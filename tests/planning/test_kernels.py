@@ -175,7 +175,7 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
         steps = every[rng.random(26) < 0.7]
         lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
         nodes = Nodes(price, np.zeros(price.shape), np.zeros((price.size, 3)), np.ones(3))
-        cost, before = spread(nodes, steps, lengths, False, source, 0, np.inf, anywhere.grid, anywhere.rules)
+        cost, before = spread(nodes, (steps, lengths), False, (source, 0, np.inf), anywhere.grid, anywhere.rules)
         np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
@@ -195,7 +195,7 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
     lengths = np.array([20.0, 20.0, 15.0, 15.0])
     for look, through in ((False, 20.0), (True, 50.0)):
         nodes = Nodes(price, np.zeros((2, 2, 1)), places, np.array([20.0, 15.0, 1.0]))
-        assert spread(nodes, steps, lengths, look, 0, 2, np.inf, problem.grid, problem.rules)[0][2] == through
+        assert spread(nodes, (steps, lengths), look, (0, 2, np.inf), problem.grid, problem.rules)[0][2] == through
 
 
 def test_nodes_on_cheap_routes_cost_the_same_within_a_ratio(scenario: Make) -> None:
@@ -207,10 +207,10 @@ def test_nodes_on_cheap_routes_cost_the_same_within_a_ratio(scenario: Make) -> N
         price = anywhere.rules.length * rng.uniform(1, 2, shape)
         steps = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
         nodes = Nodes(price, np.zeros(shape), np.zeros((price.size, 3)), spacing)
-        fixed = (steps, np.linalg.norm(steps * spacing, axis=1), False)
+        fixed = ((steps, np.linalg.norm(steps * spacing, axis=1)), False)
         source, target = rng.choice(price.size, 2, replace=False).tolist()
         there, back = (
-            [spread(nodes, *fixed, *ends, ratio, anywhere.grid, anywhere.rules)[0] for ratio in (1.3, np.inf)]
+            [spread(nodes, *fixed, (*ends, ratio), anywhere.grid, anywhere.rules)[0] for ratio in (1.3, np.inf)]
             for ends in ((source, target), (target, source))
         )
         cheap = there[1] + back[1] < 1.3 * there[1][target]

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
-from ipoa_mission.planning.obstacle_grid import Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
+from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
 from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
@@ -68,12 +68,12 @@ def kernels() -> Iterator[Kernel]:
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2), _numbers(1))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     sparse = Sparse(_numbers(1, np.int64), _numbers(1, np.int64), _numbers(1))
-    moves = Moves(0, 1, 0, sparse, sparse, sparse)
+    bench = Bench(spans, Moves(0, 1, 0, sparse, sparse, sparse), 1.0)
     clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "survey": (_numbers(2), grid, rules),
-        "descend": (_numbers(2), _numbers(2), spans, moves, grid, rules, soft, 1.0, 1, 1.0),
+        "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 7, 1.0, _numbers(2), True, 1.0),
         "farthest": (_numbers(2), _numbers(2)),
@@ -85,7 +85,7 @@ def kernels() -> Iterator[Kernel]:
         "straight_ways": (_numbers(2),) * 3,
         "ways_between": (clock, *(_numbers(2),) * 5, 1.0),
         "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
-        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, 0, 1.0, grid, rules),
+        "spread": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
     }
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"
