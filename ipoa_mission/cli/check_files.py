@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
 from ipoa_mission.checks.unsafe import strictly
-from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.cli.groups import ContingencyOptions
 from ipoa_mission.cli.options import expect_mission
 from ipoa_mission.cli.output import notes
 from ipoa_mission.cli.reading import read_requested
@@ -36,17 +36,6 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
             raise Unreadable("no .plan or .waypoints file in this folder", place=path)
         missions |= dict.fromkeys(map(expect_mission, inside))
     return list(missions)
-
-
-@dataclass(frozen=True)
-class CheckOptions:
-    """`anyway` accepts any class of vehicle."""
-
-    flown_by: FlownByOptions
-    world: "Scenario | None"
-    ignore: Sequence[str]
-    contingencies: bool
-    anyway: bool
 
 
 @dataclass(frozen=True)
@@ -109,11 +98,12 @@ class CheckedFile:
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
-def check_file(file: Path, how: CheckOptions) -> CheckedFile:
-    requested = read_requested(file, how.flown_by, world=how.world)
-    forecast = Forecast(requested.mission, how.world)
+def check_file(file: Path, how: ContingencyOptions, world: "Scenario | None", anyway: bool) -> CheckedFile:
+    """`anyway` accepts any class of vehicle."""
+    requested = read_requested(file, how.flown_by, world=world)
+    forecast = Forecast(requested.mission, world)
     world = forecast.scenario
-    findings = strictly(check_forecast(forecast, how.ignore, requested.findings), how.anyway)
+    findings = strictly(check_forecast(forecast, how.ignore or (), requested.findings), anyway)
     guarantee = None if world is None else guarantee_if_flown(forecast)
     contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
     if how.contingencies and guarantee is not None:

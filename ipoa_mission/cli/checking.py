@@ -4,16 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import (
-    ANYWAY,
-    ContingenciesOption,
-    FileArgument,
-    IgnoreOption,
-    JsonOption,
-    ScenarioOption,
-    expect_world_of,
-)
+from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
+from ipoa_mission.cli.options import ANYWAY, FileArgument, JsonOption, expect_world_of
 from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
@@ -30,13 +22,10 @@ def check(
     files: Annotated[
         list[Path], typer.Argument(metavar="FILE...", help="Mission files (.plan, .waypoints), or folders of them.")
     ],
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    ignore: IgnoreOption = None,
+    how: ContingencyOptions,
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
-    contingencies: ContingenciesOption = False,
     anyway: Annotated[bool, typer.Option("--anyway", metavar="", help=ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -47,20 +36,20 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.unsafe import unreadable
-    from ipoa_mission.cli.check_files import CheckedFile, CheckOptions, check_file, counted, missions_in
+    from ipoa_mission.cli.check_files import CheckedFile, check_file, counted, missions_in
     from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
 
-    if flown_by.air is not None and scenario is None:
+    if how.flown_by.air is not None and how.scenario is None:
         words = "needs --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
-    expect_world_of(contingencies, scenario)
+    expect_world_of(how.contingencies, how.scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
-    how = CheckOptions(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), contingencies, anyway)
+    world = read_world(how.scenario, how.flown_by.air, how.ignore)
     checked, wrong = [], None
     for path in paths:
         try:
-            checked.append(check_file(path, how))
+            checked.append(check_file(path, how, world, anyway))
         except BadInput as error:
             wrong = error
             checked.append(CheckedFile(path, (unreadable(error),)))
@@ -87,13 +76,7 @@ def check(
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 
 
-def estimate(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    ignore: IgnoreOption = None,
-    as_json: JsonOption = False,
-) -> None:
+def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> None:
     """Estimate the flight time of a mission, item by item, next to QGroundControl's estimate.
 
     Time zero: armed, in the mission mode, on the ground.
@@ -103,16 +86,12 @@ def estimate(
     from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.firmware_check import check_version
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unsafe import refuse_errors, refuse_unread
-    from ipoa_mission.cli.reading import read_requested, read_world
+    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.cli.reading import read_forecast
     from ipoa_mission.flight.flight_summary import energy_as_json
-    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.unread import unread_as_json
 
-    world = read_world(scenario, flown_by.air, ignore)
-    refuse_unread(world)
-    requested = read_requested(file, flown_by, world=world)
-    forecast = Forecast(requested.mission, world, flown_by.air)
+    requested, forecast, world = read_forecast(file, how)
     if wrong := refusals(requested.mission):
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     asked = forecast.given

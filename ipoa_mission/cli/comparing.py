@@ -31,6 +31,19 @@ class _Row:
     clearance: "FlownClearance | None"
 
 
+@dataclass
+class LogOptions:
+    number: Annotated[
+        int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
+    ] = None
+    system: LogSystemOption = None
+    scenario: ScenarioOption = None
+    picture: Annotated[Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")] = (
+        None
+    )
+    force: ForceOption = False
+
+
 def compare(
     files: Annotated[
         list[Path],
@@ -40,15 +53,7 @@ def compare(
         ),
     ],
     flown_by: FlownByOptions,
-    number: Annotated[
-        int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
-    ] = None,
-    system: LogSystemOption = None,
-    scenario: ScenarioOption = None,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
-    ] = None,
-    force: ForceOption = False,
+    how: LogOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Compare the log of a flown mission with the estimate, leg by leg, for each flight in the log.
@@ -67,11 +72,12 @@ def compare(
     from ipoa_mission.report.compare import Assumptions, compare_logged
     from ipoa_mission.wind import CALM
 
+    number, picture = how.number, how.picture
     if len(files) > 2:
         raise OptionConflict("expected a mission and a log at most", place=files[2])
     *missions, log = files
     file = expect_mission(missions[0]) if missions else None
-    flown = read_flights(log, system)
+    flown = read_flights(log, how.system)
     if flown_by.autopilot not in (None, flown.autopilot):
         message = f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}"
         raise BadInput(message, code="other-autopilot", place=log)
@@ -84,10 +90,10 @@ def compare(
     if picture is not None and len(numbers) > 1:
         raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
     if picture is not None:
-        expect_free([picture], force, ask=not as_json)
+        expect_free([picture], how.force, ask=not as_json)
     parameters, air = flown_by.parameters, flown_by.air
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
-    world = read_world(scenario, air)
+    world = read_world(how.scenario, air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
     assumed = Assumptions(parameters, learned, air or CALM, version)
     rows = []

@@ -6,20 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FaultOptions, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
+from ipoa_mission.cli.groups import FaultOptions, FileOutput, FlightOptions, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_planning
-from ipoa_mission.cli.options import (
-    NAMES,
-    ForceOption,
-    IgnoreOption,
-    JsonOption,
-    OutOption,
-    ReportOption,
-    SeedOption,
-    or_packed,
-)
-from ipoa_mission.cli.output import FileOutput, expect_folder, expect_log, progress_bar, shown
-from ipoa_mission.cli.planners import Asked, Pilot, planner_of, planners
+from ipoa_mission.cli.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
+from ipoa_mission.cli.output import expect_folder, expect_log, progress_bar, shown
+from ipoa_mission.cli.planners import AskedToFly, Pilot, planner_of, planners
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
@@ -37,16 +28,8 @@ def fly(
             help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
         ),
     ],
-    search: SearchOptions,
-    on_vehicle: FlightOptions,
-    flown_by: FlownByOptions,
-    on_link: LinkOptions,
+    asked: AskedToFly,
     worse: FaultOptions,
-    ignore: IgnoreOption = None,
-    out: OutOption = Path(),
-    report: ReportOption = False,
-    force: ForceOption = False,
-    as_json: JsonOption = False,
 ) -> None:
     """Fly a mission from upload to landing, and compare the flown time with the estimate.
 
@@ -63,40 +46,40 @@ def fly(
     from ipoa_mission.flight.flight import plan_flight
     from ipoa_mission.scenario import read_scenario
 
-    is_planned, link = source.suffix.lower() == ".toml", on_vehicle.link
+    search, flown_by, on_link, to = asked.search, asked.flown_by, asked.on_link, asked.files
+    is_planned, link, ignore = source.suffix.lower() == ".toml", asked.on_vehicle.link, asked.ignore or ()
     if not is_planned:
-        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer})
+        _expect_no_plan(source, {"--report": to.report, "--optimizer": search.optimizer})
     faults = worse.faults()
-    _expect_together(on_vehicle, faults)
-    expect_folder(out)
+    _expect_together(asked.on_vehicle, faults)
+    expect_folder(to.folder)
     expect_log(on_link.log)
-    asked = Asked(search, flown_by, FileOutput(out, report, force, as_json), on_vehicle, on_link)
     pilot: Pilot = partial(_fly_built_in, seed=search.seed, faults=faults)
     if link is not None:
         from ipoa_mission.cli.real_flight import RealVehicle
 
-        pilot = RealVehicle(source, flown_by, on_vehicle, on_link, as_json).fly
+        pilot = RealVehicle(source, asked).fly
     if is_planned:
-        scenario = adapt_scenario(read_scenario(source).ignoring(ignore or ()), search, flown_by)
+        scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
         if (planner := planner_of(scenario, [make() for make in planners()])) is not None:
             planner.fly(scenario, asked, pilot)
             return
-        asked.files.expect_plans([scenario.name])
+        to.expect_plans([scenario.name])
         with showing_planning() as show:
             job = planned(plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show))
     else:
-        job = read_job(source, flown_by, ignore=ignore or ())
-    with in_folder(out):
-        planned_files = [] if job.flight is None else [*job.flight.write(out)]
-        if job.flight is not None and not as_json:
+        job = read_job(source, flown_by, ignore=ignore)
+    with in_folder(to.folder):
+        planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
+        if job.flight is not None and not to.as_json:
             print_planned(job.flight, planned_files)
         flown = pilot(job, log := asked.log_of(job.name))
     written = [*map(Path, on_link.written(log))]
-    if report and job.flight is not None:
-        job.flight.report(page := out / f"{job.name}.html", flown.record)
+    if to.report and job.flight is not None:
+        job.flight.report(page := to.folder / f"{job.name}.html", flown.record)
         written.insert(0, page)
     hint = next_steps(link, on_link.system, flown.record)
-    if as_json:
+    if to.as_json:
         print_flown_json(flown, [*planned_files, *written], hint)
         if flown.record.failure:
             print(f"error: {shown(flown.record.failure)}", file=sys.stderr)
@@ -156,5 +139,5 @@ def demo(
 
     Example: `ipoa-mission demo`
     """
-    options = SearchOptions(seed=seed), FlightOptions(), FlownByOptions(), LinkOptions(), FaultOptions()
-    fly(or_packed(Path(NAMES[0])), *options, out=out, report=True, force=force, as_json=as_json)
+    files = FileOutput(out, report=True, force=force, as_json=as_json)
+    fly(or_packed(Path(NAMES[0])), AskedToFly(SearchOptions(seed), FlownByOptions(), files=files), FaultOptions())

@@ -1,3 +1,4 @@
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -9,10 +10,17 @@ from ipoa_mission.cli.options import (
     ANYWAY,
     AutopilotOption,
     Backend,
+    ContingenciesOption,
     FirmwareVersionOption,
+    ForceOption,
+    IgnoreOption,
+    JsonOption,
     KeyOption,
+    OutOption,
     ParameterFileOption,
     ParameterOption,
+    ReportOption,
+    ScenarioOption,
     SeedOption,
     SystemOption,
     UnmeasuredVersionOption,
@@ -22,6 +30,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
+from ipoa_mission.cli.output import expect_free
 from ipoa_mission.link.on_deviation import OnDeviation
 
 if TYPE_CHECKING:
@@ -86,6 +95,35 @@ class FlownByOptions:
     @cached_property
     def air(self) -> "Wind | None":
         return read_wind_option(self.wind)
+
+
+@dataclass
+class WorldOptions:
+    flown_by: FlownByOptions
+    scenario: ScenarioOption = None
+    ignore: IgnoreOption = None
+
+
+@dataclass
+class ContingencyOptions(WorldOptions):
+    contingencies: ContingenciesOption = False
+
+
+@dataclass
+class FileOutput:
+    """Files of a plan: their folder, with a report or not, and whether others may be overwritten."""
+
+    folder: OutOption = Path()
+    report: ReportOption = False
+    force: ForceOption = False
+    as_json: JsonOption = False
+
+    def expect_plans(self, names: Iterable[str]) -> None:
+        """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
+        from ipoa_mission.flight.flight_files import not_as_written
+
+        paths = (path for name in names for path in not_as_written(self.folder, name, self.report))
+        expect_free(paths, self.force, ask=not self.as_json)
 
 
 @dataclass

@@ -2,7 +2,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -95,14 +95,15 @@ def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
     return autopilot is not None or file.suffix.lower() != ".waypoints"
 
 
+@dataclass
+class UploadOptions:
+    autopilot: AutopilotOption = None
+    unmeasured_version: UnmeasuredVersionOption = False
+    ignore: IgnoreOption = None
+
+
 def upload(
-    file: FileArgument,
-    link: LinkOption,
-    on_link: LinkOptions,
-    autopilot: AutopilotOption = None,
-    unmeasured_version: UnmeasuredVersionOption = False,
-    ignore: IgnoreOption = None,
-    as_json: JsonOption = False,
+    file: FileArgument, link: LinkOption, on_link: LinkOptions, how: UploadOptions, as_json: JsonOption = False
 ) -> None:
     """Put a mission, its fence and rally points on a vehicle, read them back and compare every item.
 
@@ -117,9 +118,9 @@ def upload(
     from ipoa_mission.mission.mission_io import read_mission_file
     from ipoa_mission.rules import expect_ignorable
 
-    flown_by = FlownByOptions(autopilot=autopilot, unmeasured_version=unmeasured_version)
-    states, ignored = states_firmware(file, autopilot), expect_ignorable(ignore or ())
-    read_mission_file(file, autopilot)
+    flown_by = FlownByOptions(autopilot=how.autopilot, unmeasured_version=how.unmeasured_version)
+    states, ignored = states_firmware(file, how.autopilot), expect_ignorable(how.ignore or ())
+    read_mission_file(file, how.autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
         requested = read_requested(file, flown_by, None if states else vehicle.autopilot)

@@ -7,7 +7,6 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -178,23 +177,6 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
             if not (may_ask and confirm(f"{path} exists: overwrite it?")):
                 words = "the file exists"
                 raise BadInput(words, hint="--force overwrites it", code="already-there", place=path)
-
-
-@dataclass(frozen=True)
-class FileOutput:
-    """Files of a plan: their folder, with a report or not, and whether others may be overwritten."""
-
-    folder: Path
-    report: bool
-    force: bool
-    as_json: bool
-
-    def expect_plans(self, names: Iterable[str]) -> None:
-        """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
-        from ipoa_mission.flight.flight_files import not_as_written
-
-        paths = (path for name in names for path in not_as_written(self.folder, name, self.report))
-        expect_free(paths, self.force, ask=not self.as_json)
 
 
 def expect_log(path: Path | None) -> None:

@@ -1,15 +1,16 @@
 """Expand groups of options into a verb, for Typer; other rooms add groups to `plan`, and fly what they plan."""
 
 import inspect
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache, wraps
 from importlib.metadata import entry_points
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
-from ipoa_mission.cli.groups import FlightOptions, FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.output import FileOutput
+from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
+from ipoa_mission.cli.options import IgnoreOption
 from ipoa_mission.files import unused
 
 if TYPE_CHECKING:
@@ -22,11 +23,16 @@ Pilot: TypeAlias = "Callable[[Job, Path], FlownJob]"
 
 @dataclass(frozen=True)
 class Asked:
-    """Options that `plan` and `fly` give to a planner."""
+    """Options of `plan` and `fly`, also for a planner."""
 
     search: SearchOptions
     flown_by: FlownByOptions
-    files: FileOutput
+    ignore: IgnoreOption = None
+    files: FileOutput = field(default_factory=FileOutput)
+
+
+@dataclass(frozen=True)
+class AskedToFly(Asked):
     on_vehicle: FlightOptions = field(default_factory=FlightOptions)
     on_link: LinkOptions = field(default_factory=LinkOptions)
 
@@ -47,7 +53,7 @@ class Planner(Protocol):
 
     def accepts(self, scenario: "Scenario") -> bool: ...
     def plan(self, scenario: "Scenario", asked: Asked) -> None: ...
-    def fly(self, scenario: "Scenario", asked: Asked, pilot: Pilot) -> None: ...
+    def fly(self, scenario: "Scenario", asked: AskedToFly, pilot: Pilot) -> None: ...
 
 
 Planners: TypeAlias = list[Planner]
@@ -69,15 +75,14 @@ def grouped(verb: Callable[..., None]) -> Callable[..., None]:
     for parameter in inspect.signature(verb).parameters.values():
         if parameter.annotation is Planners or is_dataclass(parameter.annotation):
             groups[parameter.name] = planners() if parameter.annotation is Planners else (parameter.annotation,)
-            for group in groups[parameter.name]:
-                parameters += inspect.signature(group).parameters.values()
+            parameters += chain.from_iterable(map(_expanded, groups[parameter.name]))
         else:
             parameters.append(parameter)
 
     @wraps(verb)
     def called(**values: Any) -> None:
         for name, kinds in groups.items():
-            made = [kind(**{f.name: values.pop(f.name) for f in fields(kind) if f.name in values}) for kind in kinds]
+            made = [_made(kind, values) for kind in kinds]
             values[name] = made if kinds == planners() else made[0]
         verb(**values)
 
@@ -87,3 +92,15 @@ def grouped(verb: Callable[..., None]) -> Callable[..., None]:
     about = (inspect.cleandoc(kind.about) for kinds in groups.values() if kinds == planners() for kind in kinds)
     called.__doc__ = inspect.cleandoc(verb.__doc__ or "").replace("Example: ", "\n\n".join((*about, "Example: ")))
     return called
+
+
+def _expanded(group: Any) -> Iterator[inspect.Parameter]:
+    """Yield the options of a group, and of the groups in it."""
+    for parameter in inspect.signature(group).parameters.values():
+        yield from _expanded(parameter.annotation) if is_dataclass(parameter.annotation) else (parameter,)
+
+
+def _made(group: Any, given: dict[str, Any]) -> Any:
+    """Take the options of a group out of `given`."""
+    inner = {one.name: _made(one.type, given) for one in fields(group) if is_dataclass(one.type)}
+    return group(**inner, **{one.name: given.pop(one.name) for one in fields(group) if one.name in given})

@@ -1,21 +1,13 @@
 import shlex
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import showing_planning
-from ipoa_mission.cli.options import (
-    ForceOption,
-    HomeOption,
-    IgnoreOption,
-    JsonOption,
-    OutOption,
-    ReportOption,
-    expect_scenario,
-)
-from ipoa_mission.cli.output import FileOutput, expect_folder, expect_free, notes, print_json, print_lines
+from ipoa_mission.cli.options import ForceOption, HomeOption, JsonOption, expect_scenario
+from ipoa_mission.cli.output import expect_folder, expect_free, notes, print_json, print_lines
 from ipoa_mission.cli.planners import Asked, Planners, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
@@ -25,8 +17,7 @@ if TYPE_CHECKING:
 
 
 def plan(
-    search: SearchOptions,
-    flown_by: FlownByOptions,
+    asked: Asked,
     others: Planners,
     scenario: Annotated[
         Path | None,
@@ -36,14 +27,9 @@ def plan(
             help=f"Scenario file (TOML), or `campus`{''.join(f'; optional with {p.option}' for p in planners())}.",
         ),
     ] = None,
-    ignore: IgnoreOption = None,
-    out: OutOption = Path(),
     split: Annotated[
         bool, typer.Option("--split", help="Without enough battery, split into the fewest flights: NAME-1.plan ...")
     ] = False,
-    report: ReportOption = False,
-    force: ForceOption = False,
-    as_json: JsonOption = False,
 ) -> None:
     """Plan a scenario and write its mission: NAME.plan (QGroundControl), NAME.waypoints, and NAME.json about it.
 
@@ -55,26 +41,26 @@ def plan(
     from ipoa_mission.cli.mission_source import adapt_scenario
     from ipoa_mission.flight.flight import names_of, parts_summary, plan_flight, plan_for_batteries, write_parts
 
+    seed, air, to, out = asked.search.seed, asked.flown_by.air, asked.files, asked.files.folder
     expect_folder(out)
-    to = FileOutput(out, report, force, as_json)
-    adapted = adapt_scenario(_read(scenario, others), search, flown_by).ignoring(ignore or ())
+    adapted = adapt_scenario(_read(scenario, others), asked.search, asked.flown_by).ignoring(asked.ignore or ())
     if (planner := planner_of(adapted, others)) is not None:
-        planner.plan(adapted, Asked(search, flown_by, to))
+        planner.plan(adapted, asked)
         return
     to.expect_plans([adapted.name])
     with showing_planning() as show:
-        asked: dict[str, Any] = {"wind": flown_by.air, "seed": search.seed, "progress": show}
-        flight, parts = plan_for_batteries(adapted, **asked) if split else (plan_flight(adapted, **asked), ())
+        how: dict[str, Any] = {"wind": air, "seed": seed, "progress": show}
+        flight, parts = plan_for_batteries(adapted, **how) if split else (plan_flight(adapted, **how), ())
     if len(parts) > 1:
-        expect_free(names_of(flight, parts, out), force, ask=not as_json)
+        expect_free(names_of(flight, parts, out), to.force, ask=not to.as_json)
         summary = parts_summary(flight, parts)
-        files = [*write_parts(flight, parts, summary, out, report)]
+        files = [*write_parts(flight, parts, summary, out, to.report)]
     else:
         summary, files = flight.summary(), [*flight.write(out)]
-        if report:
+        if to.report:
             files.append(out / f"{flight.name}.html")
             flight.report(files[-1])
-    if as_json:
+    if to.as_json:
         print_json(summary | {"written": [str(file) for file in files]})
     elif len(parts) > 1:
         print_parts(flight, parts, files)
@@ -93,15 +79,20 @@ def _read(path: Path | None, others: Planners) -> "Scenario":
     return read_scenario(path)
 
 
-def new(
-    target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
-    home: HomeOption = None,
+@dataclass
+class PlaceOptions:
+    home: HomeOption = None
     buildings: Annotated[
         Path | None, typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map.")
-    ] = None,
+    ] = None
     elevation: Annotated[
         Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")
-    ] = None,
+    ] = None
+
+
+def new(
+    target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
+    at: PlaceOptions,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -116,7 +107,7 @@ def new(
     if not target.parent.is_dir():
         raise BadInput(f"expected a folder to write it to, but there is no {target.parent}", place=target)
     expect_free([target], force, ask=not as_json)
-    text, remarks = new_scenario(target, home, buildings, elevation)
+    text, remarks = new_scenario(target, at.home, at.buildings, at.elevation)
     write_atomically(target, text)
     if as_json:
         print_json({"written": str(target), "remarks": list(remarks)})

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.cli.groups import FlownByOptions, WorldOptions
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
 from ipoa_mission.logs.vehicle_file import read_vehicle
@@ -13,6 +13,7 @@ from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import parameter_path
 
 if TYPE_CHECKING:
+    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.mission_file import MissionFile
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
@@ -70,6 +71,17 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
         return ()
     why = read.taken_for or "the file does not name its autopilot"
     return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
+
+
+def read_forecast(file: Path, how: WorldOptions) -> "tuple[RequestedMission, Forecast, Scenario | None]":
+    """Raises BadInput, Unsafe."""
+    from ipoa_mission.checks.unsafe import refuse_unread
+    from ipoa_mission.forecast.forecast import Forecast
+
+    world = read_world(how.scenario, how.flown_by.air, how.ignore)
+    refuse_unread(world)
+    requested = read_requested(file, how.flown_by, world=world)
+    return requested, Forecast(requested.mission, world, how.flown_by.air), world
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flight_output import flight_as_json
-from ipoa_mission.cli.groups import FlightOptions, FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_stage
 from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.mission_source import FlownJob, Job, landing_remarks, read_job
 from ipoa_mission.cli.output import print_json
+from ipoa_mission.cli.planners import AskedToFly
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
@@ -35,26 +35,25 @@ class RealVehicle:
     """Flies missions on the vehicle of a link."""
 
     source: Path
-    flown_by: FlownByOptions
-    on_vehicle: FlightOptions
-    on_link: LinkOptions
-    as_json: bool
+    asked: AskedToFly
 
     def fly(self, job: Job, frames_log: Path) -> FlownJob:
         """Connect, upload, arm, start, watch. Raises MissionError with `known` data for JSON."""
-        on_vehicle, on_link, begin = self.on_vehicle, self.on_link, self.on_vehicle.begin
-        _begun_at_item(job, begin)  # an unknown item is an error before connecting
+        asked, on_vehicle, on_link = self.asked, self.asked.on_vehicle, self.asked.on_link
+        _begun_at_item(job, on_vehicle.begin)  # an unknown item is an error before connecting
         try:
             with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
-                if not states_firmware(self.source, self.flown_by.autopilot):
-                    job = read_job(self.source, self.flown_by, vehicle.autopilot, job.ignore)
+                if not states_firmware(self.source, asked.flown_by.autopilot):
+                    job = read_job(self.source, asked.flown_by, vehicle.autopilot, job.ignore)
                 vehicle.conformance.on_deviation = on_vehicle.on_deviation
-                if self.as_json:
+                if asked.files.as_json:
                     vehicle.conformance.report = lambda deviation: print_json(
                         {"event": "deviation"} | deviation.as_json(), indent=None
                     )
                 on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
-                job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), begin)
+                job = _begun_at_item(
+                    replace(job, forecast=job.forecast.on(vehicle.firmware_version())), on_vehicle.begin
+                )
                 remarks, record = self._fly_on(vehicle, job)
                 note_flown(job.name, record.armed)
         except MissionError as error:
@@ -66,10 +65,10 @@ class RealVehicle:
 
     def _fly_on(self, vehicle: Vehicle, job: Job) -> tuple[list[str], FlightRecord]:
         remarks, contingencies = list[str](), list[ContingenciesNow]()
-        first, anyway, set_params = self.on_vehicle.begin - 1, self.on_link.anyway, self.on_vehicle.set_params
-        stages = partial(
-            _showing_contingencies, job, vehicle, contingencies, f"{self.on_vehicle.link} --system {vehicle.system}"
-        )
+        on_vehicle, anyway = self.asked.on_vehicle, self.asked.on_link.anyway
+        first, set_params = on_vehicle.begin - 1, on_vehicle.set_params
+        again = f"{on_vehicle.link} --system {vehicle.system}"
+        stages = partial(_showing_contingencies, job, vehicle, contingencies, again)
         options = ProcedureOptions(first, anyway, job.ignore, set_params, stages, remarks.append)
         try:
             with reporting_interrupt(""):  # between two stages

@@ -1,16 +1,15 @@
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.cli.groups import ContingencyOptions
 from ipoa_mission.cli.options import (
     AutopilotOption,
-    ContingenciesOption,
     FileArgument,
     ForceOption,
-    IgnoreOption,
     JsonOption,
     ScenarioOption,
     expect_world_of,
@@ -23,14 +22,7 @@ if TYPE_CHECKING:
     from ipoa_mission.report.table import Row
 
 
-def show(
-    file: FileArgument,
-    flown_by: FlownByOptions,
-    scenario: ScenarioOption = None,
-    ignore: IgnoreOption = None,
-    contingencies: ContingenciesOption = False,
-    as_json: JsonOption = False,
-) -> None:
+def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = False) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and the time of each item.
 
     Example: `ipoa-mission show campus.plan --scenario missions/campus.toml`
@@ -38,23 +30,18 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unsafe import refuse_unread
     from ipoa_mission.cli.check_files import counted
     from ipoa_mission.cli.checking import remarks_on
-    from ipoa_mission.cli.reading import read_requested, read_world
+    from ipoa_mission.cli.reading import read_forecast
     from ipoa_mission.errors import MissionError
-    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.table import rows_of, shown
     from ipoa_mission.unread import unread_as_json
 
-    expect_world_of(contingencies, scenario)
-    if contingencies and as_json:
+    expect_world_of(how.contingencies, how.scenario)
+    if how.contingencies and as_json:
         words = "cannot be combined with --json"
         raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
-    world = read_world(scenario, flown_by.air, ignore)
-    refuse_unread(world)
-    requested = read_requested(file, flown_by, world=world)
-    forecast = Forecast(requested.mission, world, flown_by.air)
+    requested, forecast, world = read_forecast(file, how)
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
@@ -108,7 +95,7 @@ def show(
         print_lines("passes: leg of the first pass, time of the last")
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
     print_lines(f"{once}; {total}", *energy, *notes(remarks))
-    if contingencies:
+    if how.contingencies:
         from ipoa_mission.checks.check import guarantee_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
         from ipoa_mission.forecast.contingency.contingencies import Contingencies
@@ -123,6 +110,16 @@ def _detail(row: "Row") -> str:
     return ", ".join(filter(None, (does, passes)))
 
 
+@dataclass
+class ExportOptions:
+    form: Annotated[
+        str | None, typer.Option("--format", help="Format, like kml or csv; default: by TARGET's suffix.")
+    ] = None
+    scenario: ScenarioOption = None
+    autopilot: AutopilotOption = None
+    force: ForceOption = False
+
+
 def export(
     file: FileArgument,
     target: Annotated[
@@ -131,12 +128,7 @@ def export(
             metavar="TARGET", help="File to write, in the format of its suffix, like .kml; - is standard output."
         ),
     ],
-    form: Annotated[
-        str | None, typer.Option("--format", help="Format, like kml or csv; default: by TARGET's suffix.")
-    ] = None,
-    scenario: ScenarioOption = None,
-    autopilot: AutopilotOption = None,
-    force: ForceOption = False,
+    how: ExportOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.
@@ -149,6 +141,7 @@ def export(
     from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
     from ipoa_mission.report.exports import EXPORTS, forecast_text
 
+    form = how.form
     if target == Path("-") and form is None:
         raise OptionConflict("expected --format with it", hint="like --format kml", place="-")
     suffix = target.suffix.lower() if form is None else f".{form.lower()}"
@@ -158,8 +151,8 @@ def export(
             raise OptionConflict(words, place="--format")
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
     is_mission = suffix in MISSIONS
-    read = read_by_items(file, read_mission_file(file, autopilot))
-    forecast = Forecast(read.mission, read_world(scenario))
+    read = read_by_items(file, read_mission_file(file, how.autopilot))
+    forecast = Forecast(read.mission, read_world(how.scenario))
     if target == Path("-"):
         if as_json:
             raise OptionConflict("expected a file to write, not standard output", place="--json")
@@ -167,7 +160,7 @@ def export(
         text = mission_text(mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
         sys.stdout.write(text)
         return
-    expect_free([target], force, ask=not as_json)
+    expect_free([target], how.force, ask=not as_json)
     remarks = taken_for(read)
     if is_mission:
         remarks += write_mission(forecast.mission, target, suffix, read)

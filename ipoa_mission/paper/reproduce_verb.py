@@ -1,3 +1,4 @@
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -9,18 +10,23 @@ from ipoa_mission.cli.output import print_json, print_lines, progress_bar
 from ipoa_mission.files import make_folder
 
 
-def reproduce(
-    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
+@dataclass
+class RunOptions:
     runs: Annotated[
         int | None, typer.Option("--runs", metavar="N", min=1, help="Runs of each; default: as in the paper.")
-    ] = None,
+    ] = None
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of runs, tables and figures.")] = Path(
         "reproduction"
-    ),
-    jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2,
+    )
+    jobs: Annotated[int, typer.Option("--jobs", metavar="N", min=1, help="Processes.")] = 2
     executor: Annotated[
         str | None, typer.Option("--executor", metavar="URL", help="A Dask scheduler, as tcp://HOST:PORT.")
-    ] = None,
+    ] = None
+
+
+def reproduce(
+    what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
+    how: RunOptions,
     as_json: JsonOption = False,
 ) -> None:
     """Measure a table or figure of the paper again and write it; existing runs are reused.
@@ -30,10 +36,10 @@ def reproduce(
     from ipoa_mission.paper.reproduce import open_executor
     from ipoa_mission.paper.reproduce import reproduce as measure
 
-    make_folder(out)
-    kept = f"finished runs are in {out}; the same command continues from there"
+    make_folder(how.out)
+    kept = f"finished runs are in {how.out}; the same command continues from there"
     with reporting_interrupt(kept), progress_bar("measuring") as show:
-        files = measure(what, runs, out, open_executor(jobs, executor), show)
+        files = measure(what, how.runs, how.out, open_executor(how.jobs, how.executor), show)
     if as_json:
         print_json({"written": [str(file) for file in files]})
     else:

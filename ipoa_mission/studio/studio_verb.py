@@ -1,5 +1,6 @@
 import webbrowser
 from contextlib import suppress
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
@@ -13,21 +14,14 @@ from ipoa_mission.errors import BadInput, MissionError
 LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 
 
-def studio(
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="[FILE]",
-            callback=lambda path: None if path is None else or_packed(path),
-            help="Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); default: the start page.",
-        ),
-    ] = None,
+@dataclass
+class PageOptions:
     home: Annotated[
         tuple[float, float, float] | None,
         typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario with this home: degrees, meters AMSL."),
-    ] = None,
-    port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any free port.")] = 0,
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
+    ] = None
+    port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any free port.")] = 0
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True
     tiles: Annotated[
         str | None,
         typer.Option(
@@ -36,12 +30,24 @@ def studio(
             help="Map tiles, remembered: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; `none` "
             "forgets it.",
         ),
-    ] = None,
+    ] = None
     attribution: Annotated[
         str | None, typer.Option("--attribution", metavar="WORDS", help="Attribution of the map, shown on it.")
+    ] = None
+    world: ScenarioOption = None
+    seed: SeedOption = 0
+
+
+def studio(
+    page: PageOptions,
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            callback=lambda path: None if path is None else or_packed(path),
+            help="Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); default: the start page.",
+        ),
     ] = None,
-    world: ScenarioOption = None,
-    seed: SeedOption = 0,
     as_json: JsonOption = False,
 ) -> None:
     """Plan on a map in the browser: draw, drag, prove, fly. The page is for this user on this machine only.
@@ -58,12 +64,12 @@ def studio(
     from ipoa_mission.studio.tiles import chosen_tiles
     from ipoa_mission.studio.web_server import ServerOptions, serve
 
-    page = built_page((lambda words: None) if as_json else print_lines)
+    home, built = page.home, built_page((lambda words: None) if as_json else print_lines)
     file = Path("mission.toml") if file is None and home is not None else file
     if file is not None and (home is not None or not file.exists()):
         _begin(file, home)
 
-    source = chosen_tiles(tiles, attribution)
+    source = chosen_tiles(page.tiles, page.attribution)
 
     def tell_address(address: str) -> None:
         if as_json:
@@ -74,11 +80,11 @@ def studio(
             if source is not None:
                 origin = source.origin or source.shown.attribution
                 print_lines(f"map tiles: {origin} (remembered; --tiles none forgets them)")
-        if browser:
+        if page.browser:
             webbrowser.open(address)
 
     with suppress(KeyboardInterrupt):  # the regular end
-        serve(file, ServerOptions(page, port, seed, source), tell_address, world)
+        serve(file, ServerOptions(built, page.port, page.seed, source), tell_address, page.world)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:

@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
+from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import showing_planning
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import FileOutput, confirm, print_json, print_lines, print_table
-from ipoa_mission.cli.planners import Asked, Pilot
+from ipoa_mission.cli.output import confirm, print_json, print_lines, print_table
+from ipoa_mission.cli.planners import Asked, AskedToFly, Pilot
 from ipoa_mission.errors import OptionConflict
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class SurveyPlanner:
         else:
             _print(survey, written)
 
-    def fly(self, scenario: "Scenario", asked: Asked, pilot: Pilot) -> None:
+    def fly(self, scenario: "Scenario", asked: AskedToFly, pilot: Pilot) -> None:
         """Fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
         if asked.on_vehicle.begin != 1:
             raise OptionConflict("expected a mission, not a survey", hint=ONE_BY_ONE, place="--from")
@@ -116,7 +117,7 @@ def _write(survey: "Survey", files: FileOutput) -> list[Path]:
     return [*survey.write(files.folder), *(survey.report(files.folder) if files.report else ())]
 
 
-def _expect_flyable(survey: "Survey", asked: Asked) -> None:
+def _expect_flyable(survey: "Survey", asked: AskedToFly) -> None:
     """Refuse one log for several flights, and a link without a terminal."""
     count = len(survey.names)
     if count > 1 and asked.on_link.log is not None:
@@ -127,7 +128,7 @@ def _expect_flyable(survey: "Survey", asked: Asked) -> None:
         raise OptionConflict(words, hint=ONE_BY_ONE)
 
 
-def _fly(survey: "Survey", asked: Asked, pilot: Pilot) -> None:
+def _fly(survey: "Survey", asked: AskedToFly, pilot: Pilot) -> None:
     from ipoa_mission.cli.flight_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
 

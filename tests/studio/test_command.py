@@ -27,7 +27,7 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studio_verb, "LIBRARIES", ("numpy", "no_such_library"))
     with refuses("package-missing", "", "no_such_library"):
-        studio_verb.studio(Path("mission.toml"))
+        studio_verb.studio(studio_verb.PageOptions(), Path("mission.toml"))
 
 
 def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
