@@ -26,9 +26,9 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.cli.checking import estimate_as_json
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.flight.flight_summary import findings_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.report.summary import findings_as_json
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.scenario_file import scenario_of
 from ipoa_mission.survey.survey_flight import plan_survey

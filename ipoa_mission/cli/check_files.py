@@ -58,14 +58,14 @@ class CheckedFile:
         return self.forecast is not None
 
     def as_json(self) -> dict[str, Any]:
-        from ipoa_mission.flight.flight_summary import findings_as_json
+        from ipoa_mission.report.summary import findings_as_json
 
         rows, remarks = findings_as_json(self.findings), list(self.remarks)
         about: dict[str, Any] = {"ok": not self.errors, "findings": rows, "remarks": remarks}
         if self.forecast is None:
             return about
         if (world := self.forecast.scenario) is not None:
-            from ipoa_mission.flight.flight_summary import clearance_as_json, passed_over_as_json
+            from ipoa_mission.report.summary import clearance_as_json, passed_over_as_json
 
             about |= {"clearance": clearance_as_json(self.guarantee) or None, "passed_over": passed_over_as_json(world)}
             about["unread"] = unread_as_json(world.unread)

@@ -88,7 +88,7 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.cli.reading import read_forecast
-    from ipoa_mission.flight.flight_summary import energy_as_json
+    from ipoa_mission.report.summary import energy_as_json
     from ipoa_mission.unread import unread_as_json
 
     requested, forecast, world = read_forecast(file, how)
@@ -175,8 +175,8 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """Return JSON values; items are numbered as in the file, home is 0."""
-    from ipoa_mission.flight.flight_summary import route_summary
     from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS
+    from ipoa_mission.report.summary import route_summary
 
     items = [
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}

@@ -15,9 +15,18 @@ from ipoa_mission.checks.unsafe import expect_plannable, refuse_errors, refuse_u
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.flight.flight_files import write_files, write_several
 from ipoa_mission.flight.flight_parts import split_flight
-from ipoa_mission.flight.flight_summary import (
+from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
+from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.waypoints_file import left_out
+from ipoa_mission.mission.written_files import write_files, write_several
+from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.proof import Proof
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.report.summary import (
     clearance_as_json,
     energy_as_json,
     findings_as_json,
@@ -28,15 +37,6 @@ from ipoa_mission.flight.flight_summary import (
     rounded,
     route_summary,
 )
-from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of, refusal_of
-from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.estimate import COUNTED_TERMS, Estimate
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.waypoints_file import left_out
-from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.proof import Proof
-from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import by_way_of_the_goal_remarks
 from ipoa_mission.routing.planned_returns import settled_remarks

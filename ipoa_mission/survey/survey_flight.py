@@ -16,14 +16,14 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.checks.unsafe import expect_plannable
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.flight.flight_files import write_files, write_several
-from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.mission.waypoints_file import left_out
+from ipoa_mission.mission.written_files import write_files, write_several
 from ipoa_mission.progress import Progress, silent
+from ipoa_mission.report.summary import passed_over_as_json
 from ipoa_mission.routing.planned_returns import settled_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.scenario import Scenario

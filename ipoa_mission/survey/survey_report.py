@@ -8,12 +8,12 @@ from urllib.parse import quote
 import shapely
 
 from ipoa_mission.centimeters import down
-from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.drawn_flight import find_dangers, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
+from ipoa_mission.report.summary import clearance_as_json, findings_as_json, items_as_json, rounded
 from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.files import read_text, write_together
-from ipoa_mission.flight.flight_files import not_as_written
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission, write_mission
+from ipoa_mission.mission.written_files import not_as_written
 from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import read_scenario
 from tests.cli.conftest import Planned, Run

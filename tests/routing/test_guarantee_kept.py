@@ -13,9 +13,9 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.flight.flight import Flight, plan_flight
-from ipoa_mission.flight.flight_summary import clearance_as_json
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.report.summary import clearance_as_json
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
 from tests.examples import examples
