@@ -13,6 +13,7 @@ from ipoa_mission.finding import Finding as Finding
 from ipoa_mission.finding import Severity as Severity
 from ipoa_mission.flight.flight import Flight as Flight
 from ipoa_mission.flight.flight import plan_flight as plan_flight
+from ipoa_mission.flight.flight import write_report as write_report
 from ipoa_mission.flight.flight_parts import split as split
 from ipoa_mission.flight.preflight import FarFromHome as FarFromHome
 from ipoa_mission.flight.preflight import FastLanding as FastLanding
@@ -67,7 +68,6 @@ from ipoa_mission.planning.planner import plan_path as plan_path
 from ipoa_mission.report.compare import Comparison as Comparison
 from ipoa_mission.report.compare import compare_flight as compare_flight
 from ipoa_mission.report.exports import write_export as write_export
-from ipoa_mission.report.page import write_report as write_report
 from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.report.table import mission_table as mission_table

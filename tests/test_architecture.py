@@ -35,7 +35,7 @@ MAY_IMPORT = {
     "link": {"checks", *_MISSION},
     "logs": {"link", *_MISSION},
     "simulator": {"link", *_MISSION},
-    "report": {"checks", "link", "logs", *_PLANNED},
+    "report": {"logs", *_PLANNED},
     "flight": {"checks", "link", "report", "routing", *_PLANNED},
 }
 #: Plug-ins, found by entry points: nothing else imports them.

@@ -14,10 +14,11 @@ from ipoa_mission.checks.firmware_check import (
     check_version,
     is_too_long,
 )
-from ipoa_mission.checks.positions import check_landings, check_positions, refusals, unsound
+from ipoa_mission.checks.landings import check_landings
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import LEFT_OUT, Mission
+from ipoa_mission.mission.positions import check_positions, refusals, unsound
 from ipoa_mission.rules import expect_ignorable
 
 if TYPE_CHECKING:

@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from ipoa_mission.checks.numbered_finding import item_of, leg_name
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
+from ipoa_mission.mission.numbered_finding import item_of
 from ipoa_mission.world.polygon import union_of
 
 
@@ -67,7 +67,7 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
         if not end and leg.phase is not Phase.RETURN:
             message = "expected inside the fence, but it lies outside"
         elif start:
-            message = f"expected legs inside the fence, but {leg_name(leg)} crosses it"
+            message = f"expected legs inside the fence, but {leg.name} crosses it"
         else:
             continue
         reported.add(leg.seq)

@@ -25,14 +25,14 @@ from ipoa_mission.autopilot.guidance_profile import JumpProfile
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
 from ipoa_mission.autopilot.vehicle_kind import NO_AIRCRAFT
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered_items
-from ipoa_mission.checks.positions import out_of_range
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
 from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.numbered_finding import Numbered, item_of, numbered_items
+from ipoa_mission.mission.positions import out_of_range
 from ipoa_mission.mission.program import Steps, as_flown, items_tagged, jump_target, program_of
 from ipoa_mission.mission.stored_mission import to_wire, values_of
 

@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.checks.numbered_finding import item_of, leg_name
-from ipoa_mission.checks.positions import check_ground
+from ipoa_mission.checks.landings import check_ground
 from ipoa_mission.checks.unsafe import check_unread
 from ipoa_mission.errors import MissionError, Remedy
 from ipoa_mission.finding import Finding, Severity
@@ -31,6 +30,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.numbered_finding import item_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM, Wind
 
@@ -86,7 +86,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             if words in reported and begins:
                 continue
             reported |= {words} if leg.phase is Phase.CRUISE else set()
-            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
+            item, message = item_of(mission, leg.seq), f"{leg.name}: {words}"
             contact = scenario.vehicle.radius - ROUNDING["m"] if check.limit in ("obstacles", "ground") else -math.inf
             if leg.phase is not Phase.CRUISE and not check.nearest.distance < contact:
                 yield item.warning("leg-too-near", message)

@@ -85,9 +85,9 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
     """
     from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.firmware_check import check_version
-    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.cli.reading import read_forecast
+    from ipoa_mission.mission.positions import refusals
     from ipoa_mission.report.summary import energy_as_json
     from ipoa_mission.unread import unread_as_json
 

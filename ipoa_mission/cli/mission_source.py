@@ -7,7 +7,6 @@ from typing import Any
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.reading import read_requested
@@ -19,6 +18,7 @@ from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.scenario import Scenario
 
 log = logging.getLogger(__name__)

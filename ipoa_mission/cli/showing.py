@@ -29,11 +29,11 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     """
     from dataclasses import asdict
 
-    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.check_files import counted
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_forecast
     from ipoa_mission.errors import MissionError
+    from ipoa_mission.mission.positions import refusals
     from ipoa_mission.report.table import rows_of, shown
     from ipoa_mission.unread import unread_as_json
 

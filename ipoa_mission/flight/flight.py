@@ -163,8 +163,8 @@ class Flight:
         """
         from ipoa_mission.report.page import PageNotes, report_html
 
-        notes = PageNotes(self.remarks, self.findings)
-        write_atomically(Path(path), report_html(self.forecast, self.plan, record, notes))
+        notes = PageNotes(self.findings, self.remarks)
+        write_atomically(Path(path), report_html(self.forecast, notes, self.plan, record))
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:
@@ -252,7 +252,7 @@ def write_parts(
         from ipoa_mission.report.panels.tables import parts_panel
 
         panel = parts_panel(parts, [path.name for path in plans])
-        page = report_html(whole.forecast, whole.plan, notes=PageNotes(whole.remarks, whole.findings, panel))
+        page = report_html(whole.forecast, PageNotes(whole.findings, whole.remarks, panel), whole.plan)
         written.append(folder / f"{whole.name}.html")
         write_atomically(written[-1], page)
     return (*written, about)
@@ -277,3 +277,32 @@ def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
             "left": None if left is None else [rounded(share) for share in left],
         })  # fmt: skip
     return whole.summary() | {"flights": flights}
+
+
+def write_report(
+    forecast: Forecast,
+    path: str | Path,
+    plan: Plan | None = None,
+    flight: "FlightRecord | None" = None,
+    remarks: Sequence[str] = (),
+) -> None:
+    """Write the report on a mission, one page without a server.
+
+    Args:
+        forecast: of the mission, in the world of a scenario.
+        path: of an HTML file.
+        plan: of the mission, if known.
+        flight: as flown, if it was.
+        remarks: shown first, with the estimate's own.
+
+    Raises:
+        BadInput: the folder may not be written.
+
+    Example:
+        >>> from ipoa_mission import Forecast, read_mission, read_scenario, write_report
+        >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
+        >>> write_report(forecast, "sitl.html")
+    """
+    from ipoa_mission.report.page import PageNotes, report_html
+
+    write_atomically(Path(path), report_html(forecast, PageNotes(check(forecast), remarks), plan, flight))

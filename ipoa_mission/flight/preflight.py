@@ -12,8 +12,6 @@ from ipoa_mission.autopilot.commands import Frame, plain_frame
 from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.firmware_check import NOT_MEASURED, check_aboard
-from ipoa_mission.checks.numbered_finding import item_of, leg_name
-from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import MissionError, Unsafe
 from ipoa_mission.forecast.deviation.law import law_of
@@ -26,6 +24,8 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.numbered_finding import item_of
+from ipoa_mission.mission.positions import refusals
 from ipoa_mission.progress import Progress, silent
 
 log = logging.getLogger(__name__)
@@ -212,5 +212,5 @@ def _beyond(
         return
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
     flown = f"{value:.1f} m {where} ({value + stray:.1f} m with the deviation of flights)"
-    after = f" on {leg_name(leg)}" if leg.jumped_from >= 0 else ""
+    after = f" on {leg.name}" if leg.jumped_from >= 0 else ""
     yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

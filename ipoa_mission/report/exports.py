@@ -16,13 +16,13 @@ from xml.etree import ElementTree as Tree
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Frame, command_name, plain_frame
-from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.report.table import to_csv
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
-from pathlib import Path
 from string import Template
 from typing import Any
 
@@ -15,8 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import WAYPOINTS
-from ipoa_mission.checks.check import check
-from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
@@ -43,46 +40,17 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True)
 class PageNotes:
-    """`findings`: of a check already made; `panel`: of a survey or flight parts."""
+    """`findings`: of the check; `panel`: of a survey or flight parts."""
 
+    findings: Sequence[Finding]
     remarks: Sequence[str] = ()
-    findings: Sequence[Finding] | None = None
     panel: str = ""
 
 
-def write_report(
-    forecast: Forecast,
-    path: str | Path,
-    plan: Plan | None = None,
-    flight: FlightRecord | None = None,
-    remarks: Sequence[str] = (),
-) -> None:
-    """Write the report on a mission, one page without a server.
-
-    Args:
-        forecast: of the mission, in the world of a scenario.
-        path: of an HTML file.
-        plan: of the mission, if known.
-        flight: as flown, if it was.
-        remarks: shown first, with the estimate's own.
-
-    Raises:
-        BadInput: the folder may not be written.
-
-    Example:
-        >>> from ipoa_mission import Forecast, read_mission, read_scenario, write_report
-        >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
-        >>> write_report(forecast, "sitl.html")
-    """
-    write_atomically(Path(path), report_html(forecast, plan, flight, PageNotes(remarks)))
-
-
 def report_html(
-    forecast: Forecast, plan: Plan | None = None, flight: FlightRecord | None = None, notes: PageNotes | None = None
+    forecast: Forecast, notes: PageNotes, plan: Plan | None = None, flight: FlightRecord | None = None
 ) -> str:
-    notes = notes or PageNotes()
-    findings = check(forecast) if notes.findings is None else notes.findings
-    scenario, mission, proof = forecast.world, forecast.mission, forecast.proof_if_known
+    findings, scenario, mission, proof = notes.findings, forecast.world, forecast.mission, forecast.proof_if_known
     airspace, required = scenario.airspace, scenario.limits.obstacle_distance
     legs, predicted = item_legs(forecast), sample_track(forecast.estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)

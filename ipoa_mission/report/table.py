@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.autopilot.commands import JUMPS, Command, Frame, command_name, plain_frame
-from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
@@ -19,6 +18,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.mission.item_words import details_of, hold_of
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.positions import refusals
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

@@ -9,7 +9,6 @@ import numpy as np
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.autopilot.commands import Command, short_name
 from ipoa_mission.checks.firmware_check import is_too_long
-from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
@@ -20,6 +19,7 @@ from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.positions import refusals
 from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers

@@ -13,7 +13,6 @@ from pydantic import TypeAdapter
 
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
@@ -22,6 +21,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.logs.flight_log import FlightLog, read_flights
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
+from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.progress import Progress as ShowProgress
 from ipoa_mission.report.compare import compare_flight, flown_track

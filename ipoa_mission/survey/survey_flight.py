@@ -148,8 +148,8 @@ class Survey:
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
         for name, flight in zip(self.names, self.plan.flights, strict=True):
             pages.append(Path(folder) / f"{name}.html")
-            notes = PageNotes(self._notes_of(flight), flight.findings, panel)
-            write_atomically(pages[-1], report_html(flight.forecast, notes=notes))
+            notes = PageNotes(flight.findings, self._notes_of(flight), panel)
+            write_atomically(pages[-1], report_html(flight.forecast, notes))
         return tuple(pages)
 
 

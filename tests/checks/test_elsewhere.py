@@ -3,10 +3,10 @@ from pathlib import Path
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.positions import home_elsewhere, refusals
 from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.positions import home_elsewhere, refusals
 from ipoa_mission.report.exports import write_export
 from ipoa_mission.simulator.fly import board
 from tests.refused import refuses

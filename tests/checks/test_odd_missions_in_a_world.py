@@ -10,8 +10,8 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.report.page import report_html
 from ipoa_mission.scenario import read_scenario
+from tests.report_pages import page_of
 
 SCENARIO = read_scenario(Path(__file__).parents[2] / "missions" / "sitl.toml")
 HOME = SCENARIO.home.geodetic()
@@ -36,4 +36,4 @@ def test_each_is_judged(autopilot: Autopilot) -> None:
 def test_each_alone_is_drawn_or_it_is_said_why_not(name: str) -> None:
     forecast = Forecast(Mission(HOME, (ITEMS[name],), Autopilot.ARDUPILOT), SCENARIO)
     with suppress(MissionError):
-        assert "From above" in report_html(forecast)
+        assert "From above" in page_of(forecast)

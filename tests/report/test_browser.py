@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from ipoa_mission.flight.flight import write_report
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.report.page import write_report
 from ipoa_mission.simulator.fly import fly
 from tests.examples import some
 from tests.report.conftest import Bowed, Planned

@@ -17,9 +17,9 @@ from ipoa_mission.mission.flight_record import FlightRecord, Sample
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.page import report_html
 from tests.px4_waypoints import PX4_117
 from tests.report.conftest import Bowed, Foreseen
+from tests.report_pages import page_of
 
 RECORDED = Path(__file__).parents[1] / "flights"
 
@@ -73,7 +73,7 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
-    assert "reports no item" in report_html(forecast("sitl.toml"), flight=nothing)
+    assert "reports no item" in page_of(forecast("sitl.toml"), flight=nothing)
     api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
@@ -86,7 +86,7 @@ def test_the_flown_path_comes_back_to_the_millimeter(bowed: Bowed) -> None:
 
 def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed, forecast: Foreseen) -> None:
     _, mission, timed = bowed("campus.toml")
-    page = report_html(forecast("campus.toml"), flight=flown_as(timed, mission, 1.25, 0.0))
+    page = page_of(forecast("campus.toml"), flight=flown_as(timed, mission, 1.25, 0.0))
     assert "the estimate is off by −20.0\N{NO-BREAK SPACE}%" in page
     assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
     assert 'class="flown"' in page

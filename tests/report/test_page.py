@@ -12,6 +12,7 @@ import pytest
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy import TimedPath
 from ipoa_mission.centimeters import down
+from ipoa_mission.flight.flight import write_report
 from ipoa_mission.forecast.flight_energy import flight_energy
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import join
@@ -20,12 +21,12 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.drawn_flight import find_dangers, item_legs, sample_track
 from ipoa_mission.report.number_format import meters, number, seconds, share
-from ipoa_mission.report.page import PageNotes, report_html, write_report
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.obstacles import Prism
 from tests.report.conftest import Bowed, Foreseen, Planned
+from tests.report_pages import page_of
 
 VOID = {"meta", "br", "i", "path", "rect"}  # without an end, or closed at once
 
@@ -69,12 +70,12 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def planned_page(planned: Planned) -> Callable[[str], str]:
-    return cache(lambda name: report_html(*planned(name)))
+    return cache(lambda name: page_of(*planned(name)))
 
 
 @pytest.fixture(scope="module")
 def bowed_page(forecast: Foreseen) -> Callable[[str], str]:
-    return cache(lambda name: report_html(forecast(name)))
+    return cache(lambda name: page_of(forecast(name)))
 
 
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
@@ -101,7 +102,7 @@ def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
     evil = '\x1b[31m</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
-    page = report_html(Forecast(mission, Scenario.model_validate(text)), notes=PageNotes([evil]))
+    page = page_of(Forecast(mission, Scenario.model_validate(text)), remarks=[evil])
     assert "<script>alert" not in page
     assert "\x1b" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
@@ -152,7 +153,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, 
     legs = item_legs(forecast("downtown.toml"))
     least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
     assert least.distance < 0  # an arc through a city hits towers
-    page = report_html(forecast("downtown.toml"))
+    page = page_of(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
     hits = [stop.time.seq for stop in legs if stop.proof is not None and not stop.proof.holds]
@@ -163,7 +164,7 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
     scenario, mission, _ = bowed("campus.toml")
     kept = Forecast(mission.assuming(scenario.vehicle.autopilot_parameters()), scenario).guarantee.clearance
     assert kept is not None
-    page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 6500.0}), scenario))
+    page = page_of(Forecast(mission.with_parameters({"RTL_ALT": 6500.0}), scenario))
     words = f"Clear of teaching block A: 99 % of flights keep {down(kept.guaranteed):.2f} m"
     assert f'class="verdict good"><b aria-hidden="true">✓</b> {words}' in page
     assert 'class="bad"' not in page
@@ -175,7 +176,7 @@ def test_a_mission_that_keeps_its_distance_is_called_clear(bowed: Bowed) -> None
 
 def test_a_return_through_a_building_is_listed_before_you_fly_in_amber(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("campus.toml")
-    page = report_html(Forecast(mission.with_parameters({"RTL_ALT": 1500.0}), scenario))
+    page = page_of(Forecast(mission.with_parameters({"RTL_ALT": 1500.0}), scenario))
     assert re.search(
         r'class="verdict amber"><b aria-hidden="true">!</b> Clear of .* an RTL ordered there would pass', page
     )
@@ -189,7 +190,7 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
         "terrain": {"kind": "analytic", "peaks": [{"height": 70, "east": 115, "north": 80, "a": 20, "b": 20}]},
     }
     home = replace(mission, items=(*mission.items[:-1], return_to_launch()))
-    over_it = report_html(Forecast(home, Scenario.model_validate(hill)))
+    over_it = page_of(Forecast(home, Scenario.model_validate(hill)))
     assert re.search(r'class="verdict bad".*Not to be flown: the path as predicted runs into the ground after', over_it)
 
 
@@ -283,10 +284,10 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
     consumed = flight_energy(flown, TimedPath(timed.track.times, timed.track.points, timed.track.speeds))
     assert consumed is not None
     used = consumed.energy_wh
-    assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in report_html(Forecast(mission, flown))
+    assert f"{used:.1f}\N{NO-BREAK SPACE}Wh" in page_of(Forecast(mission, flown))
     for capacity, look in ((4 * used, ""), (1.1 * used, "bad")):
         text["vehicle"]["battery"] = {"capacity_wh": capacity, "reserve": 0.25}
-        page = report_html(Forecast(mission, Scenario.model_validate(text)))
+        page = page_of(Forecast(mission, Scenario.model_validate(text)))
         left = 1 - used / capacity
         assert f'<div class="{look}"><dt>energy</dt>' in page
         assert f"{left:.0%} of {capacity:.4g} Wh left, 25% required" in page
@@ -308,13 +309,13 @@ def test_the_route_stands_beside_the_least_time_that_its_path_takes(
     length = np.linalg.norm(np.diff(join(forecast("sitl.toml").cruise)[0], axis=0), axis=1).sum()
     assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
     grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
-    assert "first place" not in report_html(Forecast(grounded, scenario))
+    assert "first place" not in page_of(Forecast(grounded, scenario))
 
 
 def test_a_zone_is_no_building(missions: Path) -> None:
     pytest.importorskip("rasterio")
     scenario, mission = read_scenario(missions / "oldtown.toml"), read_mission(missions / "oldtown.plan")
-    page = report_html(Forecast(mission, scenario))
+    page = page_of(Forecast(mission, scenario))
     assert page.count('<path class="zone"') == 2
 
 

@@ -8,12 +8,12 @@ import pytest
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.drawn_flight import SampledTrack, sample_track
-from ipoa_mission.report.page import report_html
 from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.profile import along_axis
 from ipoa_mission.scenario import Scenario
 from tests.examples import some
 from tests.report.conftest import Bowed, Foreseen
+from tests.report_pages import page_of
 
 WAY = re.compile(
     r'<span class="way (not-clear|perhaps|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
@@ -52,14 +52,14 @@ def test_bars_lie_under_the_profile_where_the_vehicle_is_then(forecast: Foreseen
 
 def test_what_is_not_clear_stands_below_in_words(forecast: Foreseen) -> None:
     unclear = [str(row) for row in Contingencies(forecast("sitl.toml")).all_rows(timed=False) if not row.clear]
-    (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', report_html(forecast("sitl.toml")))
+    (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', page_of(forecast("sitl.toml")))
     assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
 
 
 def test_where_every_contingency_is_clear_it_says_so(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("sitl.toml")
     text = scenario.model_dump(mode="json") | {"obstacles": []}
-    page = report_html(Forecast(mission, Scenario.model_validate(text)))
+    page = page_of(Forecast(mission, Scenario.model_validate(text)))
     assert '<p class="note">Every contingency is clear.</p>' in page
     assert "ways-not-clear" not in page[page.index("</style>") :]
 

@@ -10,10 +10,10 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, Grade
 from ipoa_mission.forecast.contingency.energy_budget import budget_of
-from ipoa_mission.report.page import report_html
 from ipoa_mission.studio.answers import ContingencyStrip, StripCost
 from ipoa_mission.studio.plan_answers import course_of, strips_of
 from tests.forecast.test_contingencies_now import BATTERY
+from tests.report_pages import page_of
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -33,7 +33,7 @@ def strips(forecast: Forecast) -> tuple[ContingencyStrip, ...]:
 def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
-    strip, page, course = strips[0], report_html(forecast), course_of(forecast)
+    strip, page, course = strips[0], page_of(forecast), course_of(forecast)
     assert [(strip.kind, strip.revision, strip.flight) for strip in strips] == [("endings", 7, 2)] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
     stretches = [(bar.ending, stretch) for bar in strip.bars for stretch in bar.stretches]

@@ -63,6 +63,15 @@ class Leg:
     stray: float = 0.0
     jumped_from: int = -1
 
+    @property
+    def name(self) -> str:
+        """Return its name; after a jump with its begin."""
+        names = {Phase.CRUISE: "the leg to it", Phase.RETURN: "the way home", Phase.TAKEOFF: "the climb"}
+        name = names.get(self.phase, "the descent")
+        if self.jumped_from < 0:
+            return name
+        return f"{name} from {f'item {self.jumped_from}' if self.jumped_from else 'home'}, after a jump"
+
 
 def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
     """Return the legs of a mission from ground to ground, without wrong positions (`check_positions`).

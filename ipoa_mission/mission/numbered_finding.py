@@ -3,7 +3,6 @@ from typing import NamedTuple
 from ipoa_mission.autopilot.commands import command_name
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.mission.items import Item, Mission
 
 
@@ -27,12 +26,3 @@ def numbered_items(mission: Mission) -> list[Numbered]:
 
 def item_of(mission: Mission, seq: int) -> Numbered:
     return Numbered(seq, mission.items[seq - 1])
-
-
-def leg_name(leg: Leg) -> str:
-    """Return the name of a leg; after a jump with its begin."""
-    names = {Phase.CRUISE: "the leg to it", Phase.RETURN: "the way home", Phase.TAKEOFF: "the climb"}
-    name = names.get(leg.phase, "the descent")
-    if leg.jumped_from < 0:
-        return name
-    return f"{name} from {f'item {leg.jumped_from}' if leg.jumped_from else 'home'}, after a jump"

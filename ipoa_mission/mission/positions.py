@@ -1,19 +1,14 @@
-"""Check positions that no vehicle should fly to, and landings."""
+"""Check positions that no vehicle should fly to."""
 
 import math
 from collections.abc import Iterable, Iterator
 
-import numpy as np
-
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, plain_frame
-from ipoa_mission.autopilot.parameters import name_values
-from ipoa_mission.checks.numbered_finding import Numbered, item_of, numbered_items
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.leg_limits import above_or_below, landings
 from ipoa_mission.geodesy import Geodetic, apart
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.numbered_finding import Numbered, numbered_items
 
 MAX_DISTANCE = 100_000.0  # from home [m]
 MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # above home [m]
@@ -166,37 +161,3 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
 def _doubt(item: Item, mission: Mission) -> str:
     mistaken = plain_frame(item.frame) == Frame.GLOBAL and 0 < item.altitude < mission.home.altitude
     return ": is it meant above home (frame 3), not AMSL (frame 0)?" if mistaken else ""
-
-
-def check_ground(forecast: Forecast) -> Iterator[Finding]:
-    scenario = forecast.world
-    at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
-    if abs(at_home) > 0.5:  # [m]
-        yield Finding(
-            "home-not-on-ground",
-            Severity.WARNING,
-            0,
-            f"home: the ground there is {above_or_below(at_home)} home's altitude: a vehicle measures heights from "
-            f"its take-off, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
-            f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
-        )
-    yield from check_landings(forecast)
-
-
-def check_landings(forecast: Forecast) -> Iterator[Finding]:
-    mission = forecast.mission
-    stretch = mission.autopilot.slow_stretch(mission.parameters)
-    if stretch is None:
-        return
-    for landing in landings(forecast):
-        if stretch.is_fast(landing.counted):
-            wanted = name_values(mission.autopilot.slowed(mission.parameters, landing.counted))
-            hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
-            message = f"{landing.where}: {landing.touches_down(stretch)}"
-            yield item_of(mission, landing.seq).warning("fast-touchdown", message, hint)
-        elif landing.height < -5.0:  # [m]
-            descent = stretch.ends - landing.height
-            slowly = f"flown at {stretch.landing:.1f} m/s and take {descent / stretch.landing:.0f} s"
-            message = f"{landing.where}: without a rangefinder the last {descent:.0f} m are {slowly}"
-            hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
-            yield item_of(mission, landing.seq).warning("slow-landing", message, hint)
