@@ -4,7 +4,6 @@ Short searches around different guesses are polished. The best are refined and s
 polished until their proof holds.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
@@ -217,8 +216,7 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
         better = polish(searcher.search(base, strategy.piece_width, piece), problem, part=piece)
         improved.append((problem.cost(better), better))
         improved.sort(key=lambda pair: pair[0])
-    candidates = [candidate for _, candidate in improved]
-    return [*perturbed(candidates[0], problem, strategy), *candidates]
+    return [candidate for _, candidate in improved]
 
 
 def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> Settled:
@@ -238,26 +236,3 @@ def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> S
 
 def _finer(candidate: Candidate, strategy: SearchStrategy) -> Candidate:
     return refine(candidate) if len(candidate.curve.control) < strategy.enough_control_points else candidate
-
-
-def perturbed(candidate: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
-    """Yield a cheaper curve: bend one piece after the other and polish again.
-
-    Not for short curves, nor with via points, which a bend would miss.
-    """
-    count, cost, cheapest = len(candidate.curve.control) - 2, problem.cost(candidate), candidate
-    if count < strategy.perturbed_control_points or len(candidate.via_at):
-        return
-    bend = np.sin(np.pi * (np.arange(strategy.piece) + 0.5) / strategy.piece)[:, None]
-    for first in range(0, count - strategy.piece + 1, strategy.piece // 2):
-        piece = slice(first, first + strategy.piece)
-        for side in (-strategy.perturb, strategy.perturb):
-            control = cheapest.curve.control.copy()
-            inner = control[1:-1][piece]
-            ahead = np.gradient(inner[:, :2], axis=0)
-            inner[:, :2] += side * len(inner) * bend * np.column_stack([-ahead[:, 1], ahead[:, 0]])
-            polished = polish(Candidate(Spline(control), candidate.via_at), problem, part=piece)
-            if (again := problem.cost(polished)) < (1 - strategy.least_gain) * cost:
-                cost, cheapest = again, polished
-    if cheapest is not candidate:
-        yield cheapest

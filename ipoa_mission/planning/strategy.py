@@ -39,9 +39,6 @@ class SearchStrategy:
     max_rounds: int = 4
     piece: int = 10
     piece_width: float = 0.12
-    perturb: float = 0.08  # of a piece, as a share of its length
-    perturbed_control_points: int = 60
-    least_gain: float = 1e-4  # of a bend
     enough_control_points: int = 150
     few_control_points: int = 60  # of a settled curve, which is refined once more
     hidden_loop: float = 1.001  # of cost to even-step cost; control points are redistributed above
