@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
-EQUAL_TIME_S = 0.05  # [s]
-
 
 def check(
     files: Annotated[
@@ -156,7 +154,8 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
 
 
 def _planned_otherwise(requested: "RequestedMission", estimate: "Estimate") -> Iterator[str]:
-    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > EQUAL_TIME_S:
+    tolerance_s = 0.05
+    if requested.planned is not None and abs(requested.planned[1] - estimate.total_s) > tolerance_s:
         about, planned_s = requested.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
         yield f"{about} has {planned_s:.1f} s for it: {why}"

@@ -14,9 +14,6 @@ from ipoa_mission.errors import BadInput, MissionError, Unwritable
 
 #: control characters, and those that change the direction of writing
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
-DEFAULT_WIDTH = 80  # characters
-COLUMN_GAP = 2  # characters
-LEAST_COLUMN = 7  # characters
 
 
 def shown(text: str) -> str:
@@ -73,7 +70,8 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
     console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
 
     def needed(whole: set[int]) -> int:
-        return COLUMN_GAP * len(kept) + sum(widths[i] if i in whole else min(widths[i], LEAST_COLUMN) for i in kept)
+        gap, least = 2, 7  # characters
+        return gap * len(kept) + sum(widths[i] if i in whole else min(widths[i], least) for i in kept)
 
     whole = numbers | names if needed(numbers | names) <= console.width else numbers
     console.width = max(console.width, needed(whole))
@@ -92,7 +90,7 @@ def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ..
 
 def _columns() -> int:
     width = os.environ.get("COLUMNS", "")
-    return int(width) if width.isdecimal() and 20 <= int(width) <= 1000 else DEFAULT_WIDTH
+    return int(width) if width.isdecimal() and 20 <= int(width) <= 1000 else 80
 
 
 def print_error(error: MissionError, as_json: bool = False) -> None:

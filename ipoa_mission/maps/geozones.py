@@ -21,8 +21,6 @@ from ipoa_mission.maps.lengths import FOOT
 
 RADIUS_UNIT = "radius in other units than M"  # internal tag
 DAY_S = 86_400.0
-FLIGHT_S = 3_600.0  # assumed longest flight
-_WGS84 = Geod(ellps="WGS84")
 
 LENGTH_UNITS = {
     **dict.fromkeys(("M", "METRE", "METRES", "METER", "METERS"), 1.0),
@@ -104,7 +102,7 @@ def circle(center: Any, radius: Any, place: str) -> Any:
     corners = 72
     around = np.linspace(0.0, 360.0, corners, endpoint=False)
     wide = np.full(corners, size / math.cos(math.pi / corners))
-    east, north, _ = _WGS84.fwd(np.full(corners, longitude), np.full(corners, latitude), around, wide)
+    east, north, _ = Geod(ellps="WGS84").fwd(np.full(corners, longitude), np.full(corners, latitude), around, wide)
     return shapely.Polygon(np.column_stack([east, north]))
 
 
@@ -261,8 +259,8 @@ def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
 
 
 def may_be_active(tags: Mapping[str, str], time: float) -> bool:
-    periods = periods_of(tags)
-    return periods is None or any(period.meets(time, time + FLIGHT_S) for period in periods)
+    periods, longest_flight_s = periods_of(tags), 3_600.0
+    return periods is None or any(period.meets(time, time + longest_flight_s) for period in periods)
 
 
 def _period(period: Mapping[str, Any]) -> Period:

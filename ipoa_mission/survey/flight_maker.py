@@ -33,7 +33,6 @@ from ipoa_mission.survey.tour_split import (
 )
 
 IMPOSSIBLE_COST = RouteCost(np.inf, np.inf)
-JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 
 
 @dataclass(frozen=True)
@@ -71,7 +70,8 @@ class FlightMaker:
             return IMPOSSIBLE_COST
         budget, seconds = budget_of(forecast), forecast.estimate.total_s
         if refusal_of(forecast) is not None:
-            return RouteCost(JUST_OVER_ONE if budget is None else max(budget.share, JUST_OVER_ONE), seconds)
+            just_over_one = float(np.nextafter(1.0, 2.0))
+            return RouteCost(max(0.0 if budget is None else budget.share, just_over_one), seconds)
         return RouteCost(0.0 if budget is None else min(budget.share, 1.0), seconds)
 
     @property

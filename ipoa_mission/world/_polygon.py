@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-MAX_SOLVED_EDGES, MIN_SPAN, MAX_WAITING = 6, 1e-8, 128  # spans of at least so many meters, and of so many halvings
+MAX_SOLVED_EDGES, MIN_SPAN, MAX_WAITING = 6, 1e-8, 128  # edges; length of a span [m]; halvings
 
 
 @njit(inline="always")
