@@ -28,11 +28,7 @@ def unreadable(error: BadInput) -> Finding:
 
 
 def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Return the warnings of a check.
-
-    Raises:
-        Unsafe: there are errors.
-    """
+    """Return the warnings of a check, or raise Unsafe."""
     errors = [finding for finding in strictly(findings) if finding.severity is Severity.ERROR]
     if errors:
         codes = list(dict.fromkeys(error.code for error in errors))
@@ -44,11 +40,7 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 
 def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> None:
-    """Refuse a flight with a finding about a planned return.
-
-    Raises:
-        Unsafe: a return is not clear.
-    """
+    """Refuse a flight with a finding about a planned return."""
     if forecast.world.safety.returns != "planned":
         return
     own = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}

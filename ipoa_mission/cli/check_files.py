@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 def missions_in(paths: Iterable[Path]) -> list[Path]:
-    """List the mission files, each once, also of folders. Raises BadInput."""
+    """List the mission files, each once, also of folders."""
     missions: dict[Path, None] = {}
     for path in paths:
         inside = sorted(f for f in path.rglob("*") if f.suffix.lower() in MISSIONS) if path.is_dir() else [path]

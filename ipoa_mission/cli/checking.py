@@ -140,7 +140,7 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
 
 
 def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str, ...]:
-    """Return the remarks of `estimate` and `show`. Raises MissionError."""
+    """Return the remarks of `estimate` and `show`."""
     from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
 

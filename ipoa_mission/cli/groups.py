@@ -119,7 +119,7 @@ class FileOutput:
     as_json: JsonOption = False
 
     def expect_plans(self, names: Iterable[str]) -> None:
-        """Refuse to overwrite anything but unchanged earlier plans. Raises BadInput."""
+        """Refuse to overwrite anything but unchanged earlier plans."""
         from ipoa_mission.mission.written_files import not_as_written
 
         paths = (path for name in names for path in not_as_written(self.folder, name, self.report))

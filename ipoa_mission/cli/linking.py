@@ -35,8 +35,7 @@ log = logging.getLogger(__name__)
 
 @contextmanager
 def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Iterator[Vehicle]":
-    """Connect to the vehicle; log every frame (default: `usual_log`) without MAVSDK. Raises BadInput, LinkDown,
-    NoAnswer, NotFlown.
+    """Connect to the vehicle; log every frame (default: `usual_log`) without MAVSDK.
 
     `reading`: any vehicle is accepted. Errors name the log. `options.timeout` ends all but a flight.
     """

@@ -125,7 +125,7 @@ def mock_setup(
     autopilot: Autopilot | None,
     parameters: Mapping[str, float],
 ) -> MockSetup:
-    """Return the scenario's values, replaced by options. Raises BadInput."""
+    """Return the scenario's values, replaced by options."""
     from ipoa_mission.geodesy import Geodetic
     from ipoa_mission.scenario import read_scenario
     from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, Conditions

@@ -41,7 +41,6 @@ def or_packed(path: Path) -> Path:
 
 
 def expect_scenario(path: Path) -> Path:
-    """Refuse a mission file. Raises BadInput."""
     if path.suffix.lower() in MISSIONS:
         words = "expected a scenario (.toml), not a mission"
         raise WrongSuffix(words, hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}", place=path)
@@ -157,7 +156,7 @@ JsonOption: TypeAlias = Annotated[
 
 
 def read_wind_option(text: str | None) -> "Wind | None":
-    """Return a wind `SPEED@FROM` [m/s], [deg]. Raises BadInput."""
+    """Return a wind `SPEED@FROM` [m/s], [deg]."""
     from ipoa_mission.wind import Wind
 
     if text is None:
@@ -174,7 +173,7 @@ def read_wind_option(text: str | None) -> "Wind | None":
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Return the file's parameters, overridden by the command line's, and remarks. Raises BadInput."""
+    """Return the file's parameters, overridden by the command line's, and remarks."""
     parameters, remarks = dict[str, float](), tuple[str, ...]()
     if file is not None:
         from ipoa_mission.mission.parameter_file import read_parameter_file
@@ -209,7 +208,7 @@ PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
 
 
 def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
-    """Return a signer by the key file, else the environment; each role has own timestamps. Raises BadInput."""
+    """Return a signer by the key file, else the environment; each role has own timestamps."""
     words = os.environ.get(PASSPHRASE)
     if key is None and not words:
         return None

@@ -159,7 +159,7 @@ def confirm(question: str) -> bool:
 
 
 def expect_folder(path: Path) -> None:
-    """Refuse a folder that cannot be created or written, before a plan. Raises BadInput."""
+    """Refuse a folder that cannot be created or written, before a plan."""
     there = next(above for above in (path, *path.absolute().parents) if above.exists())
     if not there.is_dir():
         raise Unwritable(f"expected a folder, not {there}", place=path)
@@ -168,7 +168,7 @@ def expect_folder(path: Path) -> None:
 
 
 def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
-    """Refuse to overwrite files; `ask`: a person at a terminal may say yes. Raises BadInput."""
+    """Refuse to overwrite files; `ask`: a person at a terminal may say yes."""
     for path in paths:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
@@ -178,6 +178,6 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
 
 
 def expect_log(path: Path | None) -> None:
-    """Refuse to overwrite a file that is not a log. Raises BadInput."""
+    """Refuse to overwrite a file that is not a log."""
     if path is not None and path.is_file() and path.suffix.lower() != ".tlog":
         raise BadInput(f"expected a .tlog file, or a new file, not {path}", place="--log")

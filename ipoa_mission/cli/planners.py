@@ -49,7 +49,7 @@ class Planner(Protocol):
     about: ClassVar[str]  # for the help of `plan`
 
     def scenario(self, path: Path | None) -> "Scenario | None":
-        """Return the scenario of these options, or None. Raises BadInput."""
+        """Return the scenario of these options, or None."""
 
     def accepts(self, scenario: "Scenario") -> bool: ...
     def plan(self, scenario: "Scenario", asked: Asked) -> None: ...

@@ -34,7 +34,7 @@ class RequestedMission:
 def read_requested(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
 ) -> RequestedMission:
-    """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s. Raises BadInput."""
+    """Read a mission file; `autopilot` is the default, for `.waypoints` also the `world`'s."""
     series = None if flown_by.version is None else flown_by.version.series
     with_this_version = [each for each in registered() if series in each.tables.series]
     otherwise = None if world is None else world.vehicle.autopilot
@@ -74,7 +74,6 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
 
 
 def read_forecast(file: Path, how: WorldOptions) -> "tuple[RequestedMission, Forecast, Scenario | None]":
-    """Raises BadInput, Unsafe."""
     from ipoa_mission.checks.unsafe import refuse_unread
     from ipoa_mission.forecast.forecast import Forecast
 
@@ -85,7 +84,6 @@ def read_forecast(file: Path, how: WorldOptions) -> "tuple[RequestedMission, For
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":
-    """Return the scenario in this wind. Raises BadInput."""
     if file is None:
         return None
     from ipoa_mission.scenario import read_scenario

@@ -82,7 +82,7 @@ class RealVehicle:
 
 
 def _begun_at_item(job: Job, item: int) -> Job:
-    """Return the job from another item than the first. Raises BadInput."""
+    """Return the job from another item than the first."""
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
     if item == 1:
         return job

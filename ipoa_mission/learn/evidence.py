@@ -41,11 +41,7 @@ class Evidence:
         return None if forecast.energy is None else forecast.energy.energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
-        """Return the items' durations on this vehicle (n,) [s].
-
-        Raises:
-            MissionError: no progress.
-        """
+        """Return the items' durations on this vehicle (n,) [s]."""
         if not self.visits:
             return np.empty(0)
         forecast = Forecast(replace(self.mission, vehicle=vehicle))
@@ -54,11 +50,7 @@ class Evidence:
 
 
 def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
-    """`mission` where the log has none.
-
-    Raises:
-        MissionError: the mission is unknown, or has too few items.
-    """
+    """`mission` where the log has none; refuse an unknown one, or too few items."""
     flown = mission or flight.mission
     if flown is None:
         raise MissionError("it does not have the mission that was flown", code="log-incomplete", place=name)
@@ -68,11 +60,7 @@ def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None)
 
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
-    """`done_s`: when items were done [s since arming], by index.
-
-    Raises:
-        MissionError: too few are known.
-    """
+    """`done_s`: when items were done [s since arming], by index; refuse too few."""
     visits, done, met = [], [], set[int]()
     route = Forecast(mission).itinerary
     for n, visit in enumerate(route.visits):
@@ -109,12 +97,7 @@ def flights_in(
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
     """Return usable flights, remarks, version and autopilot.
 
-    `read` returns the mission where the log has none.
-
-    Raises:
-        BadInput: not a log.
-        MissionError: nothing in it was flown.
-    """
+    `read` returns the mission where the log has none."""
     log = read_flights(path, system)
     mission = None if read is None else read(log.autopilot)
     usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]

@@ -25,11 +25,7 @@ PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay":
 
 
 def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
-    """Unknown parameters are None.
-
-    Raises:
-        MissionError: none is determined.
-    """
+    """Unknown parameters are None; all unknown are an error."""
     autopilot = flights[0].mission.autopilot
     blank = LearnedVehicle(autopilot, flights=len(flights))
     names = tuple(PRIOR_DEVIATIONS)
@@ -100,11 +96,7 @@ class LeftOut:
 
 
 def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
-    """Forecast each flight with the vehicle of the others, or the simulated one.
-
-    Raises:
-        MissionError: fewer than two flights.
-    """
+    """Forecast each flight with the vehicle of the others, or the simulated one; at least two flights."""
     if len(flights) < 2:
         raise LogUseless("expected two flights or more: each is forecast from the others")
     judged = []

@@ -37,11 +37,6 @@ class LoggedTrack:
 
 
 def logged_track(flight: LoggedFlight) -> LoggedTrack:
-    """Return the track.
-
-    Raises:
-        MissionError: no positions, or a wrong clock.
-    """
     rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in flight.places])
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
     if not len(rows) or np.ptp(rows[:, 0]) > 86_400.0:  # [s]

@@ -28,11 +28,7 @@ class Leaned:
 
 
 def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> Leaned:
-    """Estimate from `Measured` attitudes (n, 4).
-
-    Raises:
-        MissionError: no attitudes, or too little fast level flight.
-    """
+    """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight."""
     min_speed, min_time_s = 2.5, 5.0  # slower, drag is within the lean's error [m/s]
     steady_limit, max_gap_s = 1.0, 2.0  # climb [m/s] and acceleration [m/s^2]; between attitudes
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < min_time_s:

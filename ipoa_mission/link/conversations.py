@@ -144,7 +144,7 @@ def fetch(
 ) -> Dialogue[int]:
     """Pass the items from `run.at` (else 0) to `take`; return its first result other than ACCEPTED.
 
-    The caller sends the closing Ack. Raise MissionRefused or NoAnswer.
+    The caller sends the closing Ack.
     """
     doubt: int | None = None
     style, reading = style or RequestStyle(), run or ItemsRead(kind, count, at=0)
@@ -175,7 +175,7 @@ def fetch(
 
 
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Return items or payloads; raise MissionRefused or NoAnswer.
+    """Return items or payloads.
 
     A vehicle closes a silent transfer (PX4: after 5 s); it is opened again at the next item.
     """
@@ -270,7 +270,6 @@ def read_consistent(
 
     Raises:
         KeepsChanging: the list differed each time.
-        MissionRefused, NoAnswer.
     """
     before = None
     if numbers is not None:

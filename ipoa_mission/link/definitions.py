@@ -29,7 +29,7 @@ class Definition:
         return bytes((self.crc_extra,))
 
     def pack(self, fields: Mapping[str, Any]) -> bytes:
-        """Return the payload without trailing zeros; raise BadInput."""
+        """Return the payload without trailing zeros."""
         values: list[Any] = []
         for name, length, blank in zip(self.names, self.lengths, self._blanks, strict=True):
             value = fields.get(name, blank)
@@ -122,7 +122,7 @@ def add_dialect(dialect: str | ModuleType) -> None:
 
 
 def dialect_of(number: int) -> Any:
-    """Return pymavlink's module with this message; raise BadInput."""
+    """Return pymavlink's module with this message."""
     for module in _DIALECTS:
         if number in module.mavlink_map:
             return module

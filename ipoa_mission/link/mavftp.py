@@ -89,7 +89,7 @@ class FileRefused(MissionError):
 
 
 def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
-    """The returned message closes the file; raise FileRefused or NoAnswer."""
+    """The returned message closes the file."""
     session = yield from _open_session(Opcode.CREATE_FILE, path, "create")
     sequence = 4
     for at in range(0, len(data), LONGEST_DATA):
@@ -123,7 +123,7 @@ def read_file(path: str) -> Dialogue[bytes]:
 
 
 def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """Return the checksum of a list with home, None if unsupported; raise NoAnswer.
+    """Return the checksum of a list with home, None if unsupported.
 
     Each question takes a new sequence number: a repeated one gets its old answer.
     """
@@ -157,7 +157,6 @@ def file_checksum(data: bytes) -> int:
 
 
 def ask_of_file(question: FileMessage, action: str, may_end: bool = False) -> Dialogue[FileMessage]:
-    """Raise FileRefused or NoAnswer."""
     step: Step = Ask(question.pack(), item=True)
     while True:
         try:

@@ -45,7 +45,6 @@ class MavutilChannel(RealTime):
 
 
 def payload_of(message: Any) -> tuple[Definition, bytes]:
-    """Raise BadInput for an unknown message."""
     number = getattr(message, "get_msgId", lambda: None)()
     definition = None if number is None else DEFINITIONS.get(int(number))
     if definition is None or definition.name != message.get_type():
@@ -60,7 +59,6 @@ def as_pymavlink(frame: bytes) -> Any:
 
 
 def expect_line(line: object) -> Line:
-    """Raise BadInput for MAVSDK's."""
     if not isinstance(line, Line):
         raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's", code="backend-cannot")
     return line

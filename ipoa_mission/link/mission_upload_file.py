@@ -21,14 +21,13 @@ HEADER = struct.Struct("<HHHHH")
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
-    """Wire form: home first. Raise BadInput."""
+    """Wire form: home first."""
     packed = pack_items(items, kind)
     packed["target"] = (1, 1)
     return HEADER.pack(MAGIC, kind, 0, 0, len(items)) + packed.tobytes()
 
 
 def unpack_mission(data: bytes) -> tuple[Item, ...]:
-    """Raise MissionError."""
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
         raise MissionError(words, code="wrong-format", place="mission file")
@@ -44,7 +43,6 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
     Raises:
         FileRefused: the vehicle has no such file, or keeps its old mission.
-        NoAnswer, ReadBackDiffers, KeepsChanging, Cancelled.
     """
     total = len(job.items)
     done = 0

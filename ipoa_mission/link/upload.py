@@ -172,7 +172,6 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
     Raises:
         MissionRefused, NoAnswer, TimeUp: the hint reports what the vehicle holds now.
-        ReadBackDiffers, Replaced, KeepsChanging, Unflyable, Cancelled.
     """
     course = UploadState()
     try:

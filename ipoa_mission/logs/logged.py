@@ -39,11 +39,7 @@ class Measured:
         return Measured(batteries, _cut(self.attitude, begin, end))
 
     def power(self) -> Points:
-        """Return all batteries' power (n, 2) [s, W], at the first one's times.
-
-        Raises:
-            MissionError: no current was measured.
-        """
+        """Return all batteries' power (n, 2) [s, W], at the first one's times; refuse unmeasured current."""
         measured, reasons = [], []
         for battery in self.batteries:
             volts, current, most = battery[:, 1], battery[:, 2], 10_000.0  # [V, A]

@@ -198,11 +198,7 @@ class _Gathered:
 
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
-    """Return positions and events of one autopilot: this system id, or the first multicopter.
-
-    Raises:
-        BadInput: the file cannot be read, or holds no such multicopter.
-    """
+    """Return positions and events of one autopilot: this system id, or the first multicopter."""
     codec, gathered, missing = Codec(STATION_SYSTEM, STATION_COMPONENT), _Gathered(), LostFrames()
     stamps, kinds = list[float](), dict[int, VehicleKind]()
     chosen = None

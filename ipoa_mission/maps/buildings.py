@@ -115,7 +115,7 @@ class Buildings:
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
-    """Return the obstacles of a map, `within` a box [m]. Raises BadInput."""
+    """Return the obstacles of a map, `within` a box [m]."""
     all_buildings: bool | None = None
     finder, around = _Finder(rules, frame, path, within), Around.of(frame, within)
 

@@ -51,7 +51,6 @@ def is_ed269(document: Any) -> bool:
 
 
 def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each volume of each zone."""
     volumes = (
         (zone, volume, f"{path}: features[{i}].geometry[{j}]")
         for i, zone in enumerate(document["features"])

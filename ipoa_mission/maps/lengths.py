@@ -44,7 +44,6 @@ _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
 
 def meters(text: str, place: str) -> float:
-    """Return a length [m], or raise BadInput."""
     length, sure = length_of(text)
     if length is None or not sure:
         raise BadInput(f'expected meters or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)

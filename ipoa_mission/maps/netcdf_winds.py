@@ -132,7 +132,6 @@ def _descriptions(variable: Any) -> list[str]:
 
 
 def _partner(first: Any, others: Iterable[Any]) -> Any | None:
-    """Return the other component on the same axes."""
     alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
     name = str(first.name)
     return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)

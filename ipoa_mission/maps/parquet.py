@@ -30,7 +30,6 @@ class _Shapes(NamedTuple):
 
 
 def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Yield the wanted rows."""
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)

@@ -56,7 +56,6 @@ def truncated(properties: Mapping[str, Any], shape: Any) -> Missing | None:
 
 
 def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
-    """Unpack JSON or PostgreSQL's hstore."""
     with suppress(ValueError, RecursionError):
         if isinstance(value := json.loads(text), dict):
             yield from tags_of(value)

@@ -49,8 +49,6 @@ class Unstreamed(Exception):
 
 
 class _Text:
-    """A text read block by block."""
-
     def __init__(self, blocks: Iterator[str]) -> None:
         self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
         self._tried = False  # was the buffered part parsed whole

@@ -78,7 +78,6 @@ def to_east_north(along: Points, axis_deg: float) -> Points:
 
 
 def unit_factor(unit: str, target: str, place: str) -> float:
-    """Convert units such as "m s-1", "kt", "km/h" and "ft"."""
     pint, registry = _unit_registry()
     for spelling in (unit, unit.lower()):
         try:

@@ -69,7 +69,6 @@ def _profile(winds: ForecastWinds, time: np.datetime64 | None, unknown: Datum) -
 
 
 def _home_above(datum: Datum, winds: ForecastWinds) -> float:
-    """Return home's height above a datum [m]."""
     if datum is Datum.GROUND:
         return 0.0
     home = winds.place

@@ -143,7 +143,6 @@ def _write(path: Path, text: str) -> Path:
 
 
 def page(made: Mapping[str, Table | str], rows: Rows) -> str:
-    """Return the page in Markdown, with the tables and figures of `made`."""
     shown = {name: _shown(name, item) for name, item in made.items()}
     words = files("ipoa_mission.paper").joinpath("page.md").read_text(encoding="utf-8")
     return filled(words.format_map({**shown, "measured": _measured(rows)}))

@@ -78,7 +78,6 @@ _COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) i
 
 
 def read_rows(path: Path) -> list[TrialRow]:
-    """Read a file of runs; none if it does not exist."""
     if not path.exists():
         return []
     lines = read_text(path).splitlines(keepends=True)
@@ -119,7 +118,6 @@ def line_of(row: TrialRow) -> str:
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:
-    """Open `path` for appending by this process alone."""
     path.parent.mkdir(parents=True, exist_ok=True)
     opened = path.open("a", encoding="utf-8", newline="")
     _claim(opened, path)

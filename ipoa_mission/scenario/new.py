@@ -37,7 +37,7 @@ def new_scenario(
     buildings: Path | None = None,
     elevation: Path | None = None,
 ) -> NewScenario:
-    """Return a scenario file with paths relative to `target`. Raises BadInput.
+    """Return a scenario file with paths relative to `target`.
 
     `home`: latitude, longitude [deg], altitude [m]; default: a free place among the buildings.
     """

@@ -45,12 +45,11 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """Raises BadInput, MissionError."""
     return scenario_of(parse_toml(text, path), path)
 
 
 def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
-    """Return the scenario; files are relative to `path`. Raises BadInput, MissionError."""
+    """Return the scenario; files are relative to `path`."""
     try:
         scenario = Scenario.model_validate({"name": path.stem} | table, context={"folder": str(path.parent)})
     except ValidationError as error:
@@ -65,7 +64,6 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """Raises BadInput."""
     for word in _WORDS.finditer(text):
         if word["long"]:
             line = text.count("\n", 0, word.start()) + 1

@@ -74,7 +74,7 @@ class Site(Protocol):
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
-    """Return the intersection of inclusions, which also satisfies PX4's union. Raises BadInput."""
+    """Return the intersection of inclusions, which also satisfies PX4's union."""
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:
         return None
@@ -88,7 +88,6 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
 
 
 def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, top: float) -> tuple[Obstacle, ...]:
-    """Return the exclusions. Raises BadInput."""
     obstacles: list[Obstacle] = []
     for i, fence in enumerate(fences):
         if fence.inclusion:
@@ -140,7 +139,6 @@ class _Zones:
 
 @many_objects()
 def surroundings_of(scenario: Site) -> Surroundings:
-    """Return a scenario's world. Raises BadInput."""
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
     things = _things(scenario)

@@ -39,7 +39,7 @@ def has_page(web: Path, digest: str | None = None) -> bool:
 
 
 def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None:
-    """Build the page into `target`. Raises MissionError with npm's last lines."""
+    """Raise MissionError with npm's last lines."""
     program = npm()
     tell("building the studio's page once (npm ci, npm run build)")
     with tempfile.TemporaryDirectory(prefix="studio-") as folder:

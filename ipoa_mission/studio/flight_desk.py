@@ -120,8 +120,6 @@ class FlightDesk:
 
 
 class BatteryGuard:
-    """Between the flights of a survey."""
-
     def __init__(self) -> None:
         self._link: str | None = None
         self._systems: dict[str, int] = {}

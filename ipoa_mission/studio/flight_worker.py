@@ -128,7 +128,7 @@ def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, answer: Answ
 def _flown(
     forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, inbox: "queue.SimpleQueue[JobOrder]"
 ) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
-    """Fly; also return the order by which it landed. `speedup`: of the built-in autopilot, which has no clock."""
+    """Also return the order by which it landed."""
     watch: Watch | None = None
 
     def show(words: str) -> None:

@@ -95,7 +95,6 @@ def end_mission(order: JobOrder, answer: Answer) -> None:
 
 
 def hand_over_mission(order: JobOrder, answer: Answer) -> None:
-    """Write the mission for the pilot process, if the check has no errors."""
     file, forecast = _mission(order)
     warnings = refuse_errors(check(forecast, read=file.findings))
     refuse_unsound(forecast.given)

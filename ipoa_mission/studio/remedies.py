@@ -40,7 +40,6 @@ def plan_trouble(
 
 
 def text_trouble(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
-    """Return the message on an invalid scenario, without the file's name."""
     return Trouble(
         of="scenario",
         message=in_words(as_on_map(str(error).removeprefix(f"{path}: ")), table),

@@ -131,7 +131,6 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
 
 
 def _is_vector(path: Path, kind: str) -> bool:
-    """Return whether a format is one of vector tiles. Raises BadInput for one of neither."""
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
         stated = kind or "tiles of no stated format"
         words = f"expected pictures (png, jpg, webp, or vector tiles: pbf), not {stated}"

@@ -38,7 +38,6 @@ SAME_PLACE = 0.5  # [m]
 
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
-    """Return the mission of a tour. Raises NoPath, NoRoute, MissionError, BadInput, Unsafe."""
     path, begins, ends = _path(tour)
     points, corners = lifted(path, sight, scenario.airspace.ground)
     out = _clear_transit(scenario.start_point, points[0], scenario, growth, seed)[:-1]
@@ -117,7 +116,7 @@ def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[I
 def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
     """Return waypoints (k, 3): straight, else the shortest way round obstacles, else a planned path.
 
-    `growth` [m] adds clearance by obstacle name. Raises NoPath, NoRoute.
+    `growth` [m] adds clearance by obstacle name.
     """
     straight = np.array([begin, end])
     if np.linalg.norm(end - begin) < SAME_PLACE:

@@ -57,7 +57,7 @@ LIMITS = SearchLimits()
 def quickest_tour(
     problem: "CoverProblem", direction: Direction = "best", begin: Vector | None = None, end: Vector | None = None
 ) -> Tour:
-    """Return the quickest tour between places (2,), or None for any. Raises MissionError.
+    """Return the quickest tour between places (2,), or None for any.
 
     Lines are cut in the directions of edges; `_order` searches their order, and detours close gaps.
     """
@@ -113,7 +113,7 @@ class CoverProblem:
     def of(
         cls, area: Area, spacing: float, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
     ) -> "CoverProblem":
-        """Return the problem; transits may leave the area by `turns_outside` [m]. Raises MissionError."""
+        """Return the problem; transits may leave the area by `turns_outside` [m]."""
         kept_out = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
         visible = area.visible(keep_out, spacing)
         free = FreeSpace.of(_where_lines_go(area.shape, kept_out, visible, spacing, cost.past_corners))
@@ -171,7 +171,7 @@ class CoverProblem:
         return best
 
     def transit(self, start: Vector, end: Vector) -> Points:
-        """Return the corners (k, 2) from one place (2,) to another. Raises MissionError."""
+        """Return the corners (k, 2) from one place (2,) to another."""
         first, last = self._out(start), self._out(end)
         ends = np.array([first[-1], first[-1], last[-1], last[-1]])
         transits = Transits(ends, self.turns, self.around, self.cost)

@@ -45,7 +45,6 @@ class FlightMaker:
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
-        """Return a flight's forecast. Raises BadInput, NoPath, NoRoute, MissionError, Unsafe."""
         world, tour = self.task.scenario, part.tour
         longest = self._longest.get(tour.swaths[0])
         if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
@@ -88,7 +87,7 @@ class FlightMaker:
 
 
 def _expect_clear(world: Scenario, n: int) -> Scenario:
-    """Refuse a start place with a blocked climb. Raises BadInput."""
+    """Refuse a start place with a blocked climb."""
     up = world.start_point[2]
     for check in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
         if check.limit in ("obstacles", "bounds") and check.slack < 0.0:
@@ -98,7 +97,6 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
 
 
 def laid_tours(task: SurveyTask) -> list[Tour]:
-    """Return tours to compare. Raises NoPath, MissionError."""
     section = task.section
     if section.starts is None:
         return [lay_lines(task)]
@@ -133,7 +131,7 @@ def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
 
 
 def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
-    """Return the best tour, and its flights. Raises BadInput, NotEnoughBattery, NoPath, NoRoute."""
+    """Return the best tour, and its flights."""
     section = make.task.section
     if section.starts is not None:
         return _from_starts(tours, make, np.array(section.starts))
@@ -218,7 +216,7 @@ def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
 
 
 def returning(forecast: Forecast) -> Forecast:
-    """Return the forecast with the items of planned returns. Raises NoPath."""
+    """Return the forecast with the items of planned returns."""
     if forecast.world.safety.returns != "planned":
         return forecast
     best, short = settled(forecast)

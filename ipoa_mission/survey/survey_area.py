@@ -34,7 +34,7 @@ class Area:
 
     @classmethod
     def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
-        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON. Raises BadInput."""
+        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON."""
         if not len(parts):
             raise InvalidRing("expected one polygon or more", place=where)
         polygons = [_polygon(rings, f"{where}[{n}]", n) for n, rings in enumerate(parts)]

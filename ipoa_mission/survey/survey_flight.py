@@ -248,7 +248,7 @@ def plan_survey(
 
 
 def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
-    """Return the plan of what logs left, and remarks. Raises BadInput if nothing was flown."""
+    """Return the plan of what logs left, and remarks."""
     from ipoa_mission.logs.flight_log import read_flights  # imports all of the link
 
     pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
@@ -281,7 +281,7 @@ def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
 def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Scenario:
     """Return the scenario in a file, else at the area's begin, with the survey of a map's `area` in place of its goal.
 
-    `keys` are those of [survey]. Raises BadInput.
+    `keys` are those of [survey].
     """
     table = {"name": area.stem.removesuffix(".osm"), "home": _begin(area)} if file is None else read_table(file)
     own = table.pop("survey", {})

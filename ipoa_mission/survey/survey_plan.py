@@ -88,7 +88,7 @@ class _TooNear(Exception):
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
-    """Plan the fastest survey that keeps its clearance. Raises BadInput, NoPath, NoRoute, NotEnoughBattery, Unsafe.
+    """Plan the fastest survey that keeps its clearance.
 
     If too few flights keep it, obstacles get more clearance, then the speed is reduced.
     """
@@ -148,7 +148,7 @@ def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Ob
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
-    """Return the plan of what paths (n, 3) left, east, north, up [m]. Raises as `plan_flights`."""
+    """Return the plan of what paths (n, 3) left, east, north, up [m]."""
     scenario = plan.scenario
     tour = left_to_fly(plan.tour, flown, plan.sight, scenario.airspace.ground, plan.cover.transit)
     if tour is None:

@@ -186,7 +186,6 @@ class SurveySection(AddedSection):
         return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
     def build(self, frame: LocalFrame) -> Area:
-        """Return the area in the local plane. Raises BadInput."""
         if self.area is not None:
             return expect_here(mapped(self.area, self.width, frame), str(self.area))
         if self.polygon is not None:
@@ -210,7 +209,6 @@ def survey_of(scenario: Scenario) -> SurveySection | None:
 
 
 def surveyed_area(scenario: Scenario) -> Area | None:
-    """Raises BadInput."""
     section, known = survey_of(scenario), scenario.known
     if section is not None and "area" not in known:
         known["area"] = section.build(scenario.frame)
@@ -228,7 +226,7 @@ def _away(scenario: Scenario, there: Geodetic) -> list[float]:
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    """Return the scenario from start place `n`, cached. Raises BadInput, MissionError."""
+    """Return the scenario from start place `n`, cached."""
     section, from_starts = survey_of(scenario), scenario.known.setdefault("from_starts", {})
     assert section is not None
     if section.start_places[n] == (0.0, 0.0):

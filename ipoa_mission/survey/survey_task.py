@@ -68,7 +68,7 @@ class SurveySketch(SurveyTask):
 
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
-    """Return the lines, for interactive editing. Raises BadInput, NoPath, MissionError."""
+    """Return the lines, for interactive editing."""
     task = task_of(scenario, {})
     with threadpool_limits(1, "blas"):
         tour = lay_lines(task)
@@ -85,7 +85,7 @@ def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
 
 
 def task_of(scenario: Scenario, growth: Mapping[str, float]) -> SurveyTask:
-    """Return the task; `growth` [m] by obstacle name adds clearance. Raises BadInput, NoPath."""
+    """Return the task; `growth` [m] by obstacle name adds clearance."""
     section, area = expect_survey(scenario)
     sight = sight_of(section, area, scenario)
     _expect_high_enough(sight, scenario)
@@ -93,7 +93,6 @@ def task_of(scenario: Scenario, growth: Mapping[str, float]) -> SurveyTask:
 
 
 def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
-    """Refuse a height too near to the ground. Raises NoPath."""
     needed = scenario.limits.height_above_ground + survey_bound(scenario).down + 2 * SPARE
     if sight.least < needed:
         raise NoPath(
@@ -106,7 +105,7 @@ def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
 
 
 def lay_lines(task: SurveyTask, start: Vector | None = None) -> Tour:
-    """Return the quickest tour, from a `start` place (2,) if given. Raises BadInput, NoPath."""
+    """Return the quickest tour, from a `start` place (2,) if given."""
     scenario, section, sight = task.scenario, task.section, task.sight
     if task.free.is_empty:
         words = f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground"

@@ -58,7 +58,7 @@ class SurveyPlanner:
     system: LogSystemOption = None
 
     def scenario(self, path: Path | None) -> "Scenario | None":
-        """Return the scenario with the area; without a file home is at its begin. Raises BadInput."""
+        """Return the scenario with the area; without a file home is at its begin."""
         names = {"height": "height_above_ground", "gsd": "gsd_cm"}
         options = ("height", "line_spacing", "width", "camera", "gsd")
         keys = {name: value for name in options if (value := getattr(self, name)) is not None}
