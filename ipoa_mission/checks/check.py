@@ -90,10 +90,7 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
-    """Return the flight without wrong items; None where home itself is wrong.
-
-    A take-off without a place is one from home.
-    """
+    """Return the flight without wrong items, None if home is wrong; a take-off without a place is one from home."""
     mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
     if 0 in wrong:
         return None

@@ -96,10 +96,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
 
 
 def check_clearance(mission: Mission, scenario: Scenario, guarantee: ClearanceGuarantee) -> Iterator[Finding]:
-    """Report each limit that too few flights keep.
-
-    It is a warning off the way, and where the scenario leaves less room. Contact is always an error.
-    """
+    """Report each limit that too few flights keep: a warning off the way or without room; contact is an error."""
     if guarantee.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
     for limit in guarantee.broken:

@@ -95,9 +95,7 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """Return usable flights, remarks, version and autopilot.
-
-    `read` returns the mission where the log has none."""
+    """Return usable flights, remarks, version and autopilot; `read` returns a mission where the log has none."""
     log = read_flights(path, system)
     mission = None if read is None else read(log.autopilot)
     usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]

@@ -142,10 +142,7 @@ class RequestStyle:
 def fetch(
     count: int, kind: int, take: Take, style: RequestStyle | None = None, run: ItemsRead | None = None
 ) -> Dialogue[int]:
-    """Pass the items from `run.at` (else 0) to `take`; return its first result other than ACCEPTED.
-
-    The caller sends the closing Ack.
-    """
+    """Pass items from `run.at` (else 0) to `take`; return its first refusal. The caller sends the closing Ack."""
     doubt: int | None = None
     style, reading = style or RequestStyle(), run or ItemsRead(kind, count, at=0)
     while reading.at < count:
@@ -175,10 +172,7 @@ def fetch(
 
 
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Return items or payloads.
-
-    A vehicle closes a silent transfer (PX4: after 5 s); it is opened again at the next item.
-    """
+    """Return items or payloads; a transfer closed for silence (PX4: after 5 s) is opened again at the next item."""
     stored: list[Item | bytes] = []
     total = yield from open_list(kind)
     idle = 0

@@ -30,10 +30,7 @@ PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
-    """Hold position; raise NotReady.
-
-    ArduCopter pauses within AUTO on its way to a waypoint, and brakes elsewhere. PX4 changes to hold.
-    """
+    """Hold position; raise NotReady. ArduCopter pauses on its way to a waypoint, and brakes elsewhere; PX4 holds."""
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
         result, _ = yield from command(Command.DO_PAUSE_CONTINUE, 0.0)

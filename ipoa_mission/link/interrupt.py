@@ -28,10 +28,7 @@ class Interrupt:
 
 @contextmanager
 def noted_interrupts() -> Iterator[Interrupt]:
-    """Note Ctrl-C in this context; raise an unhandled one at the end.
-
-    Do nothing outside the main thread, or where a program has its own handler.
-    """
+    """Note Ctrl-C in the main thread, unless a program has its own handler; raise an unhandled one at the end."""
     present = signal.getsignal(signal.SIGINT)
     if isinstance(present, Interrupt):
         yield present

@@ -99,10 +99,7 @@ def as_items(stored: Sequence[Item | bytes]) -> tuple[Item, ...]:
 def first_difference(
     sent: Sequence[Item], packed: Payloads, stored: Sequence[Item | bytes], autopilot: Autopilot
 ) -> Difference | None:
-    """Return the first difference beyond the firmware's known changes.
-
-    `packed` are the payloads of `sent`; `stored` are items or payloads.
-    """
+    """Return the first difference beyond the firmware's known changes; `packed` are the payloads of `sent`."""
     if len(sent) != len(stored):
         return Difference(None, "number of items", str(len(sent)), str(len(stored)))
     payloads = [n for n, payload in enumerate(stored) if isinstance(payload, bytes)]

@@ -192,10 +192,7 @@ class Observer(Protocol):
 def watch(
     logbook: Logbook, progress: Progress = silent, *observers: Observer, is_over: Callable[[], bool] = lambda: False
 ) -> Dialogue[FlightRecord]:
-    """The flight ends by landing, at the last item of a mission without one, or by `is_over`.
-
-    The logbook hears each message before the `observers`.
-    """
+    """The flight ends by landing, at a last item without one, or by `is_over`. The logbook hears before `observers`."""
     done = -1
     while True:
         heard = yield Pause(math.inf)

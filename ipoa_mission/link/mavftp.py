@@ -123,10 +123,7 @@ def read_file(path: str) -> Dialogue[bytes]:
 
 
 def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """Return the checksum of a list with home, None if unsupported.
-
-    Each question takes a new sequence number: a repeated one gets its old answer.
-    """
+    """Return a list's checksum with home, None if unsupported; a repeated sequence number gets its old answer."""
     asked: set[int] = set()
     for seconds in (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8:
         yield Remark(checksum_question(kind, numbers, asked))

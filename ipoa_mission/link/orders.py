@@ -66,10 +66,7 @@ def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
 
 
 def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
-    """By command 224, or by the older message (PX4).
-
-    `restart` resets jump counters and completion. Raise CommandRefused, or NoAnswer if the item is not shown.
-    """
+    """By command 224, or the older message (PX4); `restart` resets jump counters. NoAnswer: the item is not shown."""
     result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == m.CommandResult.ACCEPTED:
         return

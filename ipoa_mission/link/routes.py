@@ -29,10 +29,7 @@ class Routes:
         return framer
 
     def learn(self, name: Target, peer: Peer, now: float) -> None:
-        """Replace peers of its name silent for `CLAIM_S`.
-
-        A full table drops an entry silent for `CLAIM_S`, else one never addressed, else stores nothing.
-        """
+        """Replace peers of its name silent for `CLAIM_S`; a full table drops such an entry, else one unaddressed."""
         if self._heard.pop((name, peer), None) is None:
             for entry in [entry for entry, when in self._heard.items() if entry[0] == name and now - when >= CLAIM_S]:
                 del self._heard[entry]

@@ -66,10 +66,7 @@ class Unplaced(Unflyable):
 
 @dataclass(frozen=True)
 class Upload:
-    """Hold a list in wire form; raise BadInput if MAVLink cannot carry it.
-
-    `numbers`: for the checksum's questions.
-    """
+    """Hold a list in wire form; raise BadInput if MAVLink cannot carry it. `numbers`: for the checksum's questions."""
 
     items: Sequence[Item]
     autopilot: Autopilot
@@ -315,10 +312,7 @@ def _refuse_requests(kind: int) -> Dialogue[None]:
 
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
-    """Return PX4's last state (0: none); its reasons may come late.
-
-    If it gave our list an id, wait until it names it.
-    """
+    """Return PX4's last state (0: none); its reasons may come late. If our list has an id, wait until PX4 names it."""
     state, is_over = 0, reports.stored_as == 0
     heard = yield Pause(VERDICT_S)
     while True:

@@ -346,10 +346,7 @@ class Vehicle(RemoteVehicle):
         return self._hold(orders.request_home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
-        """Return the vehicle's values; leave unknown ones out.
-
-        Several names of a parameter are requested at once.
-        """
+        """Return the vehicle's values; leave unknown ones out. Several names of a parameter are requested at once."""
         names = [(name,) if isinstance(name, str) else tuple(name) for name in wanted]
         values = self._hold(orders.request_parameters(names, self.autopilot))
         return {name: value.param_value for name, value in values.items()}

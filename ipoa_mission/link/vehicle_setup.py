@@ -30,10 +30,7 @@ class OtherValue:
 
 
 def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
-    """Return differing values, and parameters that the vehicle lacks.
-
-    ArduCopter 4.7 has renamed and rescaled some.
-    """
+    """Return differing values, and parameters that the vehicle lacks. ArduCopter 4.7 has renamed and rescaled some."""
     spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
     others, missing = [], []
@@ -57,10 +54,7 @@ def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
-    """Return what the vehicle does after losing this station, if known.
-
-    Without a `version` the newest measured one is assumed. Raise NoAnswer.
-    """
+    """Return what the vehicle does after losing this station, if known; by default of the newest measured version."""
     loss = vehicle.autopilot.station_loss
     if loss is None:
         return ""

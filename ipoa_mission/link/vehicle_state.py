@@ -47,10 +47,7 @@ class OtherKind(NotFlown):
 
 @dataclass
 class VehicleState:
-    """All that a vehicle reported; None is unknown.
-
-    `other_kind`: another kind of vehicle with these ids, ignored.
-    """
+    """All that a vehicle reported; None is unknown. `other_kind`: another kind of vehicle with these ids, ignored."""
 
     autopilot: Autopilot
     kind: VehicleKind | None = None

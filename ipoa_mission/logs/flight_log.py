@@ -234,10 +234,7 @@ class _Stretch:
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
-        """Return the vehicle's mission, perhaps logged just after arming, else the flown items.
-
-        PX4 does not log its list, nor ArduPilot one uploaded as a file.
-        """
+        """Return the logged mission, else the flown items: PX4 logs no list, ArduPilot none uploaded as a file."""
         home, first = self.later.home or self.at_arming.home, autopilot.counts_home
         place = next((message for message in self.messages if isinstance(message, Position)), None)
         if home is None and place is not None:

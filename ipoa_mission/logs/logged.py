@@ -107,10 +107,7 @@ class Begun(Message):
 
 @dataclass(frozen=True)
 class Log:
-    """A whole log; `events` with times by the autopilot's clock [s], in any order.
-
-    A heartbeat marks a change of arming or mode.
-    """
+    """A log; `events` by the autopilot's clock [s], in any order. A heartbeat marks a change of arming or mode."""
 
     autopilot: Autopilot
     fixes: Fixes

@@ -141,10 +141,7 @@ def unwrapped(stamps: Vector, times: Vector) -> Vector:
 
 
 def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
-    """Return the vehicle's time at `stamps`, from `clock` at others; all stamps increase.
-
-    Without a clock, return the stamps.
-    """
+    """Return the vehicle's time at `stamps`, from `clock` at others, all increasing; without a clock the stamps."""
     if not len(clock):
         return stamps
     first, last = clock_at[0], clock_at[-1]

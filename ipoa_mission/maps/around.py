@@ -52,10 +52,7 @@ def window_of(box: Box, frame: LocalFrame) -> Degrees:
 
 @dataclass
 class Around:
-    """Selects features in `window` (None: all); `elsewhere` counts the others.
-
-    Some feature must be in `near`, 100 km around home.
-    """
+    """Selects features in `window` (None: all), counts `elsewhere`; one must be `near`, within 100 km of home."""
 
     window: Degrees | None = None
     near: Degrees | None = None

@@ -34,10 +34,7 @@ from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 
 
 def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corners]) -> list[Any]:
-    """Build many polygons at once; None needs a separate check.
-
-    That is: no rings, one whose first three corners are not all different, or corners not on Earth.
-    """
+    """Build many polygons at once; None (no rings, repeated first corners, or not on Earth) needs a separate check."""
     made: list[Any] = [None] * len(rings_of)
     taken = [i for i, rings in enumerate(rings_of) if _looks_sound(rings)]
     rings = [ring for i in taken for ring in rings_of[i]]

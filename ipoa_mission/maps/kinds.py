@@ -147,10 +147,7 @@ def has_place_for_height(feature: Feature, height_key: str) -> bool:
 
 
 def has_kind(feature: Feature) -> bool:
-    """Return whether tags name the kind.
-
-    Files without kinds but with heights have only buildings: Overture's, a cadastre's, drawings.
-    """
+    """Return whether tags name the kind; files with heights only have buildings: Overture's, cadastres', drawings."""
     tags = feature.tags
     mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
     return mapped or _is_flat(tags)

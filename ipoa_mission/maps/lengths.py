@@ -52,10 +52,7 @@ def meters(text: str, place: str) -> float:
 
 @lru_cache(maxsize=4096)  # a map repeats few heights
 def length_of(text: str) -> tuple[float | None, bool]:
-    """Return the greatest length [m], and whether all was understood.
-
-    A bare number or an unknown unit is in meters.
-    """
+    """Return the greatest length [m], and whether all was understood. A bare number or an unknown unit is in meters."""
     text = re.sub(r"\.{2,}|…", "-", _plain(text))
     lengths, end, last, rest = list[float](), 0, 0.0, list[str]()
     for match in _QUANTITY.finditer(text):

@@ -49,10 +49,7 @@ class MapExtent:
 
 
 def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Convert degrees to east, north [m]; return which are within 100 km of home.
-
-    Others become empty. Long edges are divided: they are straight in degrees.
-    """
+    """Convert degrees to east, north [m], long edges divided; return which are near home: others become empty."""
     frame = about.frame
     height = frame.home.altitude
     degrees = _unwrapped(np.array(shapes, dtype=object))

@@ -41,10 +41,7 @@ class SampledTrack(Track):
 
 @dataclass(frozen=True)
 class ItemLeg:
-    """One item as flown, and the leg to it.
-
-    `heading` is from begin to end [rad], clockwise from north (NaN: vertical). `proof`: between two waypoints.
-    """
+    """One item as flown, and its leg; `heading` clockwise [rad] (NaN: vertical); `proof`: between two waypoints."""
 
     item: Item
     time: ItemTime
@@ -76,10 +73,7 @@ class Danger:
 
 
 def sample_track(track: Track, airspace: Airspace, samples: int = 800) -> SampledTrack:
-    """Sample densely where a path is slow and where it is fast.
-
-    A landing ends on the ground, which the time models ignore.
-    """
+    """Sample densely where a path is slow or fast; a landing ends on the ground, which the time models ignore."""
     gone = arc_lengths(track.points[:, :2])
     share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
     times = np.interp(np.linspace(share[0], share[-1], samples), share, track.times)

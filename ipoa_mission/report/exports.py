@@ -91,10 +91,7 @@ def _cut_at_antimeridian(places: list[LonLatUp]) -> list[list[LonLatUp]]:
 
 
 def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
-    """Return (longitude, latitude), closed and counterclockwise as in GeoJSON and KML.
-
-    A circle's 72 corners cut off at most a thousandth of its radius.
-    """
+    """Return (longitude, latitude), closed, counterclockwise; a circle's 72 corners cut off at most 0.1 % of it."""
     if isinstance(part, FenceCircle):
         angles = np.linspace(0.0, 2.0 * np.pi, 72, endpoint=False)
         circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])

@@ -40,10 +40,7 @@ def extent_of(*paths: Points) -> Extent:
 
 
 def ground_mesh(airspace: Airspace, across: int, extent: Extent | None = None) -> tuple[Plane, Plane, Plane]:
-    """Return east, north and height of square cells, each (rows, columns) [m]; without an extent over the bounds.
-
-    The longer side has `across` cells.
-    """
+    """Return east, north, height of square cells, `across` on the longer side, over an extent or the bounds [m]."""
     box = Extent(airspace.bounds.lower[:2], airspace.bounds.upper[:2]) if extent is None else extent
     sides = np.subtract(box.upper, box.lower)
     counts = np.maximum(np.rint(sides / sides.max() * across), 1).astype(int) + 1

@@ -114,10 +114,7 @@ def _camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[I
 
 
 def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
-    """Return waypoints (k, 3): straight, else the shortest way round obstacles, else a planned path.
-
-    `growth` [m] adds clearance by obstacle name.
-    """
+    """Return waypoints (k, 3): straight, else shortest round obstacles, else planned; `growth` [m] by obstacle name."""
     straight = np.array([begin, end])
     if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]

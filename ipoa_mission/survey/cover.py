@@ -57,10 +57,7 @@ LIMITS = SearchLimits()
 def quickest_tour(
     problem: "CoverProblem", direction: Direction = "best", begin: Vector | None = None, end: Vector | None = None
 ) -> Tour:
-    """Return the quickest tour between places (2,), or None for any.
-
-    Lines are cut in the directions of edges; `_order` searches their order, and detours close gaps.
-    """
+    """Return the quickest tour between places (2,) or None: lines along edges in `_order`'s order, detours to gaps."""
     if isinstance(direction, str):
         passes = [problem.directions()]
     else:

@@ -17,10 +17,7 @@ MAX_REST = 5.0  # of a line, left unflown or overshot [m]
 def left_to_fly(
     tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, transit: Callable[[Points, Points], Points]
 ) -> Tour | None:
-    """Return the lines of a tour that paths (n, 3), east, north, up [m], left, with overlap, or None.
-
-    `transit` returns the corners between two places (2,).
-    """
+    """Return the lines that paths (n, 3) left, with overlap, or None; `transit` has corners between places (2,)."""
     pieces = list[list[tuple[float, float]]]([] for _ in tour.swaths)
     for path in flown:
         for run in runs_in_order(tour, path, sight, ground):

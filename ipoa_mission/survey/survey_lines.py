@@ -107,10 +107,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
 
 @dataclass(frozen=True, eq=False)
 class Detour:
-    """A detour from a leg by the places `via` (k, 2), with `goal` (m, 2), to the leg's end.
-
-    Leg -1 is before the path, the last one after it.
-    """
+    """A detour from a leg (-1: before the path, last: after it) by `via` (k, 2), with `goal` (m, 2), to its end."""
 
     leg: int
     via: Points

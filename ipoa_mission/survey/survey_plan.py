@@ -88,10 +88,7 @@ class _TooNear(Exception):
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
-    """Plan the fastest survey that keeps its clearance.
-
-    If too few flights keep it, obstacles get more clearance, then the speed is reduced.
-    """
+    """Plan the fastest survey that keeps its clearance: more distance to obstacles first, then less speed."""
     for n, share in enumerate(SPEEDS):
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
         world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
