@@ -145,9 +145,7 @@ def _no_mission(log: Path) -> str:
     from ipoa_mission.logs.logged import log_format
 
     written = log_format(log.suffix)
-    if written is not None:
-        return written.no_mission
-    return "the log holds no upload or download of the mission"
+    return "the log holds no upload or download of the mission" if written is None else written.no_mission
 
 
 def _useless(rows: list[_Row], log: Path) -> str:

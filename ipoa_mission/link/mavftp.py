@@ -103,8 +103,7 @@ def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[
 
 def _open_session(opcode: Opcode, path: str, verb: str) -> Dialogue[int]:
     yield from ask_of_file(FileMessage(0, Opcode.RESET_SESSIONS), "reset the file service")
-    opened = yield from ask_of_file(FileMessage(2, opcode, data=path.encode()), f"{verb} {path}")
-    return opened.session
+    return (yield from ask_of_file(FileMessage(2, opcode, data=path.encode()), f"{verb} {path}")).session
 
 
 def read_file(path: str) -> Dialogue[bytes]:

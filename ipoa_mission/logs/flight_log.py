@@ -247,9 +247,7 @@ class _Stretch:
                 flown = [self.begun[seq].item for seq in range(first, total) if seq in self.begun]
                 before = (home_item(home),) * first if home else ()
                 items = (*before, *flown) if len(flown) == total - first else ()
-        if len(items) <= first or home is None:
-            return None
-        return from_wire(items, autopilot, home)
+        return None if len(items) <= first or home is None else from_wire(items, autopilot, home)
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:

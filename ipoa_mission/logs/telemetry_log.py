@@ -291,9 +291,8 @@ def _note_transfer(gathered: _Gathered, number: int, message: Message, by_vehicl
 
 
 def _is_armed(gathered: _Gathered) -> bool:
-    if gathered.changes:
-        return gathered.changes[-1][1]
-    return gathered.state is not None and gathered.state.armed
+    state = gathered.state
+    return gathered.changes[-1][1] if gathered.changes else state is not None and state.armed
 
 
 def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:

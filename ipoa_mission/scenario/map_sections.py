@@ -89,8 +89,7 @@ class NoFlyMap(ZoneMap):
     given."""
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
-        features = read_features(self.file, Around.of(frame))
-        return find_zones(features, frame, self.file, self.restrictions, time)
+        return find_zones(read_features(self.file, Around.of(frame)), frame, self.file, self.restrictions, time)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

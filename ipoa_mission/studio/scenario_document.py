@@ -284,6 +284,4 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, datetime.date | datetime.time):
         return value.isoformat()
-    if isinstance(value, float) and not abs(value) < float("inf"):
-        return str(value)
-    return value
+    return str(value) if isinstance(value, float) and not abs(value) < float("inf") else value
