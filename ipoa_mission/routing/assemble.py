@@ -55,7 +55,7 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     tried = list[Attempt]()
     for _ in range(HALVINGS):
         tried.append(attempt := choose(width))
-        if attempt.proof.holds and attempt.sketched.keeps_limits:
+        if attempt.proof.holds and attempt.quick_prediction.keeps_limits:
             return attempt
         width /= 2
     proof = attempt.proof

@@ -96,18 +96,18 @@ class Attempt:
         return prove(points, self.scenario, stray, spare=0.0)
 
     @cached_property
-    def flown(self) -> "Flown":
-        return _flown(self, self.draft, noise_free=False)
+    def prediction(self) -> "RoutePrediction":
+        return _predict(self, self.draft, noise_free=False)
 
     @cached_property
-    def sketched(self) -> "Flown":
+    def quick_prediction(self) -> "RoutePrediction":
         """Fly without noise, only to the goal."""
         mission = self.draft.given
-        return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
+        return _predict(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Flown:
+class RoutePrediction:
     """The flight of an attempt by the time model, from over the start to the last waypoint.
 
     It ends where the vehicle could stop, `overrun` [m] beyond the goal. `late`: 90 % quantile of the duration [s].
@@ -139,7 +139,7 @@ class Flown:
         return deviation_bound_holds(pieces_of(self.track), clearance_task(self.attempt.scenario))
 
 
-def _flown(attempt: Attempt, forecast: Forecast, noise_free: bool) -> Flown:
+def _predict(attempt: Attempt, forecast: Forecast, noise_free: bool) -> RoutePrediction:
     prediction, mission = forecast.predicted(noise_free, fast=True), forecast.given
     first, *_, last = items_of_waypoints(attempt.route)
     begin, end = float(prediction.done[first]), float(prediction.done[last])
@@ -153,7 +153,7 @@ def _flown(attempt: Attempt, forecast: Forecast, noise_free: bool) -> Flown:
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(speed, 1e-3)
     until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(during.speeds, 0.0))
     missed = sum(risk.share for risk in prediction.missed[first + 1 : last + 1])
-    return Flown(attempt, end - begin, until, overrun, float(prediction.high[last]) - begin, missed)
+    return RoutePrediction(attempt, end - begin, until, overrun, float(prediction.high[last]) - begin, missed)
 
 
 def _motion(track: Track, end: float) -> Vector:

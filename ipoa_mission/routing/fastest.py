@@ -163,18 +163,20 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     )
     if not quickest:
         return None
-    improved = sorted(dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.sketched.seconds)
+    improved = sorted(
+        dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.quick_prediction.seconds
+    )
     first = _best_of_equal(improved)
     return replace(first, rivals=tuple(attempt for attempt in improved if attempt is not first))
 
 
 def _best_of_equal(attempts: list[Attempt]) -> Attempt:
     """Return the best of the routes that are as quick as the first with sensor noise, which is costly to predict."""
-    most = SEARCH.most_delayed * attempts[0].sketched.seconds
-    equal = [attempt for attempt in attempts if attempt.sketched.seconds <= most]
+    most = SEARCH.most_delayed * attempts[0].quick_prediction.seconds
+    equal = [attempt for attempt in attempts if attempt.quick_prediction.seconds <= most]
     if len(equal) == 1:
         return equal[0]
-    ends = [attempt.flown for attempt in equal]
+    ends = [attempt.prediction for attempt in equal]
     late = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > late, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]
     return equal[min(ranks)[-1]]
@@ -185,12 +187,12 @@ def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt])
 
     Adds routes that only come too near to `too_near`.
     """
-    waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
+    waiting = [(attempt.quick_prediction.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
     while waiting and len(fit) < SEARCH.starts:
         seconds, n, is_clear, attempt = heappop(waiting)
-        if fit and seconds > SEARCH.most_behind * min(other.sketched.seconds for other in fit.values()):
+        if fit and seconds > SEARCH.most_behind * min(other.quick_prediction.seconds for other in fit.values()):
             break
         points = attempt.route.points
         kind, place = (len(points), attempt.route.spline), points.tobytes()
@@ -199,7 +201,7 @@ def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt])
         if is_clear:
             if not _is_near_curve(attempt):
                 continue
-            if attempt.sketched.keeps_limits:
+            if attempt.quick_prediction.keeps_limits:
                 fit[kind] = attempt
             else:
                 too_near.append(attempt)
@@ -208,13 +210,13 @@ def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt])
             cleared[place] = push_clear(points, enlarged)
         if leg_lengths(cleared[place]).min() >= NEAREST:
             clear = attempt if (cleared[place] == points).all() else attempt.along(cleared[place])
-            heappush(waiting, (clear.sketched.seconds, n, True, clear))
+            heappush(waiting, (clear.quick_prediction.seconds, n, True, clear))
     return list(fit.values())
 
 
 def _repaired(too_near: list[Attempt]) -> list[Attempt]:
     """Return an almost clear route, moved until its flights keep the limits."""
-    for attempt in sorted(too_near, key=lambda attempt: attempt.sketched.seconds)[-SEARCH.repaired_routes :]:
+    for attempt in sorted(too_near, key=lambda attempt: attempt.quick_prediction.seconds)[-SEARCH.repaired_routes :]:
         growth = initial_growth(attempt.scenario)
         for _ in range(SEARCH.repairs):
             if attempt.slack < SEARCH.least_repairable:
@@ -241,14 +243,14 @@ def _at_kept_height(attempt: Attempt) -> Points:
 
 
 def _is_fit(attempt: Attempt) -> bool:
-    return _is_near_curve(attempt) and attempt.sketched.keeps_limits
+    return _is_near_curve(attempt) and attempt.quick_prediction.keeps_limits
 
 
 def _is_near_curve(attempt: Attempt) -> bool:
-    flown = attempt.sketched
+    prediction = attempt.quick_prediction
     return (
-        flown.overrun <= SEARCH.most_overrun
-        and flown.deviation <= attempt.scenario.route.tolerance
+        prediction.overrun <= SEARCH.most_overrun
+        and prediction.deviation <= attempt.scenario.route.tolerance
         and attempt.proof.holds
     )
 
@@ -262,7 +264,9 @@ def _improve(attempt: Attempt) -> Attempt:
         while len(tried) < trials and in_vain < min(SEARCH.patience, len(changes)):
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
-            if candidate.sketched.seconds < attempt.sketched.seconds - SEARCH.least_gain_s and _is_fit(candidate):
+            if candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.least_gain_s and _is_fit(
+                candidate
+            ):
                 attempt, in_vain = candidate, 0
                 changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]
             else:

@@ -160,7 +160,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
             missing = error
             continue
         if slow is not None:
-            return min(slow, attempt, key=lambda one: (not one.holds, one.sketched.seconds))
+            return min(slow, attempt, key=lambda one: (not one.holds, one.quick_prediction.seconds))
         if attempt.holds:
             if delay < EFFORT.most_delay or plans == 1:
                 return attempt
@@ -239,4 +239,4 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         latest = best_route(replace(latest.plan, curve=moved), scenario, promising)
         in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
-    return best, best.sketched.seconds / first.sketched.seconds
+    return best, best.quick_prediction.seconds / first.quick_prediction.seconds

@@ -76,11 +76,11 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
     plan = as_plan(curve, scenario)
     modes = ["even", "corridor", "fastest", *(["spline"] if autopilot is Autopilot.ARDUPILOT else [])]
     chosen = {mode: choose_route(plan, scenario, mode) for mode in modes}
-    flown = chosen["fastest"].flown
-    assert flown.seconds == min(attempt.flown.seconds for attempt in chosen.values())
+    flown = chosen["fastest"].prediction
+    assert flown.seconds == min(attempt.prediction.seconds for attempt in chosen.values())
     limits = kinematics(autopilot, scenario.vehicle.autopilot_parameters(), scenario.vehicle.cruise_speed)
     assert 1.0 <= flown.seconds / least_time(curve.sample(500), limits).seconds <= RATIO[autopilot]
-    assert chosen["even"].flown.seconds > 1.5 * flown.seconds  # dense straight waypoints make the vehicle crawl
+    assert chosen["even"].prediction.seconds > 1.5 * flown.seconds  # dense straight waypoints make the vehicle crawl
     assert flown.seconds <= BEST_FLOWN[autopilot]
     assert flown.deviation <= WITHIN
     assert flown.keeps_limits
@@ -105,7 +105,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
         for n, (e, north) in enumerate(centers)
     )
     scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
-    flown = choose_route(as_plan(curve, scenario), scenario, "fastest").flown
+    flown = choose_route(as_plan(curve, scenario), scenario, "fastest").prediction
     required = scenario.vehicle.radius + scenario.safety_distance
     legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
     assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
@@ -124,7 +124,7 @@ def test_fastest_route_is_flown_clear_to_its_goal(autopilot: Autopilot) -> None:
     )
     scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
     chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
-    route, predicted = chosen.route, chosen.flown
+    route, predicted = chosen.route, chosen.prediction
     assert prove(route.points, scenario).holds
     assert prove(route.points, scenario).clearance.what in {"tower 0", "tower 1"}
     assert predicted.keeps_limits
@@ -179,8 +179,8 @@ def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
     chosen = {mode: choose_route(plan, scenario, mode) for mode in modes}
     for attempt in chosen.values():
         assert np.linalg.norm(attempt.route.points - (60.0, 0.0, 20.0), axis=1).min() < 0.1
-        assert np.linalg.norm(attempt.flown.path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
-    assert chosen["fastest"].flown.seconds == min(attempt.flown.seconds for attempt in chosen.values())
+        assert np.linalg.norm(attempt.prediction.path - (60.0, 0.0, 20.0), axis=1).min() < 3.0
+    assert chosen["fastest"].prediction.seconds == min(attempt.prediction.seconds for attempt in chosen.values())
 
 
 def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
@@ -203,7 +203,7 @@ def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
     curve = Spline(np.asarray(np.linalg.lstsq(basis(60, at), points, rcond=None)[0], float))
     chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
     assert len(chosen.route.points) <= 8
-    assert chosen.flown.keeps_limits
+    assert chosen.prediction.keeps_limits
 
 
 def test_a_spline_route_stops_at_a_waypoint_at_a_hairpin() -> None:
