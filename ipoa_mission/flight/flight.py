@@ -39,7 +39,7 @@ from ipoa_mission.report.summary import (
 )
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import by_way_of_the_goal_remarks
-from ipoa_mission.routing.planned_returns import settled_remarks
+from ipoa_mission.routing.planned_returns import return_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.routing.seek import plan_with_margins
 from ipoa_mission.routing.slower import slowed_where_needed_remarks
@@ -221,7 +221,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
         *by_way_of_the_goal_remarks(scenario, requested),
         *(raise_way_home_remarks(mission) if len(mission.items) > len(found.draft.mission.items) else ()),
         *slow_landings_remarks(forecast),
-        *settled_remarks(forecast),
+        *return_remarks(forecast),
     )
     remarks = (*messages, *planned, *scenario.remarks, *left_out(mission))
     return Flight(plan, forecast, findings, remarks, found)

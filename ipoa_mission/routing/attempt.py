@@ -16,7 +16,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
-from ipoa_mission.routing.planned_returns import settled
+from ipoa_mission.routing.planned_returns import choose_returns
 from ipoa_mission.routing.resample import lateral_deviation
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
@@ -24,7 +24,7 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """States: the `draft`, the `whole` mission, the `forecast` with settled returns, and whether it `holds`."""
+    """States: the `draft`, the `whole` mission, the `forecast` with chosen returns, and whether it `holds`."""
 
     plan: Plan
     route: Route
@@ -52,18 +52,18 @@ class Attempt:
         return self.draft if built == self.draft.mission else Forecast(built, self.scenario)
 
     @cached_property
-    def _settled(self) -> tuple[Forecast, tuple[Shortfall, ...]]:
+    def _with_returns(self) -> tuple[Forecast, tuple[Shortfall, ...]]:
         if self.scenario.safety.returns != "planned" or not self.is_guaranteed:
             return self.whole, ()
-        return settled(self.whole)
+        return choose_returns(self.whole)
 
     @property
     def forecast(self) -> Forecast:
-        return self._settled[0]
+        return self._with_returns[0]
 
     @property
     def short(self) -> tuple[Shortfall, ...]:
-        return self._settled[1]
+        return self._with_returns[1]
 
     @property
     def guarantee(self) -> ClearanceGuarantee:

@@ -39,7 +39,7 @@ NAMED = 3  # in a note on LAND
 RALLIED_ALTITUDES = 3  # at which rally points are tried
 
 
-def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
+def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     """Return the clearest forecast, and the worst remaining shortfall of each body."""
     ways = forecast.cached(ContingencyPaths)
     braking = list(find_shortfalls(ways, Contingency.HOLD))
@@ -111,12 +111,12 @@ def why_not_planned(forecast: Forecast) -> str:
     return f"{order} {when} {kept if math.isfinite(worst.least_m) else worst.to}"
 
 
-def or_else(forecast: Forecast) -> str:
+def other_options_hint(forecast: Forecast) -> str:
     returns = f"or {to_return_instead(forecast)}; " if lands_by_choice(forecast) else ""
     return f'{returns}or [safety] returns = "warn", to be warned only'
 
 
-def settled_remarks(forecast: Forecast) -> Iterator[str]:
+def return_remarks(forecast: Forecast) -> Iterator[str]:
     scenario, mission = forecast.world, forecast.mission
     name = mission.autopilot.parameter_table.return_height.name
     if name in forecast.given.parameters and not names_return_altitude(scenario):

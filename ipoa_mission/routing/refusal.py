@@ -13,7 +13,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.path_problem import place_names
 from ipoa_mission.planning.plan_view import Closure
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.planned_returns import or_else, why_not_planned
+from ipoa_mission.routing.planned_returns import other_options_hint, why_not_planned
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
@@ -71,7 +71,7 @@ def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
     if nearest.short:
         helps, hint, remedies = _try_changes("", trials)
         words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
-        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
+        return NoPath(words, hint=f"{hint}; {other_options_hint(nearest.forecast)}", remedies=remedies)
     tightest = min(guarantee.forbidding, key=lambda limit: limit.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"

@@ -15,7 +15,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.proof import prove
-from ipoa_mission.routing.planned_returns import or_else, settled, why_not_planned
+from ipoa_mission.routing.planned_returns import choose_returns, other_options_hint, why_not_planned
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.assembly import assemble_survey
@@ -219,7 +219,7 @@ def returning(forecast: Forecast) -> Forecast:
     """Return the forecast with the items of planned returns."""
     if forecast.world.safety.returns != "planned":
         return forecast
-    best, short = settled(forecast)
+    best, short = choose_returns(forecast)
     if short:
-        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint=or_else(best))
+        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint=other_options_hint(best))
     return best

@@ -24,7 +24,7 @@ from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.mission.written_files import write_files, write_several
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.report.summary import passed_over_as_json
-from ipoa_mission.routing.planned_returns import settled_remarks
+from ipoa_mission.routing.planned_returns import return_remarks
 from ipoa_mission.routing.repairs import raise_way_home_remarks, slow_landings_remarks
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
@@ -349,7 +349,7 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
     forecast = flight.forecast
     yield from raise_way_home_remarks(forecast.mission)
     yield from slow_landings_remarks(forecast)
-    yield from settled_remarks(forecast)
+    yield from return_remarks(forecast)
     yield from left_out(forecast.mission)
 
 
