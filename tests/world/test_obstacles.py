@@ -7,6 +7,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere, Zone, box
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
+from ipoa_mission.world.polygon import Polygon
 from tests.plain_python import as_plain_python
 
 Rng = np.random.Generator
@@ -85,6 +86,31 @@ def test_the_least_distance_of_a_leg_is_what_dense_sampling_closes_in_on(kind: s
         assert body.distance((a + where * (b - a))[None])[0] == pytest.approx(least, abs=1e-9)
         inside += least < 0
     assert 0.025 < inside / scenes < 0.975  # both kinds of scene were met
+
+
+def test_a_leg_is_deepest_at_a_balance_of_a_polygon_s_sides() -> None:
+    """Machine code and plain Python give the same parameters; places between them are not farther inside."""
+    from ipoa_mission.world._polygon import balance
+
+    plain, rng = as_plain_python("ipoa_mission.world._polygon"), np.random.default_rng(8)
+    for trial in range(60):
+        corners = 3 + trial % 14
+        angles = 2 * np.pi * (np.arange(corners) + rng.uniform(0, 0.4, corners)) / corners
+        ring = rng.uniform(4, 30, corners)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+        starts, ends = ring, np.roll(ring, -1, axis=0)
+        a, b = rng.uniform(-25, 25, (2, 2)) if trial % 6 else np.zeros((2, 2))
+        height, climb = rng.uniform(-6, 6, 2)
+        walls = np.array([[height**2, 2 * height * climb, climb**2]] if trial % 3 else np.zeros((0, 3)))
+        for inside in (True, False):
+            found = balance(starts, ends, walls, a, b, inside)
+            np.testing.assert_allclose(plain.balance(starts, ends, walls, a, b, inside), found, rtol=1e-6, atol=1e-9)
+            depths = []
+            for shares in (found[(found >= 0) & (found <= 1)], np.linspace(0, 1, 2001)):
+                spots = a + shares[:, None] * (b - a)
+                sides = np.sqrt(np.maximum(np.vander(shares, 3, increasing=True) @ walls.T, 0.0))
+                away = Polygon(tuple(map(tuple, ring.tolist()))).distance(spots) * (-1 if inside else 1)
+                depths.append(float(np.minimum(away, sides.min(axis=1, initial=np.inf)).max()))
+            assert depths[0] >= depths[1] - 1e-6 or depths[1] <= 0.0
 
 
 def test_a_prism_is_as_far_by_machine_code_as_by_plain_python() -> None:
