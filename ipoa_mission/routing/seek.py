@@ -153,7 +153,11 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
             planned.add(curve)
             progress(0.9, "choosing waypoints, proving returns")
             attempt, delay = _move_until_safe(plan, margins, scenario)
-        except NoPath as error:
+        except MissionError as error:
+            if slow is not None:
+                return slow
+            if not isinstance(error, NoPath):
+                raise
             margins.closed = True
             if margins.world is scenario and not isinstance(error, NotFound):
                 raise
