@@ -1,6 +1,6 @@
 """Initial guesses: distinct routes through a coarse lattice.
 
-Two runs of Dijkstra's algorithm give the least cost of a route through each node. Its local minima part way are other
+Two runs of A* give the least cost of a route through each node. Its local minima part way are other
 passages. For narrow gaps, a node moves within its cell.
 """
 

@@ -56,7 +56,7 @@ def met(autopilot: BuiltInAutopilot, total_s: float = SPECIFIED.total_s) -> Vehi
     return meet(line, options=ConnectionOptions(patience=replace(SPECIFIED, total_s=total_s)))
 
 
-class Told:
+class RecordedStages:
     def __init__(self) -> None:
         self.words: list[tuple[Stage, str]] = []
 
@@ -67,7 +67,7 @@ class Told:
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_one_that_refuses_to_be_armed_until_it_has_a_position_is_flown(autopilot: Autopilot) -> None:
-    booting, conversation = Booting(autopilot), Told()
+    booting, conversation = Booting(autopilot), RecordedStages()
     with met(booting) as vehicle:
         record = fly_mission(vehicle, suited(vehicle, MISSION), stages=conversation.stage)
     assert record.completed

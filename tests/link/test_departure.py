@@ -35,7 +35,7 @@ def test_each_firmware_is_prepared_and_started_in_its_own_order() -> None:
         assert vehicle.mode == vehicle.autopilot.modes.mission
     assert [command[0] for command in copter.commands] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM, START]
     assert [command[0] for command in px4.commands] == [SET_CURRENT, SET_MODE, SET_CURRENT, ARM]
-    assert copter.commands[0] == (SET_CURRENT, 1, 1, 0)  # jumps are counted anew
+    assert copter.commands[0] == (SET_CURRENT, 1, 1, 0)  # resets the counts of jumps
 
 
 def test_items_done_at_once_may_stand_before_the_one_that_is_current() -> None:

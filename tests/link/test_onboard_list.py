@@ -34,8 +34,8 @@ MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(THERE, 10.0), land(THERE)
 STRANGER = Target(254, 190)
 
 
-class Told(Exception):
-    """What was waited for has been said."""
+class MessageHeard(Exception):
+    """The awaited message has arrived."""
 
 
 def vehicle_of(family: Autopilot, **habits: object) -> Vehicle:
@@ -186,10 +186,10 @@ def test_mission_replaced_in_flight_makes_the_flight_incomplete(
             replaced_by(vehicle, OTHERS[replacement](MISSION))
         if vehicle.changed and len(times) == 1:
             times.append(vehicle.line.now())
-            raise Told
+            raise MessageHeard
 
     vehicle.overhearing = overhear
-    with suppress(Told):
+    with suppress(MessageHeard):
         vehicle.watch()
     record = vehicle.record()
     assert not record.completed

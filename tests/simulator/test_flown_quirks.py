@@ -128,7 +128,7 @@ def test_an_item_is_told_as_reached_with_the_words_of_the_firmware(autopilot: Au
     heard = flown.fly(25.0)
     assert Reached(flown.first) in heard
     assert (Text(6, "Mission: 2 WP") in heard) == (Text(6, "Reached command #2") in heard) == (autopilot is ARDUPILOT)
-    assert Text(6, "Reached command #1") not in heard  # the take-off is told without words
+    assert Text(6, "Reached command #1") not in heard  # no text for the take-off
 
 
 # --- in flight ------------------------------------------------------------------------------------------------------

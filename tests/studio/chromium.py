@@ -26,7 +26,7 @@ CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(nam
 in_a_browser = pytest.mark.skipif(
     CHROMIUM is None or find_spec("playwright") is None, reason="needs Chromium and playwright"
 )
-pytestmark = [in_a_browser, pytest.mark.long]  # what is always tried: test_stays
+pytestmark = [in_a_browser, pytest.mark.long]  # the short tests of the browser are in test_stays
 
 REPOSITORY = Path(__file__).parents[2]
 WEB = REPOSITORY / "ipoa_mission" / "studio" / "web"

@@ -99,7 +99,7 @@ def test_cancelled_planning_is_resumed_and_a_place_is_found(studio: Studio) -> N
         assert talk.wait_for_trouble("plan")["message"] == "planning was cancelled"
         talk.say(kind="do", what="plan")
         talk.wait("plan")
-        with studio.window() as second:  # which is told how things stand
+        with studio.window() as second:  # the server sends it the present state
             second.wait("plan")
             second.say(kind="find", place="8FVC9G8F+6X")
             place = second.wait("found")["place"]
@@ -113,7 +113,7 @@ def test_contingencies_follow_the_plan_and_expire_after_a_change(studio: Studio)
         assert (strip["revision"], strip["flight"]) == (plan["revision"], 0)
         assert [bar["ending"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
         assert [message["kind"] for message in talk.heard if message["kind"] in ("plan", "endings")][:1] == ["plan"]
-        with studio.window() as second:  # which is told how things stand
+        with studio.window() as second:  # the server sends it the present state
             assert second.wait("endings") == strip
         talk.say(kind="edit", seen=plan["revision"], label="slower", changes=[PUT_SPEED])
         document = talk.wait("document", lambda message: message["revision"] > plan["revision"])
