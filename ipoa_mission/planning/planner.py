@@ -16,7 +16,7 @@ from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import SHORT_EVALUATIONS, Optimizer, minimize
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
 from ipoa_mission.planning.lattice import guesses
-from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places
+from ipoa_mission.planning.obstruction import blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, settle
@@ -78,8 +78,6 @@ def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
     budget = SHORT_EVALUATIONS if defaults is None and not settings else None
     return build_optimizer(name, (defaults or {}) | settings), budget
 
-
-__all__ = ["NoPath", "move_aside", "plan_path"]
 
 Settled: TypeAlias = tuple[Candidate, Proof, CostTerms]
 

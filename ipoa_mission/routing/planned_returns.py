@@ -175,9 +175,7 @@ class _RallySearch:
     def __init__(self, paths: ContingencyPaths, times: list[float]) -> None:
         self._paths, forecast = paths, paths.forecast
         self._tried = set[tuple[int, ...]]()
-        self._times: Vector
-        self._margins: NDArray[np.float64]
-        self._away: NDArray[np.float64]
+        self._margins = self._away = np.zeros((0, 0))
         self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(forecast))])
         self._sample(np.unique([*np.linspace(*paths.in_air, EFFORT.sample_count), *times]))
         if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:

@@ -5,7 +5,8 @@ import pytest
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import optimizer_names
-from ipoa_mission.planning.planner import NoPath, plan_path
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove_curve
 from tests.examples import some
 from tests.planning.conftest import Make, Place, Town

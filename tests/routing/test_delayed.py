@@ -8,6 +8,7 @@ from ipoa_mission import read_scenario
 from ipoa_mission.errors import MissionError
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.progress import silent
 from ipoa_mission.routing import seek
 from ipoa_mission.routing.attempt import Attempt
@@ -19,7 +20,7 @@ SCENARIO = read_scenario(Path(__file__).parents[2] / "missions" / "sitl.toml")
 
 @pytest.mark.parametrize("refusal", [NoPath("closed"), NoRoute("too near")], ids=["no path", "no route"])
 def test_a_slow_attempt_is_kept_if_the_next_path_fails(refusal: MissionError, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = seek.plan_path(SCENARIO, strategy=QUICK)
+    path = plan_path(SCENARIO, strategy=QUICK)
     paths: list[Plan | MissionError] = [path, refusal]
     tried, move = list[Attempt](), seek._move_until_safe
 

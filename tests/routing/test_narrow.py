@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.deviation.proximity import ProximityRisks
-from ipoa_mission.planning.planner import NoPath
+from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.seek import TooNarrow, expect_wide, least_reach, plan_with_margins
 from ipoa_mission.scenario import Scenario
 from tests.refused import refuses
