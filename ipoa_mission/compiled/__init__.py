@@ -6,16 +6,20 @@ A kernel is a function decorated with `njit`, or passed to `jit_if_faster` if it
 
 import sys
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
+from operator import attrgetter
 from pathlib import Path
 from types import FunctionType
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+
+import numpy as np
 
 from ipoa_mission.compiled.library import PACKAGE, shipped, sources_digest
 from ipoa_mission.errors import MissionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 MANY_STEPS = 50_000  # for which plain Python takes as long as loading numba
+_PLAIN = {float: np.float64, int: np.int64, bool: np.bool_}
 
 
 def njit(**options: Any) -> Any:
@@ -86,3 +90,23 @@ def called_by(function: Any) -> set[FunctionType]:
 def _is_cached(function: Any) -> bool:
     source = Path(sys.modules[function.__module__].__file__ or "")
     return any((source.parent / "__pycache__").glob(f"{source.stem}.{function.__name__}-*.nbi"))
+
+
+@cache
+def record_type(kind: type) -> np.dtype[np.void]:
+    """Return a class's record type; `Annotated[list[X], n]` has length n."""
+    return np.dtype([(name, *_field(hint)) for name, hint in get_type_hints(kind, include_extras=True).items()])
+
+
+def _field(hint: Any) -> tuple[Any, ...]:
+    if get_origin(hint) is Annotated:
+        several, count = get_args(hint)
+        return *_field(*get_args(several)), (count,)
+    return (_PLAIN.get(hint) or record_type(hint),)
+
+
+def records(values: Any, kind: type) -> Any:
+    """Return named tuples, or objects with plain fields, as numpy records for compiled code."""
+    made = record_type(kind)
+    rows = list(values) if issubclass(kind, tuple) else list(map(attrgetter(*made.names or ()), values))
+    return np.array(rows, made)

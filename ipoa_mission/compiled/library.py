@@ -20,7 +20,6 @@ PACKAGE = Path(__file__).parent.parent
 SOURCES = (
     "compiled/__init__.py",
     "compiled/native.py",
-    "compiled/records.py",
     "autopilot/commands.py",
     "vehicles/*/dynamics/*.py",
     "vehicles/*/parameter_table.py",
@@ -29,7 +28,7 @@ SOURCES = (
     "geometry.py",
     "planning/_*.py",
     "survey/_*.py",
-    "survey/clock.py",
+    "survey/times.py",
     "planning/banded.py",
     "planning/obstacle_grid.py",
     "routing/_*.py",

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from itertools import chain, pairwise
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -15,12 +15,18 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey._kernels import path_seconds
-from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
 
 RIGHT_ANGLE = 4  # index in ANGLES
 ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
 SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed, of one ratio
+
+
+class Clock(NamedTuple):
+    pace: Vector  # by direction counterclockwise from east (d,) [s/m]; size 1: any
+    corner: Points  # by angle from 0 to 180 degrees and shorter leg (angles, lengths) [s]
+    shortest: float  # the first length [m]
+    ratio: float  # natural logarithm of the ratio of successive lengths
 
 
 @dataclass(frozen=True, eq=False)

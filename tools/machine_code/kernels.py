@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.compiled import compiled
-from ipoa_mission.compiled.records import records
+from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
-from ipoa_mission.survey.clock import Clock
+from ipoa_mission.survey.times import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg

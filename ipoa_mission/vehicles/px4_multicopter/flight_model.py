@@ -15,8 +15,7 @@ import numpy as np
 from ipoa_mission.autopilot.commands import MULTICOPTER_LANDINGS, Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, ReturnBy
-from ipoa_mission.compiled import jit_if_faster
-from ipoa_mission.compiled.records import records
+from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics

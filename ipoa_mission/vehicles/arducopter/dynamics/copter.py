@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.compiled import jit_if_faster
-from ipoa_mission.compiled.records import records
+from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_curves import bearing_from, place_after, turn_of
 from ipoa_mission.geometry import Place, Points
