@@ -1,6 +1,6 @@
-"""Polylines in the local east, north, up frame."""
+"""Polylines in the local frame, and unions of polygons."""
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,3 +40,18 @@ def climb_angles(points: Points) -> Vector:
     """Return angles above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
     legs = np.diff(points, axis=0)
     return np.asarray(np.arctan2(legs[:, 2], np.hypot(legs[:, 0], legs[:, 1])))
+
+
+def union_of(areas: Any) -> Any:
+    """Return the union of shapely polygons (n,), or nothing.
+
+    GEOS 3.14 may lose some polygons where many just touch. A grid prevents this, but takes three times as long; it is
+    used only if an inner point of a polygon is missing.
+    """
+    import shapely  # slow import
+
+    areas = np.asarray(areas, dtype=object)
+    whole = shapely.union_all(areas)
+    shapely.prepare(whole)
+    covered = shapely.intersects(whole, shapely.point_on_surface(areas)) | shapely.is_empty(areas)
+    return whole if covered.all() else shapely.union_all(areas, grid_size=1e-9)  # [m or degrees]

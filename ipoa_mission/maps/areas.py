@@ -10,6 +10,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.geometry import union_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
@@ -18,7 +19,6 @@ from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed
 from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.unread import Unread, gathered
-from ipoa_mission.world.polygon import union_of
 
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")

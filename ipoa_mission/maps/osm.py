@@ -15,8 +15,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
+from ipoa_mission.geometry import union_of
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
-from ipoa_mission.world.polygon import union_of
 
 # Lines even if closed, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Vector, union_of
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.polygon import union_of
 from ipoa_mission.world.terrain import Flat, Grid
 
 COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # of a quarter circle, inside the true one

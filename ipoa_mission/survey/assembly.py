@@ -14,7 +14,7 @@ from ipoa_mission.forecast.contingency.shortfalls import clear_in
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.geometry import Points, Vector, arc_lengths, union_of
 from ipoa_mission.mission.complex_items import ITEMS, TRANSECTS, complex_item
 from ipoa_mission.mission.items import ComplexItem, Item, Mission, camera_trigger
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
@@ -32,7 +32,6 @@ from ipoa_mission.survey.sight import Sight, lifted
 from ipoa_mission.survey.survey_task import expect_survey
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.polygon import union_of
 
 SAME_PLACE = 0.5  # [m]
 

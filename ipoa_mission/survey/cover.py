@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, union_of
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.free import FreeSpace, Transits
@@ -29,7 +29,6 @@ from ipoa_mission.survey.survey_lines import (
 )
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.polygon import union_of
 
 #: Clockwise from north [degrees]; several: one pass each; crosshatch: the best and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]

@@ -9,12 +9,12 @@ import shapely
 
 from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.geometry import union_of
 from ipoa_mission.ground import Ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.obstacles import Obstacle
-from ipoa_mission.world.polygon import union_of
 
 TIGHT_PLACES = 4.0  # share the chance of a deviation
 SPARE = 0.05  # [m]

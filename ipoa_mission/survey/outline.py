@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.polygon import union_of
+from ipoa_mission.geometry import Points, Vector, union_of
 
 MAX_TURN = math.radians(60.0)
 

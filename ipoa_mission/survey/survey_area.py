@@ -8,11 +8,10 @@ import shapely
 
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geodesy import REACH, LocalFrame
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, union_of
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
-from ipoa_mission.world.polygon import union_of
 
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees

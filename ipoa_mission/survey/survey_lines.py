@@ -8,11 +8,10 @@ import numpy as np
 import shapely
 from shapely.ops import substring
 
-from ipoa_mission.geometry import Points, Vector, polyline_length
+from ipoa_mission.geometry import Points, Vector, polyline_length, union_of
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace, Transits
 from ipoa_mission.survey.times import LegTimes
-from ipoa_mission.world.polygon import union_of
 
 ARC = 8  # segments of a quarter circle
 MAX_UNSEEN = 7e-4  # of the area

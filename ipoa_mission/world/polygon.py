@@ -1,6 +1,6 @@
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 import shapely
@@ -133,21 +133,3 @@ def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
 
 def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
-
-
-def union_of(areas: Any) -> Any:
-    """Return the union of shapely polygons (n,), or nothing.
-
-    GEOS 3.14 may lose some polygons where many just touch. A grid prevents this, but takes three times as long; it is
-    used only if an inner point of a polygon is missing.
-
-    Example:
-        >>> halves = [shapely.box(0.0, 0.0, 1.0, 2.0), shapely.box(1.0, 0.0, 2.0, 2.0)]
-        >>> union_of(halves).area
-        4.0
-    """
-    areas = np.asarray(areas, dtype=object)
-    whole = shapely.union_all(areas)
-    shapely.prepare(whole)
-    covered = shapely.intersects(whole, shapely.point_on_surface(areas)) | shapely.is_empty(areas)
-    return whole if covered.all() else shapely.union_all(areas, grid_size=1e-9)  # [m or degrees]

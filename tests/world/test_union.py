@@ -6,7 +6,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.world.polygon import union_of
+from ipoa_mission.geometry import union_of
 from tests.examples import examples
 
 
