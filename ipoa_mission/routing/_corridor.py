@@ -12,11 +12,11 @@ FIRST_LOOK = 16  # samples
 
 
 @njit(inline="always")
-def _strays(samples, i, j, start, end, most):
-    """Return the greatest distance of samples i+1..j from the leg [m]."""
+def _strays(samples, start, end, most):
+    """Return the greatest distance of samples (n, 3) from the leg [m]."""
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     square, farthest = max(x * x + y * y + z * z, 1e-12), 0.0
-    for k in range(i + 1, j + 1):
+    for k in range(len(samples)):
         away_x, away_y, away_z = samples[k, 0] - start[0], samples[k, 1] - start[1], samples[k, 2] - start[2]
         share = min(max((away_x * x + away_y * y + away_z * z) / square, 0.0), 1.0)
         apart = (away_x - share * x) ** 2 + (away_y - share * y) ** 2 + (away_z - share * z) ** 2
@@ -45,7 +45,7 @@ def fewest_legs(samples, spots, last, tolerance):
             for j in range(first, end):
                 for side in range(sides if i else 1):
                     for other in range(sides):
-                        away = _strays(samples, i, j, spots[i, side], spots[j, other], tolerance)
+                        away = _strays(samples[i + 1 : j + 1], spots[i, side], spots[j, other], tolerance)
                         if not away <= tolerance:
                             continue
                         fits = True

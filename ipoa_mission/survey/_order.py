@@ -8,8 +8,9 @@ from ipoa_mission.compiled import njit
 
 
 @njit(cache=True, error_model="numpy")
-def _sums(entries, times, lines, forth, back):
-    """Sum the cost up to each line, forward and backward."""
+def _add_up(entries, times, lines, sums):
+    """Sum costs up to each line."""
+    forth, back = sums
     forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
     for k in range(2, len(entries) - 1):
         here, there = entries[k - 1], entries[k]
@@ -25,9 +26,9 @@ def _flip(entries, i, j):
 
 
 @njit(cache=True, error_model="numpy")
-def _better(entries, k, times, lines, forth, back):
+def _better(entries, k, times, lines, sums):
     """Return the best change at line k: 0 none, 1 flip, 2 move, 3 move and flip; and its indices."""
-    beyond = len(entries) - 1
+    beyond, (forth, back) = len(entries) - 1, sums
     best, kind, a, b, c = -1e-7, 0, 0, 0, 0
     before, head = entries[k - 1] ^ 1, entries[k]
     for i in range(1, k):
@@ -76,14 +77,14 @@ def _move(entries, i, e, p):
 
 
 @njit(cache=True, error_model="numpy")
-def _descend(entries, times, lines, dirty, forth, back):
+def _descend(entries, times, lines, dirty, sums):
     """Improve at the dirty lines; return the cost [s]."""
     beyond = len(entries) - 1
-    _sums(entries, times, lines, forth, back)
+    _add_up(entries, times, lines, sums)
     k, clean = 1, 0
     while clean < beyond:
         if dirty[k]:
-            kind, a, b, c = _better(entries, k, times, lines, forth, back)
+            kind, a, b, c = _better(entries, k, times, lines, sums)
             if kind == 0:
                 dirty[k] = False
             else:
@@ -96,12 +97,12 @@ def _descend(entries, times, lines, dirty, forth, back):
                 for m in (a, b, at, at + b - a):
                     for n in range(max(m - 1, 1), min(m + 2, beyond)):
                         dirty[n] = True
-                _sums(entries, times, lines, forth, back)
+                _add_up(entries, times, lines, sums)
                 clean = 0
                 continue
         clean += 1
         k = k + 1 if k < beyond - 1 else 1
-    return forth[beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
+    return sums[0][beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
 
 
 @njit(cache=True, error_model="numpy")
@@ -113,12 +114,12 @@ def search_order(lines_in_order, times, lines, rounds):
     count = len(lines_in_order)
     best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
     best[0], best[count + 1] = 2 * count + 1, 2 * count  # begin and end of the tour
-    forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.empty(count + 2, np.bool_)
+    sums, dirty = (np.empty(count + 2), np.empty(count + 2)), np.empty(count + 2, np.bool_)
     for k in range(count):
         best[k + 1] = lines_in_order[k]
     for k in range(count + 2):
         dirty[k] = True
-    cost = _descend(best, times, lines, dirty, forth, back)
+    cost = _descend(best, times, lines, dirty, sums)
     state, failed, window = 2463534242, 0, min(count, 30)
     while failed < rounds and count > 3:
         for k in range(count + 2):
@@ -145,7 +146,7 @@ def search_order(lines_in_order, times, lines, rounds):
         for m in (i, i + p - e, p + 1):
             for n in range(max(m - 1, 1), min(m + 1, count + 1)):
                 dirty[n] = True
-        found = _descend(now, times, lines, dirty, forth, back)
+        found = _descend(now, times, lines, dirty, sums)
         if found < cost - 1e-9:
             cost, failed = found, 0
             for k in range(count + 2):

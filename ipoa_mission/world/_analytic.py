@@ -17,12 +17,11 @@ DEEPEST = 30  # divisions to the floating-point resolution
 
 
 @njit(error_model="numpy")
-def _surfaces(landform, base, peaks, x, y):
+def _surfaces(landform, peaks, x, y):
     """Eqs. (1) and (2)."""
-    a, b, c, d, e, f, g = landform
+    a, b, c, d, e, f, g, high = landform
     r = math.hypot(x, y)
     low = math.sin(y + a) + b * math.sin(x) + c * math.cos(d * r) + (e + g) * math.cos(y) + f * math.sin(f * r)
-    high = base
     for k in range(len(peaks)):
         away_e, away_n = (x - peaks[k, 1]) / peaks[k, 3], (y - peaks[k, 2]) / peaks[k, 4]
         high += peaks[k, 0] * math.exp(-away_e * away_e - away_n * away_n)
@@ -36,7 +35,7 @@ def _bends(landform, peaks, greatest):
     c cos(d r) curves by at most |c| d^2, f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2) has second
     derivatives between -2 and 4 exp(-3/2).
     """
-    _, b, c, d, e, f, g = landform
+    _, b, c, d, e, f, g, _ = landform
     round_about = abs(c) * d * d + abs(f) ** 3
     east, north, high_e, high_n = abs(b) + round_about, 1.0 + abs(e + g) + round_about, 0.0, 0.0
     for k in range(len(peaks)):
@@ -58,10 +57,10 @@ def _kink(f, x, y, run):
 
 
 @njit(cache=True, error_model="numpy")
-def extreme(points, landform, base, peaks, greatest, enough):
+def extreme(points, landform, peaks, greatest, enough):
     """Bound the least (or greatest) height of legs within `REFINED`, with leg and fraction.
 
-    `points` (n, 3); `landform`: a to g; `peaks` (m, 5): heights, centers and slopes. A bound above `enough` may be
+    `points` (n, 3); `landform`: a to g, base; `peaks` (m, 5): heights, centers, slopes. A bound above `enough` may be
     loose.
     """
     sign = -1.0 if greatest else 1.0
@@ -69,7 +68,7 @@ def extreme(points, landform, base, peaks, greatest, enough):
     best, leg, fraction, proven = math.inf, 0, 0.0, math.inf
     ends = np.empty((len(points), 2))
     for n in range(len(points)):
-        low, high = _surfaces(landform, base, peaks, points[n, 0], points[n, 1])
+        low, high = _surfaces(landform, peaks, points[n, 0], points[n, 1])
         ends[n, 0], ends[n, 1] = points[n, 2] - low, points[n, 2] - high
         if math.isnan(ends[n, 0] + ends[n, 1]):
             return -sign * math.inf, min(n, len(points) - 2), 0.0
@@ -105,7 +104,7 @@ def extreme(points, landform, base, peaks, greatest, enough):
                 low, high = next_low, next_high
                 if part < PARTS:
                     at = begin + part * width
-                    low, high = _surfaces(landform, base, peaks, x0 + at * dx, y0 + at * dy)
+                    low, high = _surfaces(landform, peaks, x0 + at * dx, y0 + at * dy)
                     low, high = z0 + at * dz - low, z0 + at * dz - high
                     height = sign * min(low, high)
                     if height < best:

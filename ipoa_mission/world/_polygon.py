@@ -12,28 +12,32 @@ MAX_SOLVED_EDGES, MIN_SPAN, MAX_WAITING = 6, 1e-8, 128  # edges; length of a spa
 
 
 @njit(inline="always")
+def from_edge(start, end, x, y):
+    """Return the offset from an edge, and whether it crosses the ray to the east."""
+    along_e, along_n, away_e, away_n = end[0] - start[0], end[1] - start[1], x - start[0], y - start[1]
+    share = (away_e * along_e + away_n * along_n) / (along_e * along_e + along_n * along_n)
+    share = min(max(share, 0.0), 1.0)
+    crosses = (start[1] > y) != (end[1] > y) and x < start[0] + away_n / along_n * along_e
+    return away_e - share * along_e, away_n - share * along_n, crosses
+
+
+@njit(inline="always")
 def _distances(starts, ends, x, y, away):
     """Write the distances to all edges to `away` (m,); return the least, and whether the place is inside."""
     least, inside = math.inf, False
     for k in range(len(starts)):
-        e0, n0 = starts[k, 0], starts[k, 1]
-        along_e, along_n, away_e, away_n = ends[k, 0] - e0, ends[k, 1] - n0, x - e0, y - n0
-        share = (away_e * along_e + away_n * along_n) / (along_e * along_e + along_n * along_n)
-        share = min(max(share, 0.0), 1.0)
-        away[k] = math.hypot(away_e - share * along_e, away_n - share * along_n)
+        east, north, crosses = from_edge(starts[k], ends[k], x, y)
+        away[k] = math.hypot(east, north)
         least = min(least, away[k])
-        if (n0 > y) != (ends[k, 1] > y) and x < e0 + (y - n0) / along_n * along_e:
-            inside = not inside
+        inside = inside != crosses
     return least, inside
 
 
 @njit(inline="always")
-def _squares(starts, ends, a, step, within, away, squares):
-    """Write squared distances to the edges and corners `within` [m], coefficients of 1, t, t^2; return their number."""
+def _squares(starts, ends, a, step, squares):
+    """Write squared distances to edges and corners, coefficients of 1, t, t^2; return their number."""
     count, square = 0, step[0] * step[0] + step[1] * step[1]
     for k in range(len(starts)):
-        if away[k] > within:
-            continue
         along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
         length, from_e, from_n = math.hypot(along_e, along_n), a[0] - starts[k, 0], a[1] - starts[k, 1]
         offset = (from_n * along_e - from_e * along_n) / length
@@ -82,15 +86,13 @@ def balance(starts, ends, walls, a, b, inside):
             count += 1
         if reach < MIN_SPAN or nearest + reach / 2.0 < greatest or (not wanted and reach / 2.0 < nearest):
             continue
-        near = 0
-        for k in range(len(starts)):
-            near += away[k] <= nearest + reach
-        if near > MAX_SOLVED_EDGES:
+        near = np.flatnonzero(away <= nearest + reach)
+        if len(near) > MAX_SOLVED_EDGES:
             waiting[spans, 0], waiting[spans, 1] = low, middle
             waiting[spans + 1, 0], waiting[spans + 1, 1] = middle, high
             spans += 2
             continue
-        sides = _squares(starts, ends, a, step, nearest + reach, away, squares)
+        sides = _squares(starts[near], ends[near], a, step, squares)
         for k in range(len(walls)):
             for power in range(3):
                 squares[sides + k, power] = walls[k, power]

@@ -290,6 +290,6 @@ class Analytic:
         from ipoa_mission.world._analytic import extreme
 
         points = np.ascontiguousarray(points, dtype=np.float64)
-        landform = (self.a, self.b, self.c, self.d, self.e, self.f, self.g)
-        height, leg, fraction = extreme(points, landform, self.base, self._peaks, greatest, enough)
+        landform = (self.a, self.b, self.c, self.d, self.e, self.f, self.g, self.base)
+        height, leg, fraction = extreme(points, landform, self._peaks, greatest, enough)
         return float(height), int(leg), float(fraction)

@@ -98,10 +98,10 @@ def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
             ground, points = analytic(rng), rng.uniform(-20, 120, (4, 3))
             assert isinstance(ground, Analytic)
             peaks = np.array([(p.height, p.east, p.north, p.a, p.b) for p in ground.peaks])
-            landform = (ground.a, ground.b, ground.c, ground.d, ground.e, ground.f, ground.g)
+            landform = (ground.a, ground.b, ground.c, ground.d, ground.e, ground.f, ground.g, ground.base)
             if case == 0:
                 points[2] = np.nan
-            expected = plain.extreme(points, landform, ground.base, peaks, greatest, np.inf)
+            expected = plain.extreme(points, landform, peaks, greatest, np.inf)
             height = (ground.greatest_height if greatest else ground.least_height)(points)
             assert height == pytest.approx(expected, abs=1e-9)
 

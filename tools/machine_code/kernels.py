@@ -74,7 +74,7 @@ def kernels() -> Iterator[Kernel]:
         "survey": (_numbers(2), grid, rules),
         "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
-        "extreme": (_numbers(2), (1.0,) * 7, 1.0, _numbers(2), True, 1.0),
+        "extreme": (_numbers(2), (1.0,) * 8, _numbers(2), True, 1.0),
         "farthest": (_numbers(2), _numbers(2)),
         "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),

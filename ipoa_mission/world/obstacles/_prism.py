@@ -7,22 +7,19 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
+from ipoa_mission.world._polygon import from_edge
 
 TRIED_PER_EDGE = 8
 
 
 @njit(inline="always")
-def _distance(starts, ends, base, top, x, y, z):
+def _distance(starts, ends, base, top, place):
+    x, y, z = place
     nearest, inside = math.inf, False
     for k in range(len(starts)):
-        e0, n0, e1, n1 = starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1]
-        along_e, along_n, away_e, away_n = e1 - e0, n1 - n0, x - e0, y - n0
-        share = (away_e * along_e + away_n * along_n) / (along_e * along_e + along_n * along_n)
-        share = min(max(share, 0.0), 1.0)
-        away_e, away_n = away_e - share * along_e, away_n - share * along_n
-        nearest = min(nearest, away_e * away_e + away_n * away_n)
-        if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
-            inside = not inside
+        east, north, crosses = from_edge(starts[k], ends[k], x, y)
+        nearest = min(nearest, east * east + north * north)
+        inside = inside != crosses
     aside, above = math.sqrt(nearest), max(base - z, z - top)
     aside = -aside if inside else aside
     return math.hypot(max(aside, 0.0), max(above, 0.0)) + min(max(aside, above), 0.0)
@@ -50,12 +47,13 @@ def _feet(starts, ends, a, step, tried):
 
 
 @njit(inline="always")
-def _rims(starts, ends, height, a, step, tried, count):
-    square, up = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, height - a[2]
+def _rims(starts, ends, a, step, tried):
+    """Add parameters nearest to a rim; a[2]: height above it."""
+    square, count = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, 0
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
         along_e, along_n = ends[k, 0] - starts[k, 0], ends[k, 1] - starts[k, 1]
-        ahead = away_e * step[0] + away_n * step[1] + up * step[2]
+        ahead = away_e * step[0] + away_n * step[1] - a[2] * step[2]
         mixed, edge = along_e * step[0] + along_n * step[1], along_e * along_e + along_n * along_n
         determinant = square * edge - mixed * mixed
         if square > 0.0:
@@ -82,13 +80,13 @@ def nearest(starts, ends, base, top, a, b):
             tried[count] = (height - a[2]) / step[2]
             count += 1
     for height in (base, top):
-        count = _rims(starts, ends, height, a, step, tried, count)
+        count += _rims(starts, ends, (a[0], a[1], a[2] - height), step, tried[count:])
     least, where = math.inf, 0.0
     for k in range(count):
         t = tried[k]
         if k < 2 or 0.0 < t < 1.0:
-            x, y, z = a[0] + t * step[0], a[1] + t * step[1], a[2] + t * step[2]
-            distance = _distance(starts, ends, base, top, x, y, z)
+            place = a[0] + t * step[0], a[1] + t * step[1], a[2] + t * step[2]
+            distance = _distance(starts, ends, base, top, place)
             if distance < least:
                 least, where = distance, t
     return least, where
