@@ -48,6 +48,7 @@ from ipoa_mission.link.vehicle import Vehicle as Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown as NotFlown
 from ipoa_mission.link.vehicle_state import NotReady as NotReady
 from ipoa_mission.logs.flight_log import read_flight as read_flight
+from ipoa_mission.logs.flight_log import read_flights as read_flights
 from ipoa_mission.mission.flight_record import FlightRecord as FlightRecord
 from ipoa_mission.mission.items import FenceCircle as FenceCircle
 from ipoa_mission.mission.items import FencePolygon as FencePolygon

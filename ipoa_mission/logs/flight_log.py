@@ -62,14 +62,15 @@ class LoggedFlight:
     def places(self) -> Iterator[Position]:
         return (message for message in self.messages if isinstance(message, Position))
 
-    def flown_in_mission(self) -> tuple[Position, ...]:
-        places, is_flying = list[Position](), False
+    def flown_in_mission(self) -> list[tuple[float, float, float]]:
+        """Return latitude, longitude, height above home."""
+        places, is_flying = list[tuple[float, float, float]](), False
         for message in self.messages:
             if isinstance(message, Heartbeat):
                 is_flying = message.armed and message.custom_mode == self.autopilot.modes.mission
             elif isinstance(message, Position) and is_flying:
-                places.append(message)
-        return tuple(places)
+                places.append((message.latitude_deg, message.longitude_deg, message.height))
+        return places
 
 
 @dataclass(frozen=True)
@@ -114,13 +115,21 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
 
 
 def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
-    """Read the flights, at least one, of the vehicle with this system id.
+    """Read the flights in a log: armed in mission mode, or risen.
 
-    A flight is armed in mission mode, or rises.
+    Args:
+        path, system: as in `read_flight`.
+
+    Returns:
+        `flights`, at least one, and `remarks`.
 
     Raises:
-        BadInput: another suffix, or not a log of that kind.
-        MissionError: nothing was flown, or a package to read it is missing.
+        BadInput, MissionError: as `read_flight`.
+
+    Example:
+        >>> from ipoa_mission import read_flights
+        >>> len(read_flights("missions/logs/campus-arducopter.tlog").flights)
+        1
     """
     path = Path(path)
     if (written := log_format(path.suffix)) is not None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
+from ipoa_mission import read_flights
 from ipoa_mission.autopilot.autopilot import autopilot_named
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -18,7 +19,6 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.logs.flight_log import FlightLog, read_flights
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.positions import refuse_unsound
@@ -223,9 +223,12 @@ def _scenario(text: str, path: str) -> Scenario:
     return parse_scenario(text, Path(path))
 
 
+_read_flights = lru_cache(maxsize=2)(read_flights)
+
+
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     """Compare the log's first flight in mission mode."""
-    flown = _flights(str(log))
+    flown = _read_flights(log)
     flight = next((flight for flight in flown.flights if flight.in_mission), None)
     if flight is None:
         raise MissionError("expected a flight in the mission mode", code="log-incomplete", place=log.name)
@@ -255,11 +258,6 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
         flown_s=round(compared.flown_total_s, 1) if math.isfinite(compared.flown_total_s) else None,
         remarks=(*flown.remarks, *several),
     )
-
-
-@lru_cache(maxsize=2)
-def _flights(log: str) -> FlightLog:
-    return read_flights(Path(log))
 
 
 if __name__ == "__main__":

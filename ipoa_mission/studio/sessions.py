@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from ipoa_mission import read_flights
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
-from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
@@ -34,9 +34,6 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan, plan_fligh
 from ipoa_mission.survey.survey_section import USUAL_HEIGHT, USUAL_SPACING, SurveySection, nearest_start, survey_of
 from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
-
-if TYPE_CHECKING:
-    from ipoa_mission.logs.flight_log import FlightLog
 
 #: The system id chooses one vehicle of a log.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]
@@ -249,11 +246,11 @@ def plan_survey(
 
 def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
     """Return the plan of what logs left, and remarks."""
-    from ipoa_mission.logs.flight_log import read_flights  # imports all of the link
+    from ipoa_mission import read_flights  # imports all of the link
 
     pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
     logs = [(str(name), read_flights(name, system)) for name, system in pairs]
-    paths = {name: [*_paths(log, scenario)] for name, log in logs}
+    paths = {name: [*_paths([flight.flown_in_mission() for flight in log.flights], scenario)] for name, log in logs}
     rest = rest_of(whole, [path for log in paths.values() for path in log], seed)
     rest = replace(rest, scenario=rest.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     length, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
@@ -268,14 +265,12 @@ def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: i
     return rest, remarks + [f"{name}: {remark}" for name, log in logs for remark in log.remarks]
 
 
-def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
-    """Yield paths (n, 3) in mission mode, heights above home."""
-    for flight in log.flights:
-        positions = [(each.latitude_deg, each.longitude_deg, each.height) for each in flight.flown_in_mission()]
-        if positions:
-            latitude, longitude, height = np.array(positions).T
-            home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home
-            yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
+def _paths(flights: Iterable[Sequence[tuple[float, float, float]]], scenario: Scenario) -> Iterator[Points]:
+    """Yield paths (n, 3) from heights above home."""
+    for positions in filter(None, flights):
+        latitude, longitude, height = np.array(positions).T
+        home = nearest_start(scenario, Geodetic(*positions[0][:2])).frame.home
+        yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
 def scenario_over(area: Path, file: Path | None, keys: Mapping[str, Any]) -> Scenario:

@@ -11,7 +11,7 @@ HEAD = """\
 # Python, name by name
 
 What `import ipoa_mission` offers, from its docstrings; [api.md](api.md) shows it at work. On the site every name has
-its parameters, errors and example here; in a checkout use `help(ipoa_mission.NAME)`.
+its parameters, errors and example; in a checkout use `help(ipoa_mission.NAME)`.
 
 """
 
