@@ -131,12 +131,6 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
     return finder.buildings(around.elsewhere)
 
 
-def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
-    finder = _Finder(rules, frame, path)
-    finder.add(features)
-    return finder.buildings()
-
-
 class _Finder:
     """`all_buildings` None: the first batch decides whether the file has only buildings."""
 
@@ -194,7 +188,7 @@ class _Finder:
             obstacles += [part._replace(called=name) for part in parts]
         self._keep(obstacles)
 
-    def buildings(self, elsewhere: int = 0) -> Buildings:
+    def buildings(self, elsewhere: int) -> Buildings:
         self._extent.expect_near()
         self._mistakes.raise_all()
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]

@@ -1,5 +1,6 @@
 """POA, the pelican optimization algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as in its authors' code."""
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -33,15 +34,19 @@ class POA:
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield N candidates, then two batches of N an iteration; draw the prey once."""
-        n, d = self.population, box.dimension
-        width = 1 if self.rand == "pelican" else d
-        x = box.sample(n, rng)  # (13)
+        x = box.sample(self.population, rng)  # (13)
         f = yield x
         for t in range(1, self.iterations + 1):
-            trial = box.clip(x + step_to_prey(x, f, rng.integers(n), width, rng))
-            x, f = keep_better(x, f, trial, (yield trial))  # (15)
-            trial = box.clip(x + wing_step(x, self.radius * (1 - t / self.iterations), rng))
-            x, f = keep_better(x, f, trial, (yield trial))  # (17)
+            x, f = yield from self.iterate(x, f, t, box, rng)
+
+    def iterate(
+        self, x: Candidates, f: Costs, t: int, box: Box, rng: np.random.Generator
+    ) -> Generator[Candidates, Costs, tuple[Candidates, Costs]]:
+        width = 1 if self.rand == "pelican" else box.dimension
+        trial = box.clip(x + step_to_prey(x, f, rng.integers(len(x)), width, rng))
+        x, f = keep_better(x, f, trial, (yield trial))  # (15)
+        trial = box.clip(x + wing_step(x, self.radius * (1 - t / self.iterations), rng))
+        return keep_better(x, f, trial, (yield trial))  # (17)
 
 
 def step_to_prey(x: Candidates, f: Costs, k: int | np.integer, width: int, rng: np.random.Generator) -> Candidates:

@@ -10,9 +10,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import find_buildings
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_obstacles import raise_obstacles
-from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
 from tests.refused import refuses
@@ -33,7 +32,7 @@ SLOPE = Ground(Rising())
 
 
 def stand(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> tuple[Obstacle, ...]:  # noqa: B008
-    return raise_obstacles(find_buildings(read_features(path), rules, frame, path).obstacles, SLOPE)
+    return raise_obstacles(search_buildings(path, rules, frame).obstacles, SLOPE)
 
 
 def test_a_building_stands_where_pymap3d_says(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
@@ -136,7 +135,7 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
         (bow, {"building": "yes", "height": "9"}),
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"power": "line", "name": "110 kV"}),
     )
-    buildings = find_buildings(read_features(path), BuildingRules(default_height=11), frame, path)
+    buildings = search_buildings(path, BuildingRules(default_height=11), frame)
     obstacles = buildings.obstacles
     assert buildings.remarks == (
         "2 buildings without a height, given 11 m",
@@ -206,7 +205,7 @@ def test_a_polygon_of_a_kml_drawn_down_to_the_ground_is_as_high_as_it_says(
         f"<outerBoundaryIs><LinearRing><coordinates>{ring}</coordinates></LinearRing></outerBoundaryIs>"
         "</Polygon></Placemark></kml>"
     )
-    buildings = find_buildings(read_features(path), BuildingRules(), frame, path)
+    buildings = search_buildings(path, BuildingRules(), frame)
     raised = raise_obstacles(buildings.obstacles, Ground(Flat(3.0)))
     if top is None:
         assert not raised

@@ -8,8 +8,7 @@ import pytest
 
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import Buildings, find_buildings
-from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.buildings import Buildings, search_buildings
 
 WriteMap = Callable[..., Path]
 At = Callable[[float, float], list[float]]
@@ -66,7 +65,7 @@ AREAS = [
 
 
 def find(path: Path, frame: LocalFrame) -> Buildings:
-    return find_buildings(read_features(path), BuildingRules(), frame, path)
+    return search_buildings(path, BuildingRules(), frame)
 
 
 @pytest.mark.parametrize(("tags", "height", "radius"), POINTS, ids=[str(tags) for tags, *_ in POINTS])

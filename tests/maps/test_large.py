@@ -12,8 +12,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps import geojson, streamed
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import find_buildings, search_buildings
-from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.scenario import parse_scenario, surroundings
 from tests.examples import some
@@ -76,7 +75,7 @@ def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
     path = tmp_path / "map.geojson"
     path.write_text(json.dumps(generated(seed, at), indent=seed % 2))
     rules = BuildingRules(**TAKEN[seed % len(TAKEN)])
-    whole = find_buildings(read_features(path), rules, frame, path)
+    whole = search_buildings(path, rules, frame)
     monkeypatch.setattr(streamed, "BLOCK", 3000)
     monkeypatch.setattr(geojson, "BATCH", 5)
     near = search_buildings(path, rules, frame, WITHIN)

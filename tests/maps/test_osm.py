@@ -5,7 +5,7 @@ import shapely
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import find_buildings
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
@@ -68,7 +68,7 @@ def test_things_have_the_shapes_that_gdal_finds(town: Path) -> None:
 
 def test_what_lacks_a_corner_is_told(town: Path) -> None:
     frame = LocalFrame(Geodetic(47.0, 8.0, 400.0))
-    buildings = find_buildings(read_features(town), BuildingRules(), frame, town)
+    buildings = search_buildings(town, BuildingRules(), frame)
     assert sorted(round(thing.height, 1) for thing in buildings.obstacles) == [9.0, 12.0, 14.5, 30.0]
     assert "Hall & more" in {thing.name for thing in buildings.obstacles}
     assert any("way/13" in thing.name or "way 13" in str(thing) for thing in buildings.passed_over)

@@ -7,8 +7,7 @@ import shapely
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import Buildings, find_buildings
-from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.passed import count_passed_over
 
 Square = Callable[..., dict[str, Any]]
@@ -38,7 +37,7 @@ POLYGONS: list[tuple[dict[str, Any], tuple[str, bool] | None]] = [
 
 
 def find(path: Path, frame: LocalFrame, rules: BuildingRules = BuildingRules()) -> Buildings:  # noqa: B008
-    return find_buildings(read_features(path), rules, frame, path)
+    return search_buildings(path, rules, frame)
 
 
 @pytest.mark.parametrize(("tags", "expected"), POLYGONS, ids=[str(tags) for tags, _ in POLYGONS])

@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import Buildings, find_buildings, search_buildings
+from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
@@ -208,9 +208,7 @@ def test_the_public_cases_are_read(field4: Path, frame: LocalFrame) -> None:
     home = LocalFrame(frame.home.__class__(47.3977, 8.5456, 488.0))
     for name, heights in (("f4-26-overpass-raw.json", [30, 20]), ("f4-26b-one-feature-a-line.geojson", [30, 20])):
         path = field4 / name
-        assert [
-            thing.height for thing in find_buildings(read_features(path), BuildingRules(), home, path).obstacles
-        ] == heights
+        assert [thing.height for thing in search_buildings(path, BuildingRules(), home).obstacles] == heights
 
 
 @pytest.mark.parametrize("kind", ["multipolygon", "boundary", "building", "site"])

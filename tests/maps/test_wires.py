@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.ground import LEVEL
 from ipoa_mission.maps.building_rules import BuildingRules
-from ipoa_mission.maps.buildings import Buildings, find_buildings
+from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_obstacles import raise_obstacles, raise_span
-from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.wires import spans, volts_of, wire_of
 
 At = Callable[[float, float], list[float]]
@@ -39,7 +38,7 @@ KINDS: list[tuple[dict[str, str], float | None]] = [
 
 
 def find(path: Path, frame: LocalFrame, **rules: Any) -> Buildings:
-    return find_buildings(read_features(path), BuildingRules(**rules), frame, path)
+    return search_buildings(path, BuildingRules(**rules), frame)
 
 
 @pytest.mark.parametrize(("tags", "height"), KINDS, ids=[str(tags) for tags, _ in KINDS])
