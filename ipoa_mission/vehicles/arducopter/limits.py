@@ -10,8 +10,8 @@ from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.vehicles.arducopter.fence_and_rtl import CopterReturn
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
-from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 
 ARMING_DELAY_S = 2.0  # motors are off after arming
 LIFT_S = 0.2  # from full spin to lift-off

@@ -28,8 +28,8 @@ from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
 from ipoa_mission.vehicles.arducopter import failsafes
+from ipoa_mission.vehicles.arducopter.fence_and_rtl import FENCE_SWITCHES, CopterReturn, fence_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
-from ipoa_mission.vehicles.arducopter.returning import FENCE_SWITCHES, CopterReturn, fence_limits
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
