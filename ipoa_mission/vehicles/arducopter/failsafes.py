@@ -50,7 +50,7 @@ def _until_clear(contingency: Contingency, words: str = "{}") -> FailsafeAction:
 
 
 NO_POSITION = _drifts("without a position it drifts while it lands")
-RULES = (
+FAILSAFE_RULES = (
     FailsafeRule(
         Cause.LOW_BATTERY, "BATT_FS_LOW_ACT", 0.0, BATTERY_ACTIONS, GOES_ON,
         {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0},
@@ -126,10 +126,10 @@ STATION_LOSS = StationLoss(
 )
 
 
-def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
     further = (f"BATT{n}" for n in "23456789")
     monitored = [battery for battery in further if parameters.get(f"{battery}_MONITOR", 0.0) > 0.0]
-    rules = (*RULES, *(_of_battery(rule, battery) for battery in monitored for rule in RULES[:2]))
+    rules = (*FAILSAFE_RULES, *(_of_battery(rule, battery) for battery in monitored for rule in FAILSAFE_RULES[:2]))
     failsafes = (_failsafe(rule, parameters, series) for rule in rules)
     return tuple(_unless_less_urgent(failsafe, parameters, series) for failsafe in failsafes)
 
@@ -173,7 +173,7 @@ def _unless_less_urgent(critical: Failsafe, parameters: Parameters, series: Seri
     """
     if critical.cause != Cause.CRITICAL_BATTERY:
         return critical
-    rules = [_of_battery(rule, critical.parameter.split("_")[0]) for rule in RULES[:2]]
+    rules = [_of_battery(rule, critical.parameter.split("_")[0]) for rule in FAILSAFE_RULES[:2]]
     low = _failsafe(rules[0], parameters, series)
     if not all(rule.is_monitored(parameters) for rule in rules) or _urgency(critical.value) <= _urgency(low.value):
         return critical

@@ -27,7 +27,7 @@ from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.arducopter import failsafes
+from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFE_RULES, STATION_LOSS, failsafes_of
 from ipoa_mission.vehicles.arducopter.fence_and_rtl import FENCE_SWITCHES, CopterReturn, fence_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 
@@ -242,9 +242,9 @@ class ArduCopter(Autopilot):
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
-    failsafe_by = parameters_of(failsafes.RULES, "FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE")
-    failsafe_rules = failsafes.RULES
-    station_loss = failsafes.STATION_LOSS
+    failsafe_by = parameters_of(FAILSAFE_RULES, "FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE")
+    failsafe_rules = FAILSAFE_RULES
+    station_loss = STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """Return the distance to the stopping point.
@@ -368,7 +368,7 @@ class ArduCopter(Autopilot):
         >>> str(lost.action), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].action)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
         """
-        return failsafes.failsafes(self.parameter_table.by_old_names(parameters), (version or self.newest).series)
+        return failsafes_of(self.parameter_table.by_old_names(parameters), (version or self.newest).series)
 
 
 ARDUCOPTER = ArduCopter()

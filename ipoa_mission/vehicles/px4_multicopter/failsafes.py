@@ -36,7 +36,7 @@ TRAFFIC_ACTIONS = {
     0: GOES_ON, 1: GOES_ON, 2: replace(RETURNS, words="descends to its return height if it is higher"), 3: LANDS,
 }  # fmt: skip
 
-RULES = (
+FAILSAFE_RULES = (
     always(Cause.LOW_BATTERY, GOES_ON),
     FailsafeRule(
         Cause.CRITICAL_BATTERY, "COM_LOW_BAT_ACT", 0.0,
@@ -93,8 +93,8 @@ EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL
 STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", "COM_DLL_EXCEPT", "COM_FAIL_ACT_T"))
 
 
-def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    return tuple(_failsafe(rule, parameters, series) for rule in RULES if rule.since <= series < rule.until)
+def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
+    return tuple(_failsafe(rule, parameters, series) for rule in FAILSAFE_RULES if rule.since <= series < rule.until)
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:

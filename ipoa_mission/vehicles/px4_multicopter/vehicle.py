@@ -27,7 +27,12 @@ from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.px4_multicopter import failsafes
+from ipoa_mission.vehicles.px4_multicopter.failsafes import (
+    EXCEPTION_PARAMETERS,
+    FAILSAFE_RULES,
+    STATION_LOSS,
+    failsafes_of,
+)
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,
     LEAST_HOLD,
@@ -209,11 +214,9 @@ class Px4Multicopter(Autopilot):
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
-    failsafe_by = parameters_of(
-        failsafes.RULES, *failsafes.EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE"
-    )
-    failsafe_rules = failsafes.RULES
-    station_loss = failsafes.STATION_LOSS
+    failsafe_by = parameters_of(FAILSAFE_RULES, *EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE")
+    failsafe_rules = FAILSAFE_RULES
+    station_loss = STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         import numpy as np
@@ -344,7 +347,7 @@ class Px4Multicopter(Autopilot):
         >>> actions["critical battery"].contingency, actions["critical battery"].after_s
         (<Contingency.RTL: 'rtl'>, 5.0)
         """
-        return failsafes.failsafes(parameters, (version or self.newest).series)
+        return failsafes_of(parameters, (version or self.newest).series)
 
 
 PX4_MULTICOPTER = Px4Multicopter()
