@@ -330,9 +330,9 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
     return way
 
 
-def _even(points: Points, count: int = 24) -> Points:
+def _even(points: Points) -> Points:
     traveled = arc_lengths(points)
-    return np.column_stack([np.interp(np.linspace(0, traveled[-1], count), traveled, points[:, k]) for k in range(3)])
+    return np.column_stack([np.interp(np.linspace(0, traveled[-1], 24), traveled, points[:, k]) for k in range(3)])
 
 
 def _turns(way: Points, tolerance: float) -> int:
