@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
+from typing import NamedTuple
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task, tight_places
@@ -67,8 +68,14 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
     return max(min(reach), 0.0)
 
 
-# Tight places, whether gaps stay open, share of the lowest spare height. Small margins plan quicker and mostly suffice.
-MARGINS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
+class Margin(NamedTuple):
+    tight: float
+    keep_gaps: bool
+    height_factor: float
+
+
+# As `with_margins` takes them; small ones plan quicker and mostly suffice.
+MARGINS = (Margin(0.5, False, 0.9), Margin(0.5, False, 9.0), Margin(4.0, False, 9.0), Margin(0.5, True, 0.9))
 
 
 @dataclass(frozen=True)
@@ -207,17 +214,15 @@ def _first_margins(scenario: Scenario) -> Iterator[_Margins]:
             little = approximation_growth(scenario)
             yield _Margins(little.enlarge(scenario, scenario, gaps=True), little)
     else:
-        for tight, keep_gaps, share in MARGINS:
-            world = with_margins(clearance_task(scenario), tight, keep_gaps, share)
+        for margin in MARGINS:
+            world = with_margins(clearance_task(scenario), *margin)
             margins = world.airspace.obstacles, world.limits.height_above_ground
-            if (closed and not keep_gaps) or margins in sought:
+            if (closed and not margin.keep_gaps) or margins in sought:
                 continue
             sought.append(margins)
-            yield (
-                one := _Margins(
-                    none.enlarge(world, scenario, keep_gaps) if (none.above_landings >= 0.0).any() else world, none
-                )
-            )
+            if (none.above_landings >= 0.0).any():
+                world = none.enlarge(world, scenario, margin.keep_gaps)
+            yield (one := _Margins(world, none))
             closed = closed or one.closed
     yield _Margins(scenario, none)
 
