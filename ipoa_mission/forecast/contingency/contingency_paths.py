@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from functools import cached_property, reduce
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,10 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
+
+Paths: TypeAlias = NDArray[np.float64]  # (n, k, p, 3) [m]
+Distances: TypeAlias = NDArray[np.float64]  # of legs (n, k, p - 1) [m]
+Things: TypeAlias = NDArray[np.intp]  # nearest to legs, by index (n, k, p - 1)
 
 
 @dataclass(frozen=True)
@@ -99,19 +103,15 @@ def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency
 class ContingencySamples:
     """One contingency, ordered at each of `times` (n,) [s after arming].
 
-    Attributes:
-        paths: (n, k, p, 3) [m].
-        possible: whether a path may be flown, (n, k).
-        near: the distance of their legs to the nearest thing, (n, k, p - 1) [m]; infinite with nothing near.
-        which: its index, (n, k, p - 1).
-        slack: to the required distance, (n,) [m].
+    `possible` (n, k): whether a path may be flown. `near`, `which`: the thing nearest to a leg; infinite, -1 for none.
+    `slack` (n,): to the required distance [m].
     """
 
     times: Vector
-    paths: NDArray[np.float64]
+    paths: Paths
     possible: NDArray[np.bool_]
-    near: NDArray[np.float64]
-    which: NDArray[np.intp]
+    near: Distances
+    which: Things
     slack: Vector
 
     @property
@@ -275,7 +275,7 @@ class ContingencyPaths:
         goals = sorted({int(path) // self._variants for path in np.flatnonzero(samples.possible[n])})
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
-    def _near(self, paths: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    def _near(self, paths: Paths) -> tuple[Distances, Things]:
         air, shape = self.enlarged.airspace, (*paths.shape[:2], paths.shape[2] - 1)
         starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
@@ -293,7 +293,7 @@ class ContingencyPaths:
         until = nearest[len(near) - 1 - until if ahead else until]
         return np.asarray(near[until] - 0.02), np.asarray(which[until])
 
-    def _note_mission(self, times: Vector, near: NDArray[np.float64], which: NDArray[np.intp]) -> None:
+    def _note_mission(self, times: Vector, near: Distances, which: Things) -> None:
         climbs = ReturnLeg.CLIMBS
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
@@ -303,7 +303,7 @@ class ContingencyPaths:
                 near[nearer, k, climbs], which[nearer, k, climbs] = flown[nearer], of[nearer]
 
     @cached_property
-    def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    def _flown(self) -> tuple[Distances, Things]:
         places = self.stops().places
         if len(places) == 1:
             places = np.repeat(places, 2, axis=0)
@@ -335,10 +335,8 @@ class ContingencyPaths:
     def _variants(self) -> int:
         return len(self._shares) + len(self.routes.off_terrain)
 
-    def _returns(
-        self, places: Points, stops: Points, seqs: NDArray[np.intp]
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Return the paths of returns (to each goal with each start), and whether each is possible."""
+    def _returns(self, places: Points, stops: Points, seqs: NDArray[np.intp]) -> tuple[Paths, NDArray[np.bool_]]:
+        """Return the paths of returns (to each goal with each start), and which are possible (n, k)."""
         to_goals, kinds = self.forecast.returns_from(stops), self.routes.kinds
         back = places - stops
         back[:, 2] = 0.0
@@ -376,7 +374,7 @@ class ContingencyPaths:
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 
-def _padded(paths: NDArray[np.float64], places: int) -> NDArray[np.float64]:
+def _padded(paths: Paths, places: int) -> Paths:
     stays = np.repeat(paths[:, -2:-1], places - paths.shape[1], axis=1)
     return np.concatenate([paths[:, :-1], stays, paths[:, -1:]], axis=1)
 
