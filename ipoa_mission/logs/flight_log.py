@@ -118,7 +118,8 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     """Read the flights in a log: armed in mission mode, or risen.
 
     Args:
-        path, system: as in `read_flight`.
+        path: of a log.
+        system: as in `read_flight`.
 
     Returns:
         `flights`, at least one, and `remarks`.
