@@ -5,6 +5,7 @@ The command line prints a `MissionError` and returns its `exit_code`. Other modu
 
 import json
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -184,3 +185,9 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
         return import_module(module)
     except ImportError as error:
         raise wrong(needed, hint=f"pip install 'ipoa-mission[{extra}]'", code="package-missing") from error
+
+
+def renamed(old: str, new: str) -> Any:
+    """Return the property `new`, with a warning."""
+    words = f"{old} is {new} since 0.5"
+    return property(lambda own: (warnings.warn(words, DeprecationWarning, stacklevel=2), getattr(own, new))[1])

@@ -155,7 +155,7 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         words = f"{short}" if seq is None else f"{short}; not enough from item {seq} on"
         yield Finding("battery-short", Severity.ERROR, seq, words, short.hint)
         return
-    if budget.eats_reserve:
+    if budget.battery is not None and budget.used.between.high > budget.battery.usable_wh:
         taken, usable = budget.used.between, budget.battery.usable_wh
         needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
         words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"

@@ -140,7 +140,7 @@ def as_interrupted(error: MissionError, hint: str | None = None, words: str = ""
     from ipoa_mission.link.dialogue import Cancelled
 
     if isinstance(error, Cancelled):
-        exact = "" if error.holds is None else str(error)
+        exact = "" if error.list_on_vehicle is None else str(error)
         ended = CHANGES.get().report(error.hint or hint, words, exact)
         ended.known = error.known
         error = ended

@@ -188,7 +188,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
     Example:
         >>> from ipoa_mission import plan_flight, read_scenario
         >>> flight = plan_flight(read_scenario("missions/sitl.toml"), seed=7)
-        >>> flight.proof.holds, [path.name for path in flight.write(".")]
+        >>> flight.proof.is_proved, [path.name for path in flight.write(".")]
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
     for name, section in scenario.added.items():

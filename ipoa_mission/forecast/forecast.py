@@ -1,6 +1,5 @@
 """Forecast the flight of a mission, each part computed once."""
 
-import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.known_parameters import expect_known
 from ipoa_mission.autopilot.parameters import NO_PARAMETERS, Parameters
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.errors import MissionError, NotModeled, renamed
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
 from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown
@@ -53,7 +52,7 @@ class Forecast:
     Example:
         >>> from ipoa_mission import Forecast, read_mission, read_scenario
         >>> forecast = Forecast(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml"))
-        >>> forecast.proof.holds, len(forecast.estimate.items) == len(forecast.mission.items)
+        >>> forecast.proof.is_proved, len(forecast.estimate.items) == len(forecast.mission.items)
         (True, True)
     """
 
@@ -214,10 +213,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
 
-    @property
-    def promise(self) -> "ClearanceGuarantee":
-        warnings.warn("Forecast.promise is guarantee since 0.5", DeprecationWarning, stacklevel=2)
-        return self.guarantee
+    promise = renamed("promise", "guarantee")
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class Unfinished(MissionError):
-    """`holds`: the vehicle's list now, if known."""
+    """`list_on_vehicle`: None if unknown."""
 
     def __init__(
         self,
@@ -33,12 +33,12 @@ class Unfinished(MissionError):
         *,
         code: str | None = None,
         place: object = None,
-        holds: Literal["old", "new", "either", "unknown"] | None = None,
+        list_on_vehicle: Literal["old", "new", "either", "unknown"] | None = None,
     ) -> None:
         super().__init__(message, hint, code=code, place=place)
-        self.holds = holds
-        if holds is not None:
-            self.known["holds"] = holds
+        self.list_on_vehicle = list_on_vehicle
+        if list_on_vehicle is not None:
+            self.known["list_on_vehicle"] = list_on_vehicle
 
 
 class NoAnswer(Unfinished):

@@ -168,13 +168,13 @@ class MavsdkVehicle(Vehicle):
             except MissionRefused as refusal:
                 if refusal.result != m.Result.OPERATION_CANCELLED or not interrupt.take():
                     raise
-                raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old") from None
+                raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", list_on_vehicle="old") from None
             difference = compare(items, self.download_items(kind), self.autopilot)
             if difference is not None:
                 raise ReadBackDiffers(kind, difference)
             count(progress, len(items), len(items))
             if interrupt.take():
-                raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}", holds="new")
+                raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}", list_on_vehicle="new")
         if self.autopilot.protocol_profile.judges_later and kind == m.MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)

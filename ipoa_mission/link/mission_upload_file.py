@@ -58,12 +58,14 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         raise type(aborted)(
             f"{aborted}: the vehicle keeps the mission it had",
             hint=f"{done} of {total} items had been sent",
-            holds="old",
+            list_on_vehicle="old",
         ) from None
     try:
         return (yield from _settle(job, closing))
     except TimeUp as late:
-        raise TimeUp(f"{late}: the vehicle holds a whole mission, the old or the new one", holds="either") from None
+        raise TimeUp(
+            f"{late}: the vehicle holds a whole mission, the old or the new one", list_on_vehicle="either"
+        ) from None
     except Cancelled:
         raise (yield from _cancelled_late(job, closing)) from None
 
@@ -73,16 +75,16 @@ def _cancelled_late(job: Upload, closing: mavftp.FileMessage) -> Dialogue[Cancel
     try:
         yield from _settle(job, closing)
     except mavftp.FileRefused:
-        return Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
+        return Cancelled("cancelled: the vehicle keeps the mission it had", list_on_vehicle="old")
     except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
         return Cancelled(
             "cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which",
-            holds="either",
+            list_on_vehicle="either",
         )
     return Cancelled(
         "cancelled too late: the vehicle holds the whole new mission",
         hint="clear it if it must not be flown",
-        holds="new",
+        list_on_vehicle="new",
     )
 
 

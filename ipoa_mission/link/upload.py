@@ -187,7 +187,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
             raise type(aborted)(
                 f"{aborted}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="its check of the mission was not awaited",
-                holds="new",
+                list_on_vehicle="new",
             ) from None
         if not (state == NO_MISSION and course.reports.agrees(job)):
             yield from _settle(job, course.reports)
@@ -214,7 +214,9 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     except (Cancelled, TimeUp, NoAnswer) as aborted:
         words = f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(aborted)(
-            words, hint="it was verified, but since then not confirmed, or another one was reported", holds="unknown"
+            words,
+            hint="it was verified, but since then not confirmed, or another one was reported",
+            list_on_vehicle="unknown",
         ) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
@@ -227,12 +229,12 @@ def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[No
         course.attempt = 0
         yield from _store(job, course, progress)
         words = f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed"
-        raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", holds="new")
+        raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", list_on_vehicle="new")
     yield from _refuse_requests(job.kind)
     if course.may_be_whole and (yield from _holds(job)):
         words = f"cancelled too late: the vehicle holds the whole new {name}"
-        raise Cancelled(words, hint="clear it if it must not be flown", holds="new")
-    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old")
+        raise Cancelled(words, hint="clear it if it must not be flown", list_on_vehicle="new")
+    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", list_on_vehicle="old")
 
 
 def _holds(job: Upload) -> Dialogue[bool]:
@@ -242,7 +244,7 @@ def _holds(job: Upload) -> Dialogue[bool]:
         raise Cancelled(
             f"cancelled: the vehicle holds a whole {list_name(job.kind)}, the old or the new one, "
             "but does not answer when asked which",
-            holds="either",
+            list_on_vehicle="either",
         ) from None
     return job.difference(stored) is None
 

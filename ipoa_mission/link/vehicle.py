@@ -121,9 +121,9 @@ class Vehicle(RemoteVehicle):
                     self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
             except Cancelled as cancelled:
                 words = f"{cancelled}; its mission is the new one"
-                raise Cancelled(words, cancelled.hint, holds=cancelled.holds) from None
+                raise Cancelled(words, cancelled.hint, list_on_vehicle=cancelled.list_on_vehicle) from None
             if interrupt.take():
-                raise Cancelled("cancelled too late: the vehicle holds everything that was sent", holds="new")
+                raise Cancelled("cancelled too late: the vehicle holds everything that was sent", list_on_vehicle="new")
         self._set_mission(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:

@@ -67,10 +67,6 @@ class Around:
         near = near_home(frame.home)
         return cls(near if within is None else window_of(within, frame), near)
 
-    @property
-    def is_small(self) -> bool:
-        return self.window != self.near
-
     def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
         """Return which boxes (n, 4) [deg] are wanted, (n,), as those of NaN are."""
         if self.window is None or self.near is None:

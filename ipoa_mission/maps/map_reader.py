@@ -62,7 +62,7 @@ def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | Non
 
 
 def _hand_on_large(path: Path, take: Take, around: Around) -> None:
-    if around.is_small:
+    if around.window != around.near:
         try:
             stat = path.stat()
         except OSError as error:

@@ -32,7 +32,7 @@ class PathProblem:
         >>> ball = Sphere("ball", (50.0, 0.0, 30.0), 10.0)
         >>> airspace = Airspace(Bounds((0.0, -50.0, 0.0), (100.0, 50.0, 60.0)), Flat(), (ball,))
         >>> limits = Limits(obstacle_distance=2.0, height_above_ground=5.0)
-        >>> plan_path(PathProblem(airspace, limits, [[5.0, 0.0, 30.0], [95.0, 0.0, 30.0]])).proof.holds
+        >>> plan_path(PathProblem(airspace, limits, [[5.0, 0.0, 30.0], [95.0, 0.0, 30.0]])).proof.is_proved
         True
     """
 

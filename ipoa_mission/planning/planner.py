@@ -46,7 +46,8 @@ class Searcher:
         """
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
-        encoding = surround(encoding_of(task), around, spread, task, part)
+        name = task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
+        encoding = surround(name, around, spread, task, part)
         costs, box = self.problem.costs(encoding), encoding.box
         optimum = minimize(costs, box, self.optimizer, self.rng, budget=self.budget, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
@@ -61,10 +62,6 @@ class Searcher:
     def history(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the evaluations spent and the best cost by then, (k,) each."""
         return np.array(self.spent), np.array(self.best)
-
-
-def encoding_of(task: PathTask) -> str:
-    return task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
 
 
 def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
@@ -109,7 +106,7 @@ def plan_path(
     Example:
         >>> from ipoa_mission import plan_path, read_scenario
         >>> plan = plan_path(read_scenario("missions/sitl.toml"), seed=7)
-        >>> plan.proof.holds, plan.optimizer
+        >>> plan.proof.is_proved, plan.optimizer
         (True, 'ipoa')
     """
     problem, planning = prepare(task), task.planning
@@ -121,7 +118,7 @@ def plan_path(
     searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
     with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
-    safe = [proved for proved in curves if proved[1].holds]
+    safe = [proved for proved in curves if proved[1].is_proved]
     if not safe:
         nearest = max((proof for _, proof, _ in curves), key=lambda proof: proof.worst.slack)
         raise (blockage(problem) if as_printed else None) or not_found(nearest)
@@ -136,7 +133,7 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     with threadpool_limits(1, "blas"):
         near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_DESCENT)
         candidate, proof = settle(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
-    return candidate.curve if proof.holds else None
+    return candidate.curve if proof.is_proved else None
 
 
 def _search_once(searcher: Searcher, progress: Progress) -> Settled:
@@ -153,10 +150,10 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
         for candidate in improved[: strategy.max_settled]:
             proved.append(_settle(candidate, searcher))
-            enough = 1 if proved[0][1].holds else strategy.settled
-            if sum(proof.holds for _, proof, _ in proved) == enough:
+            enough = 1 if proved[0][1].is_proved else strategy.settled
+            if sum(proof.is_proved for _, proof, _ in proved) == enough:
                 break
-        if safe := [candidate for candidate, proof, _ in proved if proof.holds]:
+        if safe := [candidate for candidate, proof, _ in proved if proof.is_proved]:
             best = min(safe, key=problem.cost)
             if len(best.curve.control) < strategy.few_control_points:
                 proved.append(_settle(refine(best), searcher, enough=1e-8))
@@ -228,7 +225,7 @@ def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> S
     count = len(settled.curve.control)
     even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, descent)
     even_terms = curve_cost(even.curve, task)
-    is_better = even_proof.holds and (even_terms.total < cost.total or not proof.holds)
+    is_better = even_proof.is_proved and (even_terms.total < cost.total or not proof.is_proved)
     return (even, even_proof, even_terms) if is_better else (settled, proof, cost)
 
 

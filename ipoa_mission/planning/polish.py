@@ -122,7 +122,7 @@ def settle(
             if check.unit == "deg":
                 short = float(np.tan(np.radians(check.required)) - np.tan(np.radians(check.required - short)))
             more[_REMEDY[check.limit]] += short
-    if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
+    if not proof.is_proved and (unpolished := prove_curve(rough.curve, problem.task)).is_proved:
         return rough, unpolished
     return candidate, proof
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ipoa_mission.errors import renamed
 from ipoa_mission.geometry import Points, Vector, climb_angles
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
@@ -33,7 +34,7 @@ class Check:
         return self.required - self.nearest.distance if self.at_most else self.nearest.distance - self.required
 
     @property
-    def holds(self) -> bool:
+    def is_kept(self) -> bool:
         """Return whether the limit is kept, to a millimeter (or 0.001 degree)."""
         return self.slack >= -TOUCHING
 
@@ -66,8 +67,10 @@ class Proof:
     checks: tuple[Check, ...]
 
     @property
-    def holds(self) -> bool:
-        return all(check.holds for check in self.checks)
+    def is_proved(self) -> bool:
+        return all(check.is_kept for check in self.checks)
+
+    holds = renamed("holds", "is_proved")
 
     @property
     def worst(self) -> Check:

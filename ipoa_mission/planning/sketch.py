@@ -43,7 +43,7 @@ def sketch_path(task: PathTask) -> Sketch:
         best = sorted(candidates, key=problem.cost)
         first = best[0]
         for candidate in best[:MAX_PROVED]:
-            if (proof := prove_curve(candidate.curve, task)).holds:
+            if (proof := prove_curve(candidate.curve, task)).is_proved:
                 first = candidate
                 break
         else:

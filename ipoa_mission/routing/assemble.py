@@ -55,11 +55,11 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     tried = list[Attempt]()
     for _ in range(HALVINGS):
         tried.append(attempt := choose(width))
-        if attempt.proof.holds and attempt.quick_prediction.keeps_limits:
+        if attempt.proof.is_proved and attempt.quick_prediction.keeps_limits:
             return attempt
         width /= 2
     proof = attempt.proof
-    why = "flights would come too close too often" if proof.holds else proof.words()
+    why = "flights would come too close too often" if proof.is_proved else proof.words()
     hint = "plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing"
     refused = NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
     refused.tried = tried[0].route, tried[NARROW].route
@@ -72,8 +72,8 @@ def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
     whole = _first_guaranteed(_routes(plan, scenario))
-    if whole.rivals and not whole.holds:
-        return next((rival for rival in whole.rivals if rival.holds), whole)
+    if whole.rivals and not whole.is_acceptable:
+        return next((rival for rival in whole.rivals if rival.is_acceptable), whole)
     return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
 
 

@@ -24,7 +24,7 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """States: the `draft`, the `whole` mission, the `forecast` with chosen returns, and whether it `holds`."""
+    """States: the `draft`, the `whole` mission, and the `forecast` with chosen returns."""
 
     plan: Plan
     route: Route
@@ -74,7 +74,7 @@ class Attempt:
         return not self.whole.guarantee.forbidding
 
     @property
-    def holds(self) -> bool:
+    def is_acceptable(self) -> bool:
         return self.is_guaranteed and not self.short and not self.guarantee.forbidding
 
     @property
@@ -85,7 +85,7 @@ class Attempt:
 
     @property
     def merit(self) -> tuple[bool, float]:
-        return self.holds, self.slack
+        return self.is_acceptable, self.slack
 
     @cached_property
     def proof(self) -> Proof:

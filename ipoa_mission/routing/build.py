@@ -111,7 +111,7 @@ def _waypoint_of(route: Route, n: int, at: tuple[Geodetic, float], usual: Waypoi
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:
     proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
-    if not proof.holds:
+    if not proof.is_proved:
         hint = "begin over home and name this place under via: then the way to it is planned too"
         words = f"the straight way from over home to it: {proof.words()}"
         raise NoRoute(words, hint=hint, code="start-not-reached", place="start")

@@ -251,7 +251,7 @@ def _is_near_curve(attempt: Attempt) -> bool:
     return (
         prediction.overrun <= SEARCH.most_overrun
         and prediction.deviation <= attempt.scenario.route.tolerance
-        and attempt.proof.holds
+        and attempt.proof.is_proved
     )
 
 

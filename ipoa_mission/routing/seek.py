@@ -171,8 +171,8 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
             missing = error
             continue
         if slow is not None:
-            return min(slow, attempt, key=lambda one: (not one.holds, one.quick_prediction.seconds))
-        if attempt.holds:
+            return min(slow, attempt, key=lambda one: (not one.is_acceptable, one.quick_prediction.seconds))
+        if attempt.is_acceptable:
             if delay < EFFORT.most_delay or plans == 1:
                 return attempt
             slow = attempt
@@ -237,7 +237,7 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else EFFORT.max_moves):
         expect_way_home(latest)
-        if best.holds or in_vain == EFFORT.max_vain_moves:
+        if best.is_acceptable or in_vain == EFFORT.max_vain_moves:
             break
         margins.growth = margins.growth.more(latest, scenario)
         wider = (margins.growth.enlarge(margins.world, scenario, gaps) for gaps in (False, True))

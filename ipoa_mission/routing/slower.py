@@ -36,21 +36,21 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
         return replace(attempt, route=replace(attempt.route, slow=slow, slow_speed=speed, slow_reason=reason))
 
     try:
-        if not at(every).holds:
+        if not at(every).is_acceptable:
             return None
         latest = at(frozenset())
         reason = _reason(latest)
         for _ in range(ROUNDS):
-            if latest.holds:
+            if latest.is_acceptable:
                 break
             slow = latest.route.slow.union(_more(latest.route.slow, leg) for leg in _too_near(latest))
             if slow == every or slow == latest.route.slow:
                 return None
             latest = at(slow)
         for leg in sorted(latest.route.slow, reverse=True):  # a bend needs the leg before it
-            if latest.holds and (without := at(latest.route.slow - {leg})).holds:
+            if latest.is_acceptable and (without := at(latest.route.slow - {leg})).is_acceptable:
                 latest = without
-        return latest if latest.holds else None
+        return latest if latest.is_acceptable else None
     except MissionError:
         return None
 

@@ -187,7 +187,7 @@ class Sketch(PageMessage):
     number: int | None
     line: MapLine
     others: tuple[MapLine, ...]
-    holds: bool
+    is_proved: bool
     verdict: str
     length: float
     clearance: float
@@ -253,7 +253,7 @@ class Limit(PageMessage):
     found: float
     required: float
     unit: str
-    holds: bool
+    is_kept: bool
 
 
 class Homeward(PageMessage):

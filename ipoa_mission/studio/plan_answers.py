@@ -51,7 +51,7 @@ def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | No
         number=number,
         line=line_of(frame, points),
         others=tuple(line_of(frame, _sampled(other)) for other in sketch.others),
-        holds=sketch.proof.holds,
+        is_proved=sketch.proof.is_proved,
         verdict=without_folders(sketch.proof.words(), scenario),
         length=round(float(sketch.curve.length), 1),
         clearance=round(float(clearance.distance), 2),
@@ -206,7 +206,7 @@ def _limits(flight: Flight) -> Iterator[answers.Limit]:
                 found=round(float(check.nearest.distance), 3),
                 required=round(float(check.required), 3),
                 unit=check.unit,
-                holds=check.holds,
+                is_kept=check.is_kept,
             )
 
 

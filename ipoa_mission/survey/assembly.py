@@ -118,17 +118,17 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
     if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]
     task = _with_room(straight, scenario, growth)
-    if prove(straight, task, spare=0.0).holds:
+    if prove(straight, task, spare=0.0).is_proved:
         return straight
     for added_distance, corner_segments, factor in ((0.1, 4, 1.02), (0.01, 16, 1.0013)):
         distance = factor * (task.limits.obstacle_distance + added_distance)
         around = _round_obstacles(straight, task, distance, corner_segments)
-        if around is not None and prove(around, task, spare=0.0).holds:
+        if around is not None and prove(around, task, spare=0.0).is_proved:
             return around
     curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
     for _ in range(5):
         points = push_clear(corridor(curve, width), task)
-        if (proof := prove(points, task, spare=0.0)).holds:
+        if (proof := prove(points, task, spare=0.0)).is_proved:
             return points
         width /= 2
     words = f"the way between home and the survey comes too close: {proof.words()}"

@@ -119,10 +119,10 @@ def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None
 
     mock.transfers._changed = store_and_press
     items = (takeoff(HOME, 10.0), waypoint(Geodetic(47.4002, 8.5), 12.0))
-    with refuses("cancelled", holds="new"):
+    with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
     mock.transfers._changed = lambda kind: press() if kind == MissionType.FENCE else listed(kind)
-    with refuses("cancelled", holds="new"):
+    with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(Mission(HOME, items, PX4, fence=(FenceCircle((47.4, 8.5), 300.0),)))
 
 
@@ -217,7 +217,7 @@ def test_a_press_in_the_last_moment_of_an_upload_is_told_to_be_too_late() -> Non
     meet(Line(undisturbed, Codec(245, 190))).upload(mission)
     channel = Pressing(undisturbed.waited_at)
     vehicle = meet(Line(channel, Codec(245, 190)))
-    with refuses("cancelled", holds="new"):
+    with refuses("cancelled", list_on_vehicle="new"):
         vehicle.upload(mission)
     assert channel.now() == undisturbed.now()
     assert [item.altitude for item in vehicle.download().items] == [10.0, 12.0]

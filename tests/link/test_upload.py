@@ -144,7 +144,7 @@ def test_cancelled_in_mid_upload_px4_keeps_the_mission_it_had() -> None:
     before = items_of(PX4, 4, shift=0.1)
     vehicle.store(before)
     air = Air(vehicle, [Fate(1, 0.1)])
-    with refuses("cancelled", holds="old"):
+    with refuses("cancelled", list_on_vehicle="old"):
         air.hold(upload(Upload(items_of(PX4, 30), PX4)), interrupts=interrupt_at(2.0))
     assert compare(before, vehicle.holds(), PX4) is None
     assert vehicle.transfers.deadline > 1e9  # it has ended its transfer, too
@@ -163,7 +163,7 @@ def test_cancelled_in_mid_upload_ardupilot_is_given_the_whole_new_mission() -> N
     vehicle.store(items_of(ARDUPILOT, 40, shift=0.1))
     sent = items_of(ARDUPILOT, 30)
     air = Air(vehicle, [Fate(1, 0.1)])
-    with refuses("cancelled", holds="new"):
+    with refuses("cancelled", list_on_vehicle="new"):
         air.hold(upload(Upload(sent, ARDUPILOT)), interrupts=interrupt_at(2.0))
     assert compare(sent, vehicle.holds(), ARDUPILOT) is None
 
@@ -177,11 +177,11 @@ def test_an_upload_cancelled_while_read_back_asks_which_mission_it_holds() -> No
 
     sent = items_of(PX4, 4)
     air = Air(Vehicle(PX4), [Fate(1, 0.1)])
-    with refuses("cancelled", holds="new"):
+    with refuses("cancelled", list_on_vehicle="new"):
         air.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))
     fading = Fading(Vehicle(PX4), [Fate(1, 0.1)])
     fading.end = 1.3
-    with refuses("cancelled", holds="either"):
+    with refuses("cancelled", list_on_vehicle="either"):
         fading.hold(upload(Upload(sent, PX4)), interrupts=interrupt_at(1.3))
 
 
@@ -190,7 +190,7 @@ def test_broken_off_while_the_verdict_is_awaited_the_new_mission_is_whole(error:
     air = Air(Vehicle(PX4))
     with refuses(error.code) as caught:
         air.hold(upload(Upload(items_of(PX4, 4), PX4)), interrupts={1.0: error})
-    assert caught.value.holds == "new"
+    assert caught.value.list_on_vehicle == "new"
     assert caught.value.hint == "its check of the mission was not awaited"
 
 

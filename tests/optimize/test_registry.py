@@ -105,5 +105,5 @@ def test_a_short_search_of_any_optimizer_ends(monkeypatch: pytest.MonkeyPatch, m
     monkeypatch.setitem(registry.BUILT_IN, "endless", Endless)
     text = (missions / "sitl.toml").read_text() + '\n[optimizer]\nname = "endless"\n'
     plan = plan_path(parse_scenario(text, missions / "sitl.toml"), seed=1)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert plan.evaluations[-1] % SHORT_EVALUATIONS == 0

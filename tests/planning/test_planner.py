@@ -33,7 +33,7 @@ def gap(width: float) -> list[dict[str, Any]]:
 def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
     job = scenario(obstacles=[PILLAR, BALL], optimizer={"name": name})
     plan = plan_path(job, seed=1)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert prove_curve(plan.curve, job).worst.slack >= 0
     assert plan.cost.total < 85  # the straight way would cost 70
     assert plan.optimizer == name
@@ -67,7 +67,7 @@ def test_history_never_gets_worse_and_counts_evaluations(scenario: Make) -> None
 
 def test_a_strategy_that_looks_less_hard_spends_less(scenario: Make) -> None:
     plan = plan_path(scenario(obstacles=[PILLAR]), strategy=QUICK)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert plan.evaluations[-1] < 20_000
 
 
@@ -78,12 +78,12 @@ def test_via_points_are_passed_in_order(scenario: Make) -> None:
     away = [np.linalg.norm(points - place, axis=1) for place in via]
     assert max(a.min() for a in away) < 0.01
     assert np.argmin(away[0]) < np.argmin(away[1])
-    assert plan.proof.holds
+    assert plan.proof.is_proved
 
 
 def test_a_round_trip_is_a_path_too(scenario: Make) -> None:
     plan = plan_path(scenario(goal=(0, 0, 20), via=[(80, 0, 20)], obstacles=[PILLAR]), strategy=QUICK)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert 160 < plan.cost.length < 190
 
 
@@ -99,7 +99,7 @@ def test_the_papers_planner_searches_once_in_absolute_coordinates(scenario: Make
     plan = plan_path(job, seed=1)
     assert plan.evaluations[-1] == 90_060
     assert len(plan.curve.control) == 10
-    assert plan.proof.holds
+    assert plan.proof.is_proved
 
 
 def test_with_length_only_it_takes_the_shortest_way(scenario: Make) -> None:
@@ -126,7 +126,7 @@ def test_a_place_or_a_wall_that_makes_it_impossible_is_named(
 ) -> None:
     job = scenario(start=start, goal=goal, obstacles=obstacles)
     if words is None:
-        assert plan_path(job).proof.holds
+        assert plan_path(job).proof.is_proved
         return
     with pytest.raises(NoPath) as refusal:
         plan_path(job)
@@ -144,13 +144,13 @@ def test_a_gap_that_is_too_narrow_is_named_with_its_width(scenario: Make) -> Non
 
 def test_a_gap_that_is_just_wide_enough_is_flown_through(scenario: Make) -> None:
     plan = plan_path(scenario(obstacles=gap(3.2)))
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert plan.proof.clearance.what in ("left wall", "right wall")
 
 
 def test_over_the_wall_where_that_is_the_only_way(scenario: Make) -> None:
     plan = plan_path(scenario(obstacles=[fort(60)]), strategy=QUICK)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert plan.curve.sample(500)[:, 2].max() > 60
 
 
@@ -158,7 +158,7 @@ def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) ->
     steep = {"max_climb_angle_deg": 12, "max_descent_angle_deg": 45}
     job = scenario(start=(100, 0, 20), goal=(0, 0, 20), obstacles=[fort(60)], planning=steep)
     plan = plan_path(job, strategy=QUICK)
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert plan.cost.turning_deg > 300
 
 
@@ -167,7 +167,7 @@ def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario: Make, t
     narrow = [wall | {"north": 41.3 + 2 * wall["north"], "width": thick, "depth": 240} for wall in gap(0.22)]
     bounds = {"east": (-50, 150), "north": (-100, 100), "up": (0, 40)}
     plan = plan_path(scenario(obstacles=narrow, bounds=bounds, vehicle={"radius": 0}, safety_distance=0.2))
-    assert plan.proof.holds
+    assert plan.proof.is_proved
     assert 41 < plan.curve.sample(2000)[:, 1].max() < 43
 
 

@@ -43,7 +43,7 @@ def test_legs_are_proved_exactly(scenario: Make) -> None:
     job = scenario(obstacles=[BALL])
     proof = prove(np.array([(0.0, 0, 20), (50, 9, 20), (100, 0, 20)]), job)
     assert distances_of(proof, "obstacles") == [pytest.approx(9 * 50 / np.hypot(50, 9) - 4)]
-    assert proof.holds
+    assert proof.is_proved
     assert proof.clearance.what == "the ball"
 
 
@@ -61,7 +61,7 @@ def test_whether_limits_hold_is_known_without_by_how_much(town: Town) -> None:
 
 def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario(obstacles=[BALL]))
-    assert not proof.holds
+    assert not proof.is_proved
     assert proof.words() == "4.00 m inside the ball at east 50.0, north 0.0, up 20.0 m"
 
 
@@ -92,7 +92,7 @@ def test_a_leg_that_cuts_through_does_not_hold_and_says_so(scenario: Make) -> No
 def test_each_limit_has_its_words(scenario: Make, points: list[Place], tables: dict[str, Any], words: str) -> None:
     ball = {"kind": "sphere", "name": "the ball", "east": 54, "north": 8, "up": 20, "radius": 4}
     proof = prove(np.array(points, float), scenario(obstacles=[ball], **tables))
-    assert not proof.holds
+    assert not proof.is_proved
     assert proof.words().startswith(words)
     assert proof.worst.about == {"limit": proof.worst.limit, "near": proof.worst.nearest.what}
 
@@ -102,10 +102,10 @@ def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:
     (zone,) = job.limits.low_zones
     assert (zone.east, zone.north, zone.height) == pytest.approx((0, 0, 2.99))
     assert zone.radius == pytest.approx(24.02)
-    assert prove(np.array([(0.0, 0, 3), (0, 0, 16), (100, 0, 20)]), job).holds  # straight up, as it takes off
-    assert prove(np.array([(0.0, 0, 3), (24, 0, 15.1), (100, 0, 20)]), job).holds
+    assert prove(np.array([(0.0, 0, 3), (0, 0, 16), (100, 0, 20)]), job).is_proved  # straight up, as it takes off
+    assert prove(np.array([(0.0, 0, 3), (24, 0, 15.1), (100, 0, 20)]), job).is_proved
     low = prove(np.array([(0.0, 0, 3), (40, 0, 15.1), (100, 0, 20)]), job)
-    assert not low.holds
+    assert not low.is_proved
     assert low.worst.limit == "ground"
     assert low.worst.required == 15
     assert low.worst.nearest.place[0] == pytest.approx(zone.radius)

@@ -156,7 +156,7 @@ def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, 
     page = page_of(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
-    hits = [stop.time.seq for stop in legs if stop.proof is not None and not stop.proof.holds]
+    hits = [stop.time.seq for stop in legs if stop.proof is not None and not stop.proof.is_proved]
     assert page.count('<span class="bad" title=') == len(hits) > 3
 
 

@@ -37,5 +37,5 @@ def test_a_slow_attempt_is_kept_if_the_next_path_fails(refusal: MissionError, mo
     monkeypatch.setattr(seek, "plan_path", planned)
     monkeypatch.setattr(seek, "_move_until_safe", delayed)
     assert seek.seek(SCENARIO, 0, silent) is tried[0]
-    assert tried[0].holds
+    assert tried[0].is_acceptable
     assert paths == []

@@ -84,7 +84,7 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
     assert flown.seconds <= BEST_FLOWN[autopilot]
     assert flown.deviation <= WITHIN
     assert flown.keeps_limits
-    assert prove(chosen["fastest"].route.points, scenario).holds
+    assert prove(chosen["fastest"].route.points, scenario).is_proved
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_fastest_route_is_flown_clear_to_its_goal(autopilot: Autopilot) -> None:
     scenario = Scenario.model_validate(free.model_dump(exclude_unset=True) | {"obstacles": towers})
     chosen = choose_route(as_plan(curve, scenario), scenario, "fastest")
     route, predicted = chosen.route, chosen.prediction
-    assert prove(route.points, scenario).holds
+    assert prove(route.points, scenario).is_proved
     assert prove(route.points, scenario).clearance.what in {"tower 0", "tower 1"}
     assert predicted.keeps_limits
     flight = fly_here(build_mission(route, scenario))

@@ -76,7 +76,7 @@ def test_a_refusal_without_a_detour_names_the_failsafe_and_its_alternative(autop
     with refuses("no-path", "", "LAND", "battery", "roof") as refused:
         plan_flight(over_a_roof(kind, LANDS[autopilot], wide=160.0), seed=0)
     assert f"{says} returns instead" in str(refused.value.hint)
-    assert plan_flight(over_a_roof(kind, RETURNS[autopilot], wide=160.0), seed=0).proof.holds
+    assert plan_flight(over_a_roof(kind, RETURNS[autopilot], wide=160.0), seed=0).proof.is_proved
 
 
 def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> None:

@@ -118,7 +118,7 @@ def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopil
     flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, contingency="rtl"), seed=0)
     assert any("way home is planned" in remark for remark in flight.remarks)
     assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
-    assert flight.proof.holds
+    assert flight.proof.is_proved
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))

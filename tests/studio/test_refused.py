@@ -31,7 +31,7 @@ def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> Non
     (remedy,) = trouble.remedies
     assert remedy.label.startswith("Via 1 to ")
     mended = parse_scenario(changed(text, remedy.changes), MEADOW)
-    assert sketch_path(mended).proof.holds
+    assert sketch_path(mended).proof.is_proved
 
 
 def test_a_change_that_was_tried_is_offered() -> None:

@@ -23,7 +23,7 @@ def test_a_window_is_shown_the_scenario_and_a_first_path(studio: Studio) -> None
     assert document["scenario"]["goal"] == {"east": 60.0, "north": 0.0, "up": 10.0}
     assert len(world["bodies"]) == len(read_scenario(studio.scenario).airspace.obstacles)
     assert [spot["name"] for spot in world["spots"]] == ["home", "start", "goal"]
-    assert sketch["holds"]
+    assert sketch["is_proved"]
     assert sketch["clearance"] >= world["required"]
 
 

@@ -108,10 +108,6 @@ class Budget:
         return self.forecast.world.safety.returns == "planned"
 
     @property
-    def eats_reserve(self) -> bool:
-        return self.battery is not None and self.used.between.high > self.battery.usable_wh
-
-    @property
     def words(self) -> list[str]:
         lines, left = [f"energy {self.used}"], self.left(self.used.between)
         if left is not None and self.battery is not None:

@@ -27,7 +27,7 @@ def verdict(
         if errors:
             return _line("bad", "✕", f"Not to be flown: {errors[0]}.")
         return '<p class="verdict">No leg between waypoints to judge.</p>'
-    against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
+    against = [proof.words()] if not proof.is_proved else [danger.words for danger in dangers if danger.touching]
     kept = None if guarantee is None else guarantee.clearance
     if guarantee is not None and (broken := [kept for kept in guarantee.limits if kept.forbids]):
         worst = min(broken, key=lambda kept: kept.slack)

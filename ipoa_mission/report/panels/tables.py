@@ -59,7 +59,7 @@ def _leg(n: int, leg: ItemLeg, flown_s: Mapping[int, float] | None) -> str:
 
 def _clearance(proof: Proof) -> str:
     least = proof.clearance
-    if not proof.holds:
+    if not proof.is_proved:
         return f'<span class="bad" title="{escape(proof.words())}">✕ {number(least.distance, 2)}</span>'
     return f'<span title="to {escape(least.what)}">{number(least.distance, 2)}</span>'
 
@@ -120,7 +120,7 @@ def _limit(check: Check) -> str:
         "descent": "descent angle, at most",
     }
     digits = 2 if check.unit == "m" else 1
-    sign = '<span class="good">✓</span>' if check.holds else '<span class="bad">✕</span>'
+    sign = '<span class="good">✓</span>' if check.is_kept else '<span class="bad">✕</span>'
     kept, required = (f"{number(value, digits)} {check.unit}" for value in (check.nearest.distance, check.required))
     where = "".join(f"<td>{number(axis, 1)}</td>" for axis in check.nearest.place)
     return (

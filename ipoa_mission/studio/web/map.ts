@@ -177,12 +177,12 @@ function drawPath(map: MapLibre, now: Studio): void {
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
   const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
   fill(map, "path", course && turns !== null ? [shapes.line(course.points.slice(0, turns + 1), { coarse: false }), shapes.line(course.points.slice(turns), { coarse: false, home: true })]
-    : course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })]
-    : untimed.length > 1 ? [shapes.line(untimed, { coarse: true, holds: true })] : []);
+    : course ? [shapes.line(course.points, { coarse: coarse !== null, is_proved: coarse?.is_proved ?? true })]
+    : untimed.length > 1 ? [shapes.line(untimed, { coarse: true, is_proved: true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
-  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, !coarse ? "proved" : coarse.holds ? "coarse" : "broken") : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, !coarse ? "proved" : coarse.is_proved ? "coarse" : "broken") : []);
 }
 
 /** Where the items lie that have a place, by their numbers; the chosen one stands out. */
@@ -386,7 +386,7 @@ function style(): StyleSpecification {
       { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
       ...photoLayers(),
       { id: "homeward", type: "line", source: "homeward", layout: { "line-sort-key": ["case", ["get", "now"], 1, 0] }, paint: { "line-color": ["case", ["get", "clear"], color("good"), color("bad")], "line-width": ["case", ["get", "now"], 3.2, 1], "line-opacity": ["case", ["get", "now"], 1, 0.3] } },
-      { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
+      { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "is_proved"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
       { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },

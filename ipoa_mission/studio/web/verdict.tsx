@@ -28,9 +28,9 @@ export function Verdict({ now }: { now: Studio }) {
                 : <>Predicted {meters(plan.kept, 2)} from {plan.nearest}; {meters(plan.required, 2)} required.</>}
             {plan.warnings.length > 0 && <> But read before you fly: {plan.warnings[0]}{plan.warnings.length > 1 && `, and ${plan.warnings.length - 1} more`}.</>}</p>
         ) : coarse ? (
-          <p class={coarse.holds ? "coarse" : "bad"}><b aria-hidden="true">{coarse.holds ? "≈" : "✕"}</b> {now.drag ? "While you drag: a" : "A"} coarse
-            path{coarse.holds ? `, ${meters(coarse.clearance, 2)} from ${coarse.nearest}` : ` breaks a limit: ${coarse.verdict}`}.
-            {coarse.holds ? " Not yet the best one, and its tube is not proved." : " The planner may still find a way."}</p>
+          <p class={coarse.is_proved ? "coarse" : "bad"}><b aria-hidden="true">{coarse.is_proved ? "≈" : "✕"}</b> {now.drag ? "While you drag: a" : "A"} coarse
+            path{coarse.is_proved ? `, ${meters(coarse.clearance, 2)} from ${coarse.nearest}` : ` breaks a limit: ${coarse.verdict}`}.
+            {coarse.is_proved ? " Not yet the best one, and its tube is not proved." : " The planner may still find a way."}</p>
         ) : <p class="coarse">Looking at the scenario …</p>}
       {now.progress && !plan && (
         <div class="progress">
