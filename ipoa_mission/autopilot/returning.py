@@ -39,9 +39,9 @@ def level_distance(start: "Place", end: "Place") -> float:
 class ReturnBy(StrEnum):
     DIRECT = "direct"  # climb to the return height, fly straight to home or a rally point
     LANDING = "to the mission's landing"  # climb to the return height, fly straight to the mission's landing
-    AHEAD = "ahead along the mission"  # waypoints ahead to the landing, without climbing and other commands
-    BACK = "back along the mission"  # waypoints back without climbing, landing at home
-    HERE = "here"  # land in place
+    MISSION_FORWARD = "ahead along the mission"  # to the landing, without climbing and other commands
+    MISSION_REVERSED = "back along the mission"  # without climbing, landing at home
+    LAND_IN_PLACE = "here"
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade, bars_of
 
 CELLS = 50  # characters
-SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
+#: The first one present is drawn.
+SIGNS = {Grade.UNCLEAR: "#", Grade.UNKNOWN: "?", Grade.POSSIBLY_UNCLEAR: "+", Grade.CLEAR: "-"}
 LEGEND = "- clear  + perhaps not clear  # not clear  ? unknown"
-CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
+CELL = {Grade.CLEAR: "yes", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "NO", Grade.UNKNOWN: "?"}
 NO_CONTINGENCIES = "endings: unknown, because the flight is unknown"
 
 

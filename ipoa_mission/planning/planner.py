@@ -198,9 +198,9 @@ def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
 
 def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
     problem, rng, strategy = searcher.problem, searcher.rng, searcher.strategy
-    improved = [
-        (problem.cost(candidate), candidate) for candidate in (_finer(candidate, strategy) for candidate in candidates)
-    ]
+    is_coarse = [len(candidate.curve.control) < strategy.enough_control_points for candidate in candidates]
+    finer = [refine(one) if coarse else one for one, coarse in zip(candidates, is_coarse, strict=True)]
+    improved = [(problem.cost(candidate), candidate) for candidate in finer]
     inner = max(len(candidate.curve.control) for _, candidate in improved) - 2
     rounds = int(np.clip((inner - strategy.piece) // 4, 4, strategy.max_rounds))
     for i in range(rounds):
@@ -227,7 +227,3 @@ def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> S
     even_terms = curve_cost(even.curve, task)
     is_better = even_proof.is_proved and (even_terms.total < cost.total or not proof.is_proved)
     return (even, even_proof, even_terms) if is_better else (settled, proof, cost)
-
-
-def _finer(candidate: Candidate, strategy: SearchStrategy) -> Candidate:
-    return refine(candidate) if len(candidate.curve.control) < strategy.enough_control_points else candidate

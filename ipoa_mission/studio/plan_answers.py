@@ -261,12 +261,12 @@ def _taken(contingency: Contingency, contingencies: Contingencies) -> dict[float
     """Return costs at up to 24 times, with more samples at jumps, such as where a return begins to climb first."""
     begin, end = contingencies.in_air
     evenly = np.linspace(begin, end, min(16, 2 + math.floor((end - begin) / DURATIONS.step_s))).tolist()
-    costs = {time: taken for time in evenly if (taken := contingencies.takes(contingency, time)) is not None}
+    costs = {time: taken for time in evenly if (taken := contingencies.predicted(contingency, time)) is not None}
     while len(costs) < 24:
         wide = [(a, b) for a, b in pairwise(sorted(costs)) if b - a > DURATIONS.min_step_s]
         steep = [(abs(sum(costs[b][0]) - sum(costs[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
-        if steepest < DURATIONS.max_slope or (taken := contingencies.takes(contingency, middle)) is None:
+        if steepest < DURATIONS.max_slope or (taken := contingencies.predicted(contingency, middle)) is None:
             break
         costs[middle] = taken
     return costs

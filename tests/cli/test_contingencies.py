@@ -32,7 +32,7 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     for name, bar, _ in bars:
         own = [row for row in rows if row.contingency == name]
         assert len(bar) == CELLS
-        for grades, signs in ({Grade.WOULD}, "#"), ({Grade.WOULD, Grade.MAY}, "#+"):
+        for grades, signs in ({Grade.UNCLEAR}, "#"), ({Grade.UNCLEAR, Grade.POSSIBLY_UNCLEAR}, "#+"):
             worse = [row for row in own if row.grade in grades]
             share = sum(row.to_s - row.from_s for row in worse) / (own[-1].to_s - own[0].from_s)
             edges = 2 * len(worse)  # a character that is so in part is so
@@ -40,7 +40,7 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     assert strip.endswith("".join(f"{row}\n" for row in rows if not row.clear))
 
 
-@pytest.mark.parametrize(("grade", "sign"), [(Grade.WOULD, "#"), (Grade.MAY, "+")])
+@pytest.mark.parametrize(("grade", "sign"), [(Grade.UNCLEAR, "#"), (Grade.POSSIBLY_UNCLEAR, "+")])
 @pytest.mark.parametrize("begin", [0.0, 3.3, 47.7])
 def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: Grade, sign: str) -> None:
     whole = ContingencyRow(Contingency.LAND, 0.0, begin, Grade.CLEAR, 3.0, 2.5, "mast", "here")

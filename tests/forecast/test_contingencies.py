@@ -84,7 +84,7 @@ def test_a_flight_of_one_moment_has_all_contingencies() -> None:
 
 
 def test_land_where_it_is_may_be_on_a_roof(rows: dict[Contingency, tuple[ContingencyRow, ...]]) -> None:
-    (over,) = (row for row in rows[Contingency.LAND] if row.grade is Grade.WOULD)
+    (over,) = (row for row in rows[Contingency.LAND] if row.grade is Grade.UNCLEAR)
     assert over.to == "auditorium"
     assert over.least_m < 0.0
 
@@ -108,7 +108,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: C
 
 def test_an_unclear_stretch_is_widened_by_how_late_the_flight_may_be(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
-    assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
+    assert [row.grade for row in unclear] == [Grade.POSSIBLY_UNCLEAR, Grade.UNCLEAR, Grade.POSSIBLY_UNCLEAR]
     samples_of_land = campus.paths.samples(Contingency.LAND)
     samples = samples_of_land.times[~samples_of_land.clear]
     assert samples[0] - unclear[0].from_s >= 0.6
@@ -157,7 +157,7 @@ def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: floa
     away = replace(landed.given, items=landed.given.items[:-1])
     typed, home = (Forecast(away.with_parameters({"RTL_TYPE": rtl_type}), landed.scenario) for rtl_type in (kind, 0.0))
     time = home.estimate.total_s / 2
-    lasts = [predict_contingency(each, Contingency.RTL, time).lasts for each in (typed, home)]
+    lasts = [predict_contingency(each, Contingency.RTL, time).duration_s for each in (typed, home)]
     assert lasts[0] == lasts[1]
     with refuses("not-modeled", "", "returns to the mission's landing"):
         predict_contingency(landed, Contingency.RTL, time)
@@ -307,12 +307,21 @@ def test_check_lists_contingencies_and_what_leads_to_them() -> None:
     ("changed", "words"),
     [
         ({}, "rtl 3.0 to 4.5 s, to home: clear, 2.47 m from mast"),
-        ({"grade": Grade.WOULD}, "rtl 3.0 to 4.5 s, to home: not clear, 2.47 m from mast, 2.50 m required"),
-        ({"grade": Grade.WOULD, "least_m": -0.805}, "rtl 3.0 to 4.5 s, to home: not clear, 0.81 m inside mast"),
+        ({"grade": Grade.UNCLEAR}, "rtl 3.0 to 4.5 s, to home: not clear, 2.47 m from mast, 2.50 m required"),
+        ({"grade": Grade.UNCLEAR, "least_m": -0.805}, "rtl 3.0 to 4.5 s, to home: not clear, 0.81 m inside mast"),
         ({"least_m": math.inf, "goal": "here"}, "rtl 3.0 to 4.5 s, here: clear, nothing near"),
-        ({"grade": Grade.WOULD, "to": "the ground"}, "s, to home: not clear, 2.47 m above the ground, 2.50 m required"),
-        ({"grade": Grade.WOULD, "to": "the ground", "least_m": -1.0}, "s, to home: not clear, 1.00 m below the ground"),
-        ({"grade": Grade.MAY}, "rtl 3.0 to 4.5 s, to home: perhaps not clear, 2.47 m from mast, 2.50 m required"),
+        (
+            {"grade": Grade.UNCLEAR, "to": "the ground"},
+            "s, to home: not clear, 2.47 m above the ground, 2.50 m required",
+        ),
+        (
+            {"grade": Grade.UNCLEAR, "to": "the ground", "least_m": -1.0},
+            "s, to home: not clear, 1.00 m below the ground",
+        ),
+        (
+            {"grade": Grade.POSSIBLY_UNCLEAR},
+            "rtl 3.0 to 4.5 s, to home: perhaps not clear, 2.47 m from mast, 2.50 m required",
+        ),
         (
             {"grade": Grade.UNKNOWN, "least_m": math.nan, "to": "not modeled", "goal": "unknown"},
             ": not clear: not modeled",

@@ -52,7 +52,7 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
     assert set(rows) == {Contingency.RTL, Contingency.LAND}
     for contingency, (row, seconds) in rows.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
-        lasts = contingencies.lasts(contingency, time)
+        lasts = contingencies.duration_s(contingency, time)
         assert lasts is not None
         assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
 
@@ -63,7 +63,7 @@ def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []
     for time in np.linspace(12.0, 26.0, 29):
-        lasts = contingencies.lasts(Contingency.RTL, float(time))
+        lasts = contingencies.duration_s(Contingency.RTL, float(time))
         assert lasts is not None
         ((_, seconds),) = [row for row in now.at(float(time)) if row[0].contingency is Contingency.RTL]
         took.append(sum(lasts) / 2)

@@ -36,7 +36,7 @@ def test_the_bars_are_the_rows_of_the_forecast(forecast: Foreseen, name: str) ->
         row = rows[unescape(title)]
         assert (label, contingency, unescape(keeps)) == (title, str(row.contingency), row.keeps)
         assert (float(begin), float(end)) == pytest.approx((row.from_s, row.to_s), abs=0.006)
-        assert look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not-clear"}[row.grade]
+        assert look == {Grade.CLEAR: "clear", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "not-clear"}[row.grade]
         assert words in ("", look.replace("-", " "))
     assert any(look == "not-clear" for look, *_ in ways)
 

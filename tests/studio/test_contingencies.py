@@ -42,7 +42,8 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
         assert (contingency, stretch.words) == (str(row.contingency), row.in_full)
         assert row.keeps in stretch.words
         assert "2.50 m required" in stretch.words
-        assert stretch.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]
+        looks = {Grade.CLEAR: "clear", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "not clear"}
+        assert stretch.look == looks[row.grade]
         assert (stretch.from_s, stretch.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
         there = np.interp([row.from_s, row.to_s], course.times, course.along)
         assert (stretch.begins, stretch.ends) == pytest.approx(there, abs=0.06)
@@ -66,7 +67,7 @@ def test_the_energy_of_a_contingency_lies_between_its_neighbors(
     (bar,) = (bar for bar in strips[1].bars if bar.ending == contingency)
     begin, end = contingencies.in_air
     for time in np.linspace(begin + 1.0, end - 1.0, 7).tolist():
-        taken = contingencies.takes(contingency, time)
+        taken = contingencies.predicted(contingency, time)
         assert taken is not None
         assert taken[1] is not None
         used, left = taken[1].between, budget.left(budget.taken(time, taken[1]))

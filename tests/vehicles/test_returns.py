@@ -115,17 +115,17 @@ BEHIND = MissionLanding((10.0, 0.0, 0.0), ahead=2, behind=3)
         (1.0, (), None, ReturnBy.DIRECT, None, None),
         (1.0, ((170.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, None),
         (1.0, ((400.0, 0.0, 5.0),), None, ReturnBy.DIRECT, 0, None),
-        (2.0, (), None, ReturnBy.BACK, None, None),
-        (2.0, ((170.0, 0.0, 5.0),), BEYOND, ReturnBy.AHEAD, None, None),
+        (2.0, (), None, ReturnBy.MISSION_REVERSED, None, None),
+        (2.0, ((170.0, 0.0, 5.0),), BEYOND, ReturnBy.MISSION_FORWARD, None, None),
         (3.0, (), BEYOND, ReturnBy.LANDING, None, None),
         (3.0, (), BEHIND, ReturnBy.LANDING, None, None),
         (3.0, ((170.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, None),
         (3.0, ((208.05, 0.0, 5.0),), BEYOND, ReturnBy.LANDING, None, None),  # nearer by 1.95 m: 2 m are required
         (3.0, ((207.9, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, None),  # by 2.1 m
-        (4.0, (), BEYOND, ReturnBy.BACK, None, None),
-        (4.0, (), BEHIND, ReturnBy.AHEAD, None, None),
+        (4.0, (), BEYOND, ReturnBy.MISSION_REVERSED, None, None),
+        (4.0, (), BEHIND, ReturnBy.MISSION_FORWARD, None, None),
         (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, NEW),  # one at home, where home is none
-        (5.0, (), BEYOND, ReturnBy.HERE, None, NEW),
+        (5.0, (), BEYOND, ReturnBy.LAND_IN_PLACE, None, NEW),
         (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, None, OLD),  # as 0 before 1.18
     ],
 )

@@ -33,14 +33,14 @@ COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingenc
 
 
 class Grade(StrEnum):
-    """`CLEAR`: each possible flight keeps the required distance. `MAY`: some do not.
+    """`CLEAR`: each possible flight keeps the required distance. `POSSIBLY_UNCLEAR`: some do not.
 
-    `WOULD`: the predicted path does not, at half or more of the possible times. `UNKNOWN`: the path is unknown.
+    `UNCLEAR`: the predicted path does not, at half or more of the possible times. `UNKNOWN`: the path is unknown.
     """
 
     CLEAR = "clear"
-    MAY = "perhaps not clear"
-    WOULD = "not clear"
+    POSSIBLY_UNCLEAR = "perhaps not clear"
+    UNCLEAR = "not clear"
     UNKNOWN = "unknown"
 
 
@@ -242,7 +242,7 @@ class Contingencies:
         clear, shares = clear_at_any_time(times, samples.clear, tolerances), np.zeros(len(times))
         if not clear.all():
             shares[~clear] = share_nearer(times[~clear], tolerances[~clear], *self._nearer(contingency, samples))
-        unclear = [Grade.WOULD if share >= 0.5 else Grade.MAY for share in shares]
+        unclear = [Grade.UNCLEAR if share >= 0.5 else Grade.POSSIBLY_UNCLEAR for share in shares]
         return [Grade.CLEAR if is_clear else grade for is_clear, grade in zip(clear, unclear, strict=True)]
 
     def _nearer(self, contingency: Contingency, samples: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
@@ -296,17 +296,17 @@ class Contingencies:
         except MissionError as error:
             return replace(row, why_untimed=str(error))
         used = [each.used.between for each in flown if each.used is not None]
-        touching = [each.touches for each in flown if each.touches is not None]
+        touching = [each.touches_s for each in flown if each.touches_s is not None]
         touches = (min(low for low, _ in touching), max(high for _, high in touching)) if touching else None
-        lasts = min(each.lasts[0] for each in flown), max(each.lasts[1] for each in flown)
+        lasts = min(each.duration_s[0] for each in flown), max(each.duration_s[1] for each in flown)
         takes = (min(each.low for each in used), max(each.high for each in used)) if used else None
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
-    def lasts(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
-        taken = self.takes(contingency, time)
-        return None if taken is None else taken.lasts
+    def duration_s(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
+        prediction = self.predicted(contingency, time)
+        return None if prediction is None else prediction.duration_s
 
-    def takes(self, contingency: Contingency, time: float) -> PredictedContingency | None:
+    def predicted(self, contingency: Contingency, time: float) -> PredictedContingency | None:
         try:
             return predict_contingency(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:

@@ -31,7 +31,7 @@ class ContingenciesNow:
     def __init__(self, forecast: Forecast, ordered: tuple[Contingency, ...] = TIMED) -> None:
         self._contingencies = forecast.cached(Contingencies)
         self._rows = {contingency: self._contingencies.rows(contingency, timed=False) for contingency in ordered}
-        self._lasts = lru_cache(maxsize=256)(self._contingencies.lasts)
+        self._duration_s = lru_cache(maxsize=256)(self._contingencies.duration_s)
         self._late_s = 0.0
 
     def at(self, time: float) -> tuple[tuple[ContingencyRow, float | None], ...]:
@@ -59,7 +59,7 @@ class ContingenciesNow:
         ground = np.array([stop[0], stop[1], float(paths.enlarged.airspace.ground(stop[None, :])[0])])
         path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
         near = paths.enlarged.airspace.obstacle_clearance(path, within=paths.required + 8.0)  # [m]
-        grade = Grade.CLEAR if near.distance >= paths.required else Grade.WOULD
+        grade = Grade.CLEAR if near.distance >= paths.required else Grade.UNCLEAR
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, paths.required, near.what, "here")
 
     def words(self, time: float) -> str:
@@ -77,7 +77,8 @@ class ContingenciesNow:
         end = begin + DURATIONS.step_s
         while True:
             times = np.clip([begin, end], *self._contingencies.paths.in_air)
-            lasts = {t: sum(both) / 2 for t in times.tolist() if (both := self._lasts(row.contingency, t)) is not None}
+            ranges = ((t, self._duration_s(row.contingency, t)) for t in times.tolist())
+            lasts = {t: sum(both) / 2 for t, both in ranges if both is not None}
             middle, took, step_s = (begin + end) / 2, list(lasts.values()), end - begin
             if step_s <= DURATIONS.min_step_s or len(took) < 2 or abs(took[1] - took[0]) < DURATIONS.max_slope * step_s:
                 return float(np.interp(time, [*lasts], took)) if lasts else None

@@ -297,7 +297,7 @@ class ContingencyPaths:
         climbs = ReturnLeg.CLIMBS
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
-            flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
+            flown, of = self._flown_so_far(times, by is ReturnBy.MISSION_FORWARD)
             for k in range(first, first + self._variants):
                 nearer = flown < near[:, k, climbs]
                 near[nearer, k, climbs], which[nearer, k, climbs] = flown[nearer], of[nearer]
@@ -380,11 +380,11 @@ def _padded(paths: Paths, places: int) -> Paths:
 
 
 class PredictedContingency(NamedTuple):
-    """Duration until it disarms and until it touches down [s]; `used` energy, None where unknown."""
+    """`duration_s`: until it disarms; `touches_s`: until it touches down; `used` energy, None where unknown."""
 
-    lasts: tuple[float, float]
+    duration_s: tuple[float, float]
     used: Consumption | None
-    touches: tuple[float, float] | None
+    touches_s: tuple[float, float] | None
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:

@@ -17,7 +17,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.mission.program import as_flown
 
-WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
+WHERE = {ReturnBy.MISSION_FORWARD: "the landing along the mission", ReturnBy.MISSION_REVERSED: "home"}
 
 
 class ReturnRoutes:
@@ -37,7 +37,7 @@ class ReturnRoutes:
 
     @cached_property
     def why_unknown(self) -> str | None:
-        for by in (ReturnBy.LANDING, ReturnBy.HERE):
+        for by in (ReturnBy.LANDING, ReturnBy.LAND_IN_PLACE):
             if by in self._all_kinds:
                 sinks = ", which begin during the landing," if by is ReturnBy.LANDING else ""
                 return f"returns {by}{sinks} are not modeled"
@@ -88,7 +88,7 @@ class ReturnRoutes:
         return np.concatenate([np.stack([places, stops, stops], axis=1), paths, down[:, None]], axis=1)
 
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
-        if by is ReturnBy.BACK:
+        if by is ReturnBy.MISSION_REVERSED:
             before = [place for number, place in reversed(self._places) if number < seq] or [self._places[0][1]]
             last, down = before[-1], np.zeros(3)
             yield from before

@@ -258,7 +258,7 @@ class _LegBuilder:
         """Return legs home or to the chosen rally point, then alternatives."""
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
         route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
-        if route.by is ReturnBy.BACK:
+        if route.by is ReturnBy.MISSION_REVERSED:
             yield from self._back(seq)
             return
         paths = list(self.trace_returns(self.at[None]))

@@ -61,7 +61,7 @@ class Itinerary:
         by = self._route_of_return(here, self._visited_landing(n, here)).by
         if by is ReturnBy.DIRECT:
             return None
-        if by is not ReturnBy.BACK:
+        if by is not ReturnBy.MISSION_REVERSED:
             raise NotModeled(f"the time of returns {by} is not modeled")
         visited = [k for k, visit in enumerate(self.visits[:n]) if visit.item.command in FLOWN_TO]
         places = [self.program.place(k, here) for k in reversed(visited)] or [here]

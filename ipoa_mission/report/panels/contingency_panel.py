@@ -22,8 +22,8 @@ from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
 GradeLook: TypeAlias = Literal["clear", "perhaps", "not clear", "unknown"]
 GRADE_LOOKS: dict[Grade, GradeLook] = {
     Grade.CLEAR: "clear",
-    Grade.MAY: "perhaps",
-    Grade.WOULD: "not clear",
+    Grade.POSSIBLY_UNCLEAR: "perhaps",
+    Grade.UNCLEAR: "not clear",
     Grade.UNKNOWN: "unknown",
 }
 

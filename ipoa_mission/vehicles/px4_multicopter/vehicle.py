@@ -296,9 +296,9 @@ class Px4Multicopter(Autopilot):
         kind = parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
         if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
             ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
-            return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)
+            return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
         rally_only = kind == ReturnType.RALLY_ONLY and (version or self.newest).series >= (1, 18)
-        best = ReturnRoute(ReturnBy.HERE if rally_only else ReturnBy.DIRECT)
+        best = ReturnRoute(ReturnBy.LAND_IN_PLACE if rally_only else ReturnBy.DIRECT)
         nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else level_distance(here, HOME)
         advantage = 2.0  # [m]
         if landing is not None and kind in {ReturnType.HOME_LAST, ReturnType.NEAREST}:
