@@ -13,7 +13,8 @@ each. The modules below are internal and may change with any version.
 # No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
 _WHERE: dict[str, str] = {}
 #: Names of 0.4 and their replacements; the old ones are removed with 0.6.
-_RENAMED = {"write_plan": "write_mission", "write_waypoints": "write_mission"}
+_RENAMED = dict.fromkeys(("write_plan", "write_waypoints"), "write_mission")
+_RENAMED |= {"assemble": "assemble_mission", "fly": "fly_built_in", "split": "split_by_battery"}
 
 
 def _where() -> dict[str, str]:

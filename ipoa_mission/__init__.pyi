@@ -14,7 +14,7 @@ from ipoa_mission.finding import Severity as Severity
 from ipoa_mission.flight.flight import Flight as Flight
 from ipoa_mission.flight.flight import plan_flight as plan_flight
 from ipoa_mission.flight.flight import write_report as write_report
-from ipoa_mission.flight.flight_parts import split as split
+from ipoa_mission.flight.flight_parts import split_by_battery as split_by_battery
 from ipoa_mission.flight.preflight import FarFromHome as FarFromHome
 from ipoa_mission.flight.preflight import FastLanding as FastLanding
 from ipoa_mission.flight.preflight import LowBattery as LowBattery
@@ -72,13 +72,13 @@ from ipoa_mission.report.exports import write_export as write_export
 from ipoa_mission.report.plots import draw_views as draw_views
 from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.report.table import mission_table as mission_table
-from ipoa_mission.routing.assemble import assemble as assemble
+from ipoa_mission.routing.assemble import assemble_mission as assemble_mission
 from ipoa_mission.routing.route import NoRoute as NoRoute
 from ipoa_mission.scenario import Scenario as Scenario
 from ipoa_mission.scenario import read_scenario as read_scenario
 from ipoa_mission.scenario.path_limits import Limits as Limits
 from ipoa_mission.simulator.faults import Faults as Faults
-from ipoa_mission.simulator.fly import fly as fly
+from ipoa_mission.simulator.fly import fly_built_in as fly_built_in
 from ipoa_mission.survey.survey_flight import Survey as Survey
 from ipoa_mission.survey.survey_flight import plan_survey as plan_survey
 from ipoa_mission.wind import Wind as Wind

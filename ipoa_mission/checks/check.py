@@ -55,7 +55,7 @@ def check_mission(
 
 def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
     """Return the findings; `read` has those of reading the file."""
-    mission, scenario = forecast.given, forecast.scenario
+    mission, scenario = forecast.mission_as_read, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
     version = check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
@@ -91,7 +91,7 @@ def check(forecast: Forecast, ignore: Iterable[str] = (), read: Iterable[Finding
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
     """Return the flight without wrong items, None if home is wrong; a take-off without a place is one from home."""
-    mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
+    mission, wrong = forecast.mission_as_read, {finding.seq for finding in unsound(positions)}
     if 0 in wrong:
         return None
     if not wrong:
@@ -114,5 +114,5 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 def guarantee_if_flown(forecast: Forecast) -> "ClearanceGuarantee | None":
     """Return the guarantee; None where it cannot be flown or is unknown."""
-    mission = forecast.given
+    mission = forecast.mission_as_read
     return None if refusals(mission) or is_too_long(mission) else forecast.guarantee_if_known

@@ -329,7 +329,7 @@ def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
 
 
 def check_known_path(forecast: Forecast) -> Iterator[Finding]:
-    mission = forecast.given
+    mission = forecast.mission_as_read
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:
         at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is unknown"

@@ -182,7 +182,7 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
 
 def _why_not(forecast: Forecast, wind: Wind) -> str | None:
     try:
-        Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(noise_free=True)
+        Forecast(forecast.mission_as_read, forecast.scenario, wind, forecast.left_out).predicted(noise_free=True)
     except MissionError as error:
         return str(error)
     return None
@@ -222,7 +222,7 @@ def _remedy(paths: ContingencyPaths) -> str | None:
     higher, left = try_return_altitudes(paths, paths.forecast, short)[0]
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):
         return None
-    value = higher.given.parameters[by.name]
+    value = higher.mission_as_read.parameters[by.name]
     return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
 
 

@@ -75,7 +75,7 @@ class CheckedFile:
             about |= contingencies_as_json(*self.contingencies)
         if self.forecast.wind.strongest > 0:
             about["wind"] = self.forecast.wind.as_json()
-        mission = self.forecast.given
+        mission = self.forecast.mission_as_read
         return about | {"firmware": mission.autopilot.facts(mission.firmware_version)}
 
     def lines(self) -> Iterator[str]:
@@ -92,7 +92,7 @@ class CheckedFile:
     def counts(self) -> str:
         if self.forecast is None:
             return f"{self.file}: not checked"
-        mission, errors = self.forecast.given, self.errors
+        mission, errors = self.forecast.mission_as_read, self.errors
         severities = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
         items = counted(len(mission.items), "item")
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"

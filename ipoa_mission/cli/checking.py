@@ -92,7 +92,7 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
     requested, forecast, world = read_forecast(file, how)
     if wrong := refusals(requested.mission):
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
-    asked = forecast.given
+    asked = forecast.mission_as_read
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
     mission, prediction, budget = forecast.mission, forecast.estimate, None
     if forecast.energy is not None:
@@ -144,7 +144,7 @@ def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str
     from ipoa_mission.checks.firmware_check import check_firmware, check_version
     from ipoa_mission.finding import Severity
 
-    prediction, world, asked = forecast.estimate, forecast.scenario, forecast.given
+    prediction, world, asked = forecast.estimate, forecast.scenario, forecast.mission_as_read
     version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
     unmeasured = (finding.message for finding in version)
     refused = (finding.message for finding in check_firmware(requested.mission) if finding.severity is Severity.ERROR)

@@ -28,7 +28,7 @@ STATES = frozenset({
 })  # fmt: skip
 
 
-def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
+def split_by_battery(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
     """Split a mission into the fewest flights that one battery each completes.
 
     Args:
@@ -44,23 +44,23 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
         MissionError: it jumps, begins in the air, or there is no clear way home, or back, at a waypoint.
 
     Example:
-        >>> from ipoa_mission import read_mission, read_scenario, split
+        >>> from ipoa_mission import read_mission, read_scenario, split_by_battery
         >>> airframe = {"mass_kg": 3.0, "rotor_diameter": 0.35}
         >>> scenario = read_scenario("missions/campus.toml")
         >>> battery = {"capacity_wh": 100.0}
         >>> vehicle = type(scenario.vehicle)(autopilot="ardupilot", airframe=airframe, battery=battery)
         >>> enough = scenario.model_copy(update={"vehicle": vehicle})
-        >>> len(split(read_mission("missions/campus.plan"), enough))
+        >>> len(split_by_battery(read_mission("missions/campus.plan"), enough))
         1
     """
-    return tuple(flight.given for flight in split_flight(Forecast(mission, scenario)))
+    return tuple(flight.mission_as_read for flight in split_flight(Forecast(mission, scenario)))
 
 
 def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     """Return the forecasts of the parts.
 
     Raises:
-        BadInput, NotEnoughBattery, MissionError: as `split`.
+        BadInput, NotEnoughBattery, MissionError: as `split_by_battery`.
     """
     budget = budget_of(whole)
     if budget is None or budget.battery is None:
@@ -78,7 +78,7 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
 
 class _Parts:
     def __init__(self, whole: Forecast) -> None:
-        self.whole, self.mission = whole, whole.given
+        self.whole, self.mission = whole, whole.mission_as_read
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
         if len(begins) != 1 or any(item.command in NOT_SPLITTABLE for item in items):

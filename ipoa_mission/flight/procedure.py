@@ -172,7 +172,7 @@ def fly_mission(
 
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> Forecast:
-    mission, anyway, stages = forecast.given, options.anyway, options.stages
+    mission, anyway, stages = forecast.mission_as_read, options.anyway, options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
         await_home(vehicle, show)
@@ -202,7 +202,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
         if not options.anyway:
             expect_charge(vehicle, forecast, options.first)
         try:
-            notes = check_start(forecast.given, forecast.scenario, options.first, there)
+            notes = check_start(forecast.mission_as_read, forecast.scenario, options.first, there)
         except NotAtStart as elsewhere:
             if not options.anyway:
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
@@ -223,7 +223,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
-    mission = forecast.given
+    mission = forecast.mission_as_read
     try:
         if mission.autopilot is not vehicle.autopilot:
             words = f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}"

@@ -44,7 +44,7 @@ class Forecast:
         left_out: items without legs to or from them.
 
     Attributes:
-        given: the mission as passed in, with the scenario's firmware version where it names none.
+        mission_as_read: the mission as passed in, with the scenario's firmware version where it names none.
 
     Raises:
         BadInput: the mission is of another place than the scenario.
@@ -74,7 +74,7 @@ class Forecast:
             version = mission.firmware_version or vehicle.version
             unmeasured = mission.unmeasured_version or vehicle.unmeasured_version
             mission = replace(mission, firmware_version=version, unmeasured_version=unmeasured)
-        self.scenario, self.given = scenario, mission
+        self.scenario, self.mission_as_read = scenario, mission
 
     @cached_property
     def mission(self) -> Mission:
@@ -84,16 +84,17 @@ class Forecast:
             BadInput: the mission is of another place than the scenario.
         """
         if self.scenario is None:
-            return self.given
+            return self.mission_as_read
         vehicle = self.scenario.vehicle
-        self.scenario.expect_here(self.given.home)
-        flown = self.given.assuming(vehicle.autopilot_parameters())
+        self.scenario.expect_here(self.mission_as_read.home)
+        flown = self.mission_as_read.assuming(vehicle.autopilot_parameters())
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
 
     def on(self, version: Version | None) -> "Forecast":
-        if version is None or version == self.given.firmware_version:
+        if version is None or version == self.mission_as_read.firmware_version:
             return self
-        return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
+        mission = replace(self.mission_as_read, firmware_version=version)
+        return Forecast(mission, self.scenario, self.wind, self.left_out)
 
     def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
         """Return `make` of this forecast, computed once; `by` is a faster way."""
@@ -147,7 +148,7 @@ class Forecast:
 
     @cached_property
     def unknown(self) -> tuple[Unknown, ...]:
-        return tuple(find_unknown(self.given))
+        return tuple(find_unknown(self.mission_as_read))
 
     def predicted(self, noise_free: bool, fast: bool | None = None) -> "Prediction":
         """Predict times and places, `noise_free` or with the mean of sensor noise.
@@ -213,7 +214,7 @@ class Forecast:
         task = clearance_task(self.world, self.mission.autopilot)
         return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
 
-    promise = renamed("promise", "guarantee")
+    given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")
 
     @property
     def guarantee_if_known(self) -> "ClearanceGuarantee | None":

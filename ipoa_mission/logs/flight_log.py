@@ -97,9 +97,9 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
         MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
 
     Example:
-        >>> from ipoa_mission import fly, read_flight, read_mission
+        >>> from ipoa_mission import fly_built_in, read_flight, read_mission
         >>> mission = read_mission("missions/sitl.plan")
-        >>> flown = fly(mission, log="sitl.tlog")
+        >>> flown = fly_built_in(mission, log="sitl.tlog")
         >>> abs(read_flight("sitl.tlog", mission).total_s - flown.total_s) < 1.0
         True
     """

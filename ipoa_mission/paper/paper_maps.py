@@ -6,7 +6,7 @@ start to goal and 15 m/s.
 
 import numpy as np
 
-from ipoa_mission import Command, NoRoute, Scenario, assemble, estimate, fly, read_scenario
+from ipoa_mission import Command, NoRoute, Scenario, assemble_mission, estimate, fly_built_in, read_scenario
 from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
@@ -126,10 +126,10 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
     close = scenario.model_copy(update={"safety_distance": 0.0})
     plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, optimum.evaluations, optimum.history)
     try:
-        mission = assemble(plan, close)
+        mission = assemble_mission(plan, close)
     except NoRoute:
         return {"flyable": 0.0}
-    record, predicted = fly(mission), estimate(mission)
+    record, predicted = fly_built_in(mission), estimate(mission)
     waypoints = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
     first, last = waypoints[0] - 1, waypoints[-1]
     done = {item.seq: item.done_s for item in predicted.items}

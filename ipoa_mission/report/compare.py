@@ -80,9 +80,9 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
         All legs and their totals.
 
     Example:
-        >>> from ipoa_mission import compare_flight, estimate, fly, read_mission
+        >>> from ipoa_mission import compare_flight, estimate, fly_built_in, read_mission
         >>> mission = read_mission("missions/sitl.plan")
-        >>> abs(compare_flight(estimate(mission), fly(mission)).route_error) < 0.05
+        >>> abs(compare_flight(estimate(mission), fly_built_in(mission)).route_error) < 0.05
         True
     """
     legs = dict[int, LegTime]()

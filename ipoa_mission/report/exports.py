@@ -106,7 +106,7 @@ def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
 
 def to_geojson(forecast: Forecast, name: str) -> str:
     """Write one feature a line."""
-    mission = forecast.given
+    mission = forecast.mission_as_read
     (_, home), *rally = marks_of(mission)
     features = [_point(home, {"kind": "home", "seq": 0})]
     for stretch in lines_of(forecast):
@@ -149,7 +149,7 @@ def _feature(geometry: dict[str, Any], properties: dict[str, Any]) -> dict[str, 
 
 
 def to_kml(forecast: Forecast, name: str) -> str:
-    mission = forecast.given
+    mission = forecast.mission_as_read
     root = Tree.Element("kml", xmlns="http://www.opengis.net/kml/2.2")
     document = _element(root, "Document")
     _element(document, "name", name)
@@ -215,7 +215,7 @@ def _coordinates(places: Iterable[LonLatUp]) -> str:
 
 
 def to_gpx(forecast: Forecast, name: str) -> str:
-    mission = forecast.given
+    mission = forecast.mission_as_read
     root = Tree.Element("gpx", xmlns="http://www.topografix.com/GPX/1/1", version="1.1", creator="ipoa-mission")
     _element(_element(root, "metadata"), "name", name)
     for label, place in marks_of(mission):
@@ -282,5 +282,5 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
 
 def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
     """Raise BadInput for an undrawable position or height."""
-    refuse_unsound(forecast.given)
+    refuse_unsound(forecast.mission_as_read)
     return EXPORTS[suffix](forecast, name)

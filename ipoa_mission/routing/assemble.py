@@ -19,7 +19,7 @@ NARROW = 2  # halvings
 TURNED_LATE = 2.5  # acceptance radius of PX4 in slower flight [m]
 
 
-def assemble(plan: Plan, scenario: Scenario) -> Mission:
+def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
     """Build the mission that flies a plan, with waypoints and ending as `scenario.route` asks.
 
     Args:
@@ -34,9 +34,9 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
         NoRoute: no choice of waypoints keeps the required clearance.
 
     Example:
-        >>> from ipoa_mission import Command, assemble, plan_path, read_scenario
+        >>> from ipoa_mission import Command, assemble_mission, plan_path, read_scenario
         >>> scenario = read_scenario("missions/sitl.toml")
-        >>> mission = assemble(plan_path(scenario, seed=7), scenario)
+        >>> mission = assemble_mission(plan_path(scenario, seed=7), scenario)
         >>> Command(mission.items[0].command).name
         'NAV_TAKEOFF'
     """

@@ -102,7 +102,7 @@ class Attempt:
     @cached_property
     def quick_prediction(self) -> "RoutePrediction":
         """Fly without noise, only to the goal."""
-        mission = self.draft.given
+        mission = self.draft.mission_as_read
         return _predict(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), noise_free=True)
 
 
@@ -140,7 +140,7 @@ class RoutePrediction:
 
 
 def _predict(attempt: Attempt, forecast: Forecast, noise_free: bool) -> RoutePrediction:
-    prediction, mission = forecast.predicted(noise_free, fast=True), forecast.given
+    prediction, mission = forecast.predicted(noise_free, fast=True), forecast.mission_as_read
     first, *_, last = items_of_waypoints(attempt.route)
     begin, end = float(prediction.done[first]), float(prediction.done[last])
     track = prediction.track.local()

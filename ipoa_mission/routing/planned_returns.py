@@ -79,7 +79,7 @@ def _with_rally_points(
         if (rally := search.propose()) is None:
             break
         try:
-            mission = slow_landings(replace(forecast.given, rally=rally), forecast.world)
+            mission = slow_landings(replace(forecast.mission_as_read, rally=rally), forecast.world)
         except Unsafe:
             continue
         landing = Forecast(mission, forecast.scenario, forecast.wind)
@@ -119,9 +119,10 @@ def other_options_hint(forecast: Forecast) -> str:
 def return_remarks(forecast: Forecast) -> Iterator[str]:
     scenario, mission = forecast.world, forecast.mission
     name = mission.autopilot.parameter_table.return_height.name
-    if name in forecast.given.parameters and not names_return_altitude(scenario):
+    parameters = forecast.mission_as_read.parameters
+    if name in parameters and not names_return_altitude(scenario):
         yield (
-            f"RTL is clear from every second with {name} = {forecast.given.parameters[name]:g} in the vehicle "
+            f"RTL is clear from every second with {name} = {parameters[name]:g} in the vehicle "
             f"({scenario.name}.params; `fly --set-params` writes it)"
         )
     if len(mission.rally) > len(scenario.rally_points):

@@ -23,7 +23,7 @@ from ipoa_mission.simulator.station import Station
 from ipoa_mission.wind import CALM, Wind
 
 
-def fly(
+def fly_built_in(
     mission: Mission,
     parameters: Parameters = NO_PARAMETERS,
     wind: Wind = CALM,
@@ -56,8 +56,8 @@ def fly(
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
 
     Example:
-        >>> from ipoa_mission import fly, read_mission
-        >>> fly(read_mission("missions/sitl.plan")).completed
+        >>> from ipoa_mission import fly_built_in, read_mission
+        >>> fly_built_in(read_mission("missions/sitl.plan")).completed
         True
     """
     expect_known(parameters, mission.autopilot)

@@ -62,7 +62,7 @@ class FlightWorker:
         system = order["system"]
         with _built_in(handed.forecast, log) if link is None else connect(link, system=system, log=log) as vehicle:
             forecast = handed.forecast.on(vehicle.firmware_version())
-            items = len(forecast.given.items)
+            items = len(forecast.mission_as_read.items)
             name = f"{'built-in ' if link is None else ''}{vehicle.autopilot}, system {vehicle.system}"
             forecast, remarks = _upload(forecast, vehicle, order["set_params"], answer)
             loaded = Loaded(

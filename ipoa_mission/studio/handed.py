@@ -48,7 +48,7 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
     about = [None if scenario is None else scenario.name, *remarks, forecast.estimate.total_s]
     if scenario is None:
         remarks.append("no scenario gives the obstacles: neither clearance nor contingencies were checked")
-    known = Forecast(replace(forecast.given, parameters=mission.parameters), scenario, forecast.wind)
+    known = Forecast(replace(forecast.mission_as_read, parameters=mission.parameters), scenario, forecast.wind)
     return HandedOver(name, known, _digest(mission, about), tuple(remarks))
 
 

@@ -88,7 +88,7 @@ def _shortened(words: str) -> str:
 def mission_answer(
     file: MissionFile, forecast: Forecast, revision: int, worlds: Sequence[str], world: str | None
 ) -> OpenMission:
-    mission = forecast.given
+    mission = forecast.mission_as_read
     firmware = mission.autopilot.firmware(mission.firmware_version)
     commands = (firmware.placed.keys() | firmware.plain.keys()) - firmware.fence.keys() - firmware.rally.keys()
     kinds = {command: kind_of(command, command in firmware.placed) for command in sorted(commands)}
@@ -129,7 +129,7 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    mission, scenario, frame = forecast.given, forecast.scenario, LocalFrame(forecast.given.home)
+    mission, scenario, frame = forecast.mission_as_read, forecast.scenario, LocalFrame(forecast.mission_as_read.home)
     here = round(mission.home.longitude_deg, 7), round(mission.home.latitude_deg, 7)
     spot = answers.Spot(name="home", path=("home",), place=here, up=0.0, above_ground=0.0)
     sections = map(FenceSection.model_validate, fences_of(mission))
@@ -181,7 +181,7 @@ def check_answer(findings: Sequence[Finding], forecast: Forecast, revision: int)
 
 
 def _why_timeless(forecast: Forecast) -> str | None:
-    mission, scenario = forecast.given, forecast.scenario
+    mission, scenario = forecast.mission_as_read, forecast.scenario
     if not mission.items:
         return "it has no item"
     if refusals(mission):

@@ -97,7 +97,7 @@ def end_mission(order: JobOrder, answer: Answer) -> None:
 def hand_over_mission(order: JobOrder, answer: Answer) -> None:
     file, forecast = _mission(order)
     warnings = refuse_errors(check(forecast, read=file.findings))
-    refuse_unsound(forecast.given)
+    refuse_unsound(forecast.mission_as_read)
     mission_over(Path(order["path"]).stem, forecast, warnings).write(Path(order["file"]))
 
 

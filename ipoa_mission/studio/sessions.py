@@ -182,7 +182,7 @@ def _mission_of(log: Path) -> Path:
     for flight in read.flights:
         compared = compare_logged(flight) if flight.in_mission else None
         if compared is not None:
-            mission = replace(compared.forecast.given, parameters=compared.parameters)
+            mission = replace(compared.forecast.mission_as_read, parameters=compared.parameters)
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
             write_mission(mission, target)
             return target

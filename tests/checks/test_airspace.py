@@ -19,7 +19,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import Ground
 from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
 from tests.finding_codes import codes_of
@@ -77,7 +77,7 @@ def test_the_leg_to_a_payload_place_or_a_loiter_to_altitude_is_checked(command: 
     through = replace(through, items=(*through.items[:2], there, *through.items[2:]))
     assert "error leg-too-near 3" in seen(through, scenario)
 
-    flown, predicted = fly(through), estimate(through)
+    flown, predicted = fly_built_in(through), estimate(through)
     assert predicted.items[2].duration_s == pytest.approx(flown.item_reached_s[2] - flown.item_reached_s[1], abs=0.6)
     assert predicted.items[2].duration_s > 10.0
     if command == Command.NAV_PAYLOAD_PLACE:

@@ -112,7 +112,7 @@ def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
     flight.report("api.html")
     api.write_report(api.Forecast(flight.mission, scenario), "by_hand.html", flight.plan, remarks=flight.remarks)
     assert Path("api.html").read_bytes() == Path("by_hand.html").read_bytes()
-    record = api.fly(flight.mission, log="api.tlog")
+    record = api.fly_built_in(flight.mission, log="api.tlog")
     flight.write("api")
     flown = json.loads(run("fly api/slow.plan --out cli --json").out)
     assert flown["flown_s"] == round(record.total_s, 3)
@@ -133,8 +133,8 @@ def test_what_is_given_goes_before_what_the_mission_carries(run: Run, slow: Path
     by_python = api.estimate(flight.mission, {"MPC_LAND_SPEED": 0.7}).total_s
     assert by_command == round(by_python, 3)
     assert by_python < flight.estimate.total_s - 1.0
-    longer = api.fly(flight.mission, seed=1).total_s
-    assert api.fly(flight.mission, {"MPC_LAND_SPEED": 0.7}, seed=1).total_s < longer - 1.0
+    longer = api.fly_built_in(flight.mission, seed=1).total_s
+    assert api.fly_built_in(flight.mission, {"MPC_LAND_SPEED": 0.7}, seed=1).total_s < longer - 1.0
 
 
 @pytest.mark.parametrize("name", ["sitl"])

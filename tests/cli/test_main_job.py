@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
 from tests.refused import refuses
@@ -63,7 +63,7 @@ def test_a_mission_file_flies_without_its_scenario(run: Run, planned: Planned) -
 def test_a_refused_item_is_named_by_its_number_for_both_autopilots(planned: Planned, autopilot: Autopilot) -> None:
     mission = read_mission(planned("sitl")[1] / "sitl.plan", autopilot)
     with refuses("mission-refused", "", "item 2", "ERROR"):
-        fly(mission, faults=Faults(nak_at=2))
+        fly_built_in(mission, faults=Faults(nak_at=2))
 
 
 @pytest.mark.parametrize("name", some(2, SCENARIOS))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
+from ipoa_mission import Autopilot, BadInput, estimate, fly_built_in, read_mission, write_mission
 from ipoa_mission.autopilot.autopilot import registered
 from ipoa_mission.autopilot.known_parameters import expect_known, expect_own, firmware_of, translated
 from ipoa_mission.logs.flight_log import read_flights
@@ -125,7 +125,7 @@ def test_parameters_of_the_other_firmware_are_ignored_and_the_check_runs(run: Ru
 
 def test_the_api_refuses_what_no_model_knows(mission: Path) -> None:
     flown = read_mission(mission)
-    for job in (estimate, fly):
+    for job in (estimate, fly_built_in):
         for name, code in (("NONSENSE", "unknown-parameter"), ("WPNAV_SPEED", "bad-input")):
             with refuses(code, name, kind=BadInput):
                 job(flown, {name: 1.0})

@@ -115,7 +115,7 @@ def test_nothing_is_planned_for_it() -> None:
 def test_the_version_of_the_vehicle_goes_before_the_one_that_is_named() -> None:
     named = Forecast(replace(plain(Autopilot.ARDUPILOT), firmware_version=Version(4, 7)))
     on_it = named.on(Version(4, 8))
-    assert on_it.given.firmware_version == Version(4, 8)
+    assert on_it.mission_as_read.firmware_version == Version(4, 8)
     assert named.on(None) is named
     assert on_it.estimate.total_s < named.estimate.total_s
     assert estimate(plain(Autopilot.ARDUPILOT)).total_s == on_it.estimate.total_s

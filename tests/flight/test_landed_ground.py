@@ -59,9 +59,9 @@ def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
 
 
 def test_a_flight_over_level_ground_says_what_was_to_be_expected_there() -> None:
-    level = api.fly(MISSION)
+    level = api.fly_built_in(MISSION)
     uphill = landing_on(MISSION, 8.5)
-    assert landed_elsewhere(api.Forecast(uphill), api.fly(uphill)) == ()
+    assert landed_elsewhere(api.Forecast(uphill), api.fly_built_in(uphill)) == ()
     (words,) = landed_elsewhere(api.Forecast(uphill), level)
     assert words.startswith("it landed 0.0 m above home, but the ground there is 8.5 m higher; ")
     assert f"{api.estimate(MISSION).total_s:.1f} s" in words

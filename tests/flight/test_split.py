@@ -4,7 +4,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from ipoa_mission import split
+from ipoa_mission import split_by_battery
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.checks.check import check_mission
@@ -50,7 +50,7 @@ def places_of(mission: Mission) -> list[Item]:
 def test_each_part_comes_home_and_together_they_fly_all_of_it() -> None:
     scenario = world(22.0)
     mission = strips(scenario)
-    parts = split(mission, scenario)
+    parts = split_by_battery(mission, scenario)
     assert len(parts) > 1
     flown = [places_of(part) for part in parts]
     for own, following in pairwise(flown):
@@ -73,7 +73,7 @@ def test_the_fewest_flights_are_taken() -> None:
     """No flight could have gone on to the next waypoint: by the triangle's law none can be spared."""
     scenario = world(22.0)
     mission = strips(scenario)
-    parts = split(mission, scenario)
+    parts = split_by_battery(mission, scenario)
     places, reached = places_of(mission), 0
     for part in parts[:-1]:
         own = places_of(part)
@@ -87,15 +87,17 @@ def test_the_fewest_flights_are_taken() -> None:
 def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
     scenario = world(400.0)
     mission = strips(scenario)
-    assert split(mission, scenario) == (mission,)
+    assert split_by_battery(mission, scenario) == (mission,)
     with refuses("not-enough-battery", "item 3 is too far for one battery: battery"):
-        split(mission, world(3.0))
+        split_by_battery(mission, world(3.0))
     bare = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"battery": None})})
     with refuses("battery-missing", "vehicle.battery", kind=BadInput):
-        split(mission, bare)
+        split_by_battery(mission, bare)
     jump = Item(Command.DO_JUMP, Frame.MISSION, (3.0, 1.0, 0.0, 0.0))
     with refuses("not-split"):
-        split(Mission(mission.home, (*mission.items[:-1], jump, mission.items[-1]), mission.autopilot), world(22.0))
+        split_by_battery(
+            Mission(mission.home, (*mission.items[:-1], jump, mission.items[-1]), mission.autopilot), world(22.0)
+        )
 
 
 def test_an_unclear_straight_approach_is_flown_at_the_return_altitude() -> None:
@@ -103,7 +105,7 @@ def test_an_unclear_straight_approach_is_flown_at_the_return_altitude() -> None:
     wall = {"kind": "box", "name": "wall", "east": 10.0, "north": -10.0, "width": 6.0, "depth": 36.0, "height": 22.0}
     scenario = world(22.0, wall)
     mission = strips(scenario, 12.0, [(40, 150), *((east, 0) for east in (90, 150, 210))])
-    parts = split(mission, scenario)
+    parts = split_by_battery(mission, scenario)
     assert len(parts) > 1
     for part in parts[1:]:
         assert [item.altitude for item in places_of(part)[:2]] == pytest.approx([40.0, 40.0], abs=0.01)

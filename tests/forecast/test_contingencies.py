@@ -77,7 +77,7 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Contingenc
 
 def test_a_flight_of_one_moment_has_all_contingencies() -> None:
     forecast = forecast_of("campus")
-    grounded = replace(forecast.given, items=forecast.given.items[-1:])
+    grounded = replace(forecast.mission_as_read, items=forecast.mission_as_read.items[-1:])
     rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
     assert {row.contingency for row in rows} == set(COMPUTED)
     assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
@@ -154,7 +154,7 @@ def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
 @pytest.mark.parametrize("kind", [1.0, 3.0])
 def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: float) -> None:
     landed = forecast_of("sitl", RTL_TYPE=kind)
-    away = replace(landed.given, items=landed.given.items[:-1])
+    away = replace(landed.mission_as_read, items=landed.mission_as_read.items[:-1])
     typed, home = (Forecast(away.with_parameters({"RTL_TYPE": rtl_type}), landed.scenario) for rtl_type in (kind, 0.0))
     time = home.estimate.total_s / 2
     lasts = [predict_contingency(each, Contingency.RTL, time).duration_s for each in (typed, home)]
@@ -165,7 +165,7 @@ def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: floa
 
 def test_a_return_that_lands_in_place_has_no_duration() -> None:
     """RTL_TYPE 5 without a rally point, since 1.18."""
-    newer = replace(forecast_of("sitl", RTL_TYPE=5.0).given, firmware_version=Version(1, 18))
+    newer = replace(forecast_of("sitl", RTL_TYPE=5.0).mission_as_read, firmware_version=Version(1, 18))
     with refuses("not-modeled", "", "returns here"):
         predict_contingency(Forecast(newer, forecast_of("sitl").scenario), Contingency.RTL, 30.0)
 
@@ -175,8 +175,10 @@ def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float])
     forecast = forecast_of("sitl", **parameters)
     home = forecast.mission.home
     round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
-    items = (replace(item, params=(0.1, *item.params[1:])) for item in forecast.given.items)  # or 1.19 passes them
-    fenced = replace(forecast.given, items=tuple(items), fence=(round_all,), firmware_version=Version(1, 19))
+    items = (
+        replace(item, params=(0.1, *item.params[1:])) for item in forecast.mission_as_read.items
+    )  # or 1.19 passes them
+    fenced = replace(forecast.mission_as_read, items=tuple(items), fence=(round_all,), firmware_version=Version(1, 19))
     (row,) = Contingencies(Forecast(fenced, forecast.scenario)).rows(Contingency.RTL)
     assert not row.clear
     assert math.isnan(row.least_m)
@@ -202,7 +204,7 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Contingencies, kind:
 @pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
 def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencies, kind: float) -> None:
     """It passes every waypoint again, and descends over home."""
-    out = sitl.forecast.given
+    out = sitl.forecast.mission_as_read
     items = (*out.items[:-1], Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION))
     parameters = {**out.parameters, "RTL_TYPE": kind}
     forecast = Forecast(replace(out, items=items, parameters=parameters), sitl.forecast.scenario)

@@ -134,4 +134,4 @@ def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Fo
             expect_charge(vehicle, forecast)
     state.note(BatteryStatus(0, 12.0, -1.0, enough - 2))
     expect_charge(vehicle, forecast, first=len(forecast.mission.items) - 1)  # what is left out takes nothing
-    expect_charge(vehicle, Forecast(forecast.given))  # whose battery nobody knows
+    expect_charge(vehicle, Forecast(forecast.mission_as_read))  # whose battery nobody knows

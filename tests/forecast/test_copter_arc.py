@@ -15,7 +15,7 @@ from ipoa_mission.forecast.itinerary.copter_curves import arc_center, arc_chords
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import examples
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -84,7 +84,7 @@ def test_it_is_timed_on_its_circle(degrees: int) -> None:
 
 def test_the_stand_in_flies_it() -> None:
     flown = mission(90)
-    record, done = fly(flown), {item.seq: item.done_s for item in estimate(flown).items}
+    record, done = fly_built_in(flown), {item.seq: item.done_s for item in estimate(flown).items}
     assert record.completed
     reached = record.item_reached_s
     assert reached[2] - reached[1] == pytest.approx(done[3] - done[2], rel=0.05)

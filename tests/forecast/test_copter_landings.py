@@ -40,6 +40,8 @@ def test_the_interval_holds_the_landing(
     down = Item(Command.NAV_LAND, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4, *places[-1][:2], 0.0)
     contingency = down if lands else return_to_launch()
     items = (takeoff(home, height), change_speed(speed), *ways, contingency)
-    last = Forecast(Forecast(Mission(home, items, Autopilot.ARDUPILOT)).on(Version(4, 8)).given).estimate.items[-1]
+    last = Forecast(
+        Forecast(Mission(home, items, Autopilot.ARDUPILOT)).on(Version(4, 8)).mission_as_read
+    ).estimate.items[-1]
     assert last.low_s <= flown <= last.high_s
     assert np.isclose(last.high_s - last.low_s, 2.6, atol=1.0), "no wider than the spread of the landings"

@@ -45,7 +45,7 @@ def budget(capacity: float | None = None, wind: Wind = CALM, learned: bool = Tru
 def planning(forecast: Forecast) -> Forecast:
     """The same in a scenario whose returns are to be planned."""
     safety = forecast.world.safety.model_copy(update={"returns": "planned"})
-    return Forecast(forecast.given, forecast.world.model_copy(update={"safety": safety}), forecast.wind)
+    return Forecast(forecast.mission_as_read, forecast.world.model_copy(update={"safety": safety}), forecast.wind)
 
 
 def codes(capacity: float, planned: bool = False) -> dict[str, Severity]:

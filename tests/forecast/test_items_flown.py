@@ -18,7 +18,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission_file
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 
 FOLDERS = sorted((Path(__file__).resolve().parents[1] / "items_flown").iterdir())
 FLOWN = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name.removesuffix("-ardupilot"))
@@ -31,7 +31,7 @@ def read(folder: Path) -> tuple[Forecast, dict[int, float], NDArray[np.float64]]
     document = json.loads((folder / "flight.json").read_text())
     mission = read_mission_file(folder / "mission.waypoints", Autopilot.ARDUPILOT).mission
     mission = mission.with_parameters(document["params"])
-    forecast = Forecast(Forecast(mission).on(Version(4, 8)).given)
+    forecast = Forecast(Forecast(mission).on(Version(4, 8)).mission_as_read)
     rows = np.loadtxt(folder / "trace.csv", delimiter=",", skiprows=1)
     flat = LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], np.full(len(rows), mission.home.altitude))
     begins = {int(seq): float(at) for seq, at in document["item_begins_s"].items()}
@@ -72,7 +72,7 @@ def test_every_item_is_done_when_it_was(folder: Path) -> None:
 @pytest.mark.parametrize("name", ["spline_land", "circle60", "circle_none", "payload_deep", "loiter_to_alt"])
 def test_the_built_in_autopilot_flies_the_same(name: str) -> None:
     forecast, *_ = read(next(folder for folder in FOLDERS if folder.name == f"{name}-ardupilot"))
-    reached = fly(forecast.mission).item_reached_s
+    reached = fly_built_in(forecast.mission).item_reached_s
     done = dict(zip((visit.seq for visit in forecast.itinerary.visits), forecast.expected.done.tolist(), strict=True))
     for seq in range(2, len(forecast.mission.items)):
         assert reached[seq - 1] - reached[0] == pytest.approx(done[seq] - done[1], abs=0.3), seq

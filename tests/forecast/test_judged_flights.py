@@ -61,7 +61,7 @@ def test_a_flight_keeps_what_its_forecast_promises(folder: Path) -> None:
 @pytest.mark.parametrize("folder", some(5, FOLDERS), ids=lambda folder: folder.name)
 def test_a_flight_reaches_its_last_waypoint_when_predicted(folder: Path) -> None:
     forecast, done, _ = flown(folder)
-    level = Forecast(landing_on(forecast.given, 0.0)).estimate  # the simulators' ground
+    level = Forecast(landing_on(forecast.mission_as_read, 0.0)).estimate  # the simulators' ground
     last = [item for item in level.items if item.seq in done][-2]
     worst = {"4.8": 0.012, "1.17": 0.12, "1.18": 0.06}[folder.name.rsplit("-", 1)[1]]
     assert last.done_s == pytest.approx(done[last.seq], rel=worst)

@@ -17,7 +17,7 @@ from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import some
 
 FLIGHTS = Path(__file__).parents[1] / "flights"
@@ -92,7 +92,7 @@ def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str)
     points = np.array([(0.0, 0.0, 20.0), *((x, 2.0 * (-1) ** n, 20.0) for n, x in enumerate(east))])
     mission = build_mission(Route(points, spline=True, brakes_on_curve=end != "straight"), scenario)
     assert [item.command for item in mission.items[2:]] == [82, 82, 82, 16 if end == "straight" else 82, 20]
-    flight, predicted = fly(mission), estimate(mission)
+    flight, predicted = fly_built_in(mission), estimate(mission)
     latitude, longitude = (np.array([getattr(s, k) for s in flight.path]) for k in ("latitude_deg", "longitude_deg"))
     local = scenario.frame.to_local(latitude, longitude, 0.0)
     times, done = np.array([sample.time_s for sample in flight.path]), [item.done_s for item in predicted.items]

@@ -11,7 +11,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.link.messages import Heartbeat
 from ipoa_mission.logs.flight_log import read_flight, read_flights
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import vehicles
 from tests.logs.log_writers import WRITERS, Flown, write_dataflash, write_ulog
 from tests.refused import refuses
@@ -136,7 +136,7 @@ def test_a_log_that_breaks_off_gives_what_is_in_it(name: str, share: float, flow
 def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopilot: Autopilot, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     mission = mission_for(autopilot)
-    seen = fly(mission, log=log)
+    seen = fly_built_in(mission, log=log)
     logged = read_flight(log, mission)
     assert logged.completed
     assert logged.item_reached_s == pytest.approx(seen.item_reached_s, abs=0.11)  # positions come ten times a second

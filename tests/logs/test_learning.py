@@ -22,7 +22,7 @@ from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
 from ipoa_mission.learn.fit import fit, left_out, median_errors, timed
 from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import vehicles
 from tests.recorded_flights import FLOWN_ON
 from tests.refused import refuses
@@ -100,9 +100,9 @@ def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) 
     same = Mission(HOME, (takeoff(HOME, 15.0), waypoint(there, 15.0), land(there)), autopilot, parameters=fast)
     vehicle = LearnedVehicle(autopilot, drag=Learned(1.8, 1.7, 1.9), landing_delay=Learned(4.0, 3.0, 5.0))
     learned = replace(same, vehicle=vehicle)
-    flown, predicted = fly(learned), estimate(learned)
+    flown, predicted = fly_built_in(learned), estimate(learned)
     assert flown.total_s == pytest.approx(predicted.total_s, rel=0.05)
-    assert flown.total_s > fly(same).total_s + 10.0
+    assert flown.total_s > fly_built_in(same).total_s + 10.0
 
 
 def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:

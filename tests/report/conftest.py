@@ -27,7 +27,7 @@ def bowed(forecast: Foreseen) -> Bowed:
     def flight(name: str) -> Flight:
         predicted = forecast(name)
         assert predicted.scenario is not None
-        return predicted.scenario, predicted.given, predicted.estimate
+        return predicted.scenario, predicted.mission_as_read, predicted.estimate
 
     return flight
 

@@ -13,7 +13,7 @@ import pytest
 
 from ipoa_mission.flight.flight import write_report
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import some
 from tests.report.conftest import Bowed, Planned
 
@@ -268,7 +268,7 @@ def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
 def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     file = tmp_path / "flown.html"
-    write_report(Forecast(mission, scenario), file, None, fly(mission))
+    write_report(Forecast(mission, scenario), file, None, fly_built_in(mission))
     page = tab.visit(file, width=390)
     assert page.locator("path.flown").count() == 3  # map, height profile, speed
     for text in ("flown", "Estimate against flight", "off by"):

@@ -23,7 +23,7 @@ from ipoa_mission.routing.assemble import choose_route
 from ipoa_mission.routing.build import build_mission, draft_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.simulator.fly import fly as fly_here
+from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 

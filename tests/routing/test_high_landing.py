@@ -16,7 +16,7 @@ from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.checks.test_ground import ARDUPILOT, PX4, slope
 from tests.examples import some
 from tests.quick_search import search_quickly
@@ -55,7 +55,7 @@ def sink_at_last(mission: Mission) -> float:
     """Return the descent rate of the last two meters, without a range finder [m/s]."""
     if mission.autopilot is PX4:
         mission = mission.with_parameters(NO_RANGE_FINDER)
-    path = fly(mission).path
+    path = fly_built_in(mission).path
     above = [(sample.time_s, sample.height - 12.0) for sample in path[len(path) // 2 :]]
     begin = next(time for time, height in above if height < 2.0)
     end = next(time for time, height in above if height < 0.5)

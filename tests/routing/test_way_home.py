@@ -14,7 +14,7 @@ from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.repairs import raise_way_home_remarks
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario, parse_scenario
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from tests.refused import refuses
 
 ROUND_THE_HALL = ((0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0))
@@ -59,7 +59,7 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_to_return() -> No
     scenario = world(Autopilot.ARDUPILOT, 18.0)
     raised = build_mission(Route(np.array(ROUND_THE_HALL), spline=True, brakes_on_curve=True), scenario)
     assert [(item.command, round(item.altitude)) for item in raised.items[-3:]] == [(82, 20), (16, 25), (20, 0)]
-    flight = fly(raised)
+    flight = fly_built_in(raised)
     place = np.array(
         [(sample.time_s, sample.latitude_deg, sample.longitude_deg, sample.height) for sample in flight.path]
     )

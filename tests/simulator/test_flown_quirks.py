@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
 )
 from ipoa_mission.mission.items import Item, Mission, change_speed, land, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
-from ipoa_mission.simulator.fly import fly
+from ipoa_mission.simulator.fly import fly_built_in
 from ipoa_mission.simulator.situation import Conditions, FlightMode
 from tests.link_pair import CLIENT, HOME, plain
 from tests.simulator.flown import Flown
@@ -67,7 +67,7 @@ def test_ardupilot_waits_armed_before_its_take_off_as_long_as_it_may(disarm_dela
         return_to_launch(),
     )
     mission = Mission(HOME, items, ARDUPILOT, parameters={"DISARM_DELAY": disarm_delay})
-    record = fly(mission)
+    record = fly_built_in(mission)
     assert (record.completed, record.total_s) == (disarm_delay == 0.0, pytest.approx(lasts, abs=1.0))
     assert [finding.code for finding in check_mission(mission)] == ["disarms-waiting"] * (disarm_delay > 0.0)
 

@@ -11,7 +11,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.fly import board, conditions_for, fly
+from ipoa_mission.simulator.fly import board, conditions_for, fly_built_in
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses
@@ -32,7 +32,7 @@ def mission(autopilot: Autopilot, waypoints: int = 4) -> Mission:
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
-    record = fly(mission(autopilot), log=log)
+    record = fly_built_in(mission(autopilot), log=log)
     assert record.completed
     assert list(record.item_reached_s) == list(range(7))
     times = list(record.item_reached_s.values())
@@ -47,7 +47,7 @@ def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot
 def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path) -> None:
     logs = [tmp_path / "one.tlog", tmp_path / "two.tlog"]
     for log in logs:
-        fly(mission(autopilot, 1), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
+        fly_built_in(mission(autopilot, 1), faults=Faults(loss=0.1, delay_s=0.05), seed=3, log=log)
     assert logs[0].read_bytes() == logs[1].read_bytes()
 
 
@@ -93,4 +93,4 @@ def test_a_flight_begins_with_another_item_where_that_is_asked_for() -> None:
 
 def test_a_dead_radio_is_an_error_that_says_so() -> None:
     with refuses("not-heard", kind=NoAnswer):
-        fly(mission(Autopilot.PX4), faults=Faults(loss=1.0))
+        fly_built_in(mission(Autopilot.PX4), faults=Faults(loss=1.0))

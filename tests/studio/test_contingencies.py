@@ -84,7 +84,7 @@ def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]
 
 
 def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> None:
-    elsewhere = replace(forecast.given, parameters={**forecast.given.parameters, "RTL_TYPE": 1.0})
+    elsewhere = replace(forecast.mission_as_read, parameters={**forecast.mission_as_read.parameters, "RTL_TYPE": 1.0})
     *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
     bar = strip.bars[0]
     assert (bar.ending, [stretch.look for stretch in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
@@ -92,6 +92,6 @@ def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> N
 
 
 def test_without_a_world_there_is_no_bar(forecast: Forecast) -> None:
-    (strip,) = strips_of(Forecast(forecast.given), 1, 0)
+    (strip,) = strips_of(Forecast(forecast.mission_as_read), 1, 0)
     assert strip.bars == ()
     assert strip.reserve is None

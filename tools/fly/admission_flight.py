@@ -119,7 +119,7 @@ class Watch:
         self._vehicle, self._frame = vehicle, forecast.frame
         points = estimate.track.points
         self._way = np.vstack([points, points[-1] * (1.0, 1.0, 0.0)])  # the simulator's ground is level
-        level = Forecast(landing_on(forecast.given, 0.0)).estimate  # also at the landing
+        level = Forecast(landing_on(forecast.mission_as_read, 0.0)).estimate  # also at the landing
         self._ends_s = LATE * level.high_s + LATE_S
         self._armed_s = math.nan
         self.astray = 0.0
@@ -160,7 +160,7 @@ def planned(path: Path, autopilot: Autopilot, version: Version | None) -> tuple[
     named = str(version) if version is not None and version.series in autopilot.tables.series else None
     vehicle = scenario.vehicle.model_copy(update={"firmware_version": named, "unmeasured_version": True})
     scenario = scenario.model_copy(update={"vehicle": vehicle})
-    return scenario, plan_flight(scenario).forecast.given
+    return scenario, plan_flight(scenario).forecast.mission_as_read
 
 
 def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path) -> None:

@@ -115,7 +115,7 @@ def try_return_altitudes(
         if not heights:
             break
         tried.add(height := heights.pop(0))
-        raised = forecast.given.with_parameters({by.name: by.spelled(height)})
+        raised = forecast.mission_as_read.with_parameters({by.name: by.spelled(height)})
         other = Forecast(raised, forecast.scenario, forecast.wind)
         if not (left := find_return_shortfalls(paths.returning(other))):
             return [(other, [])]
