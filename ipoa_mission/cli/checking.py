@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
-from ipoa_mission.cli.options import ANYWAY, FileArgument, JsonOption, expect_world_of
+from ipoa_mission.cli.options import ANYWAY, FileArgument, JsonOption
 from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
@@ -41,7 +41,6 @@ def check(
     if how.flown_by.air is not None and how.scenario is None:
         words = "needs --scenario"
         raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
-    expect_world_of(how.contingencies, how.scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
     world = read_world(how.scenario, how.flown_by.air, how.ignore)
     checked, wrong = [], None

@@ -13,20 +13,20 @@ CELLS = 50  # characters
 SIGNS = {Grade.UNCLEAR: "#", Grade.UNKNOWN: "?", Grade.POSSIBLY_UNCLEAR: "+", Grade.CLEAR: "-"}
 LEGEND = "- clear  + perhaps not clear  # not clear  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "NO", Grade.UNKNOWN: "?"}
-NO_CONTINGENCIES = "endings: unknown, because the flight is unknown"
+NO_CONTINGENCIES = "contingencies: unknown, because the flight is unknown"
 
 
 def contingencies_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
     """Return JSON values: meters, seconds from arming, watt hours; unknown values are null."""
     if not rows:
-        return {"endings": None, "failsafes": None}
-    return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(failsafe) for failsafe in failsafes]}
+        return {"contingencies": None, "failsafes": None}
+    return {"contingencies": [_row(row) for row in rows], "failsafes": [_failsafe(failsafe) for failsafe in failsafes]}
 
 
 def _row(row: ContingencyRow) -> dict[str, Any]:
     lands = None if row.lands is None else {"east": _rounded(row.lands[0]), "north": _rounded(row.lands[1])}
     return {
-        "ending": str(row.contingency),
+        "contingency": str(row.contingency),
         "from_s": _rounded(row.from_s),
         "to_s": _rounded(row.to_s),
         "clear": row.clear,
@@ -47,7 +47,7 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
         "cause": failsafe.cause,
         "parameter": failsafe.parameter or None,
         "value": None if math.isnan(failsafe.value) else failsafe.value,
-        "ending": str(failsafe.action.contingency),
+        "contingency": str(failsafe.action.contingency),
         "otherwise": [str(contingency) for contingency in failsafe.action.otherwise],
         "words": failsafe.action.words,
     }
@@ -57,11 +57,11 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     if not rows:
         print_lines(NO_CONTINGENCIES)
         return
-    columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
+    columns = ["contingency", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
-    causes = ["cause", "parameter", "ending"]
+    causes = ["cause", "parameter", "contingency"]
     decided = [(f.cause, f"{f.parameter} = {f.value:g}" if f.parameter else "", str(f.action)) for f in failsafes]
     if decided:
         print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)

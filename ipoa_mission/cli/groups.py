@@ -1,6 +1,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from logging import getLogger
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,6 +32,7 @@ from ipoa_mission.cli.options import (
     read_wind_option,
 )
 from ipoa_mission.cli.output import expect_free
+from ipoa_mission.errors import OptionConflict
 from ipoa_mission.link.on_deviation import OnDeviation
 
 if TYPE_CHECKING:
@@ -107,6 +109,15 @@ class WorldOptions:
 @dataclass
 class ContingencyOptions(WorldOptions):
     contingencies: ContingenciesOption = False
+    endings: Annotated[bool, typer.Option("--endings", hidden=True)] = False
+
+    def __post_init__(self) -> None:
+        if self.endings:
+            getLogger(__name__).warning("--endings is --contingencies since 0.5")
+            self.contingencies = True
+        if self.contingencies and self.scenario is None:
+            hint = "the clearance of a contingency depends on the obstacles"
+            raise OptionConflict("needs --scenario", hint=hint, place="--contingencies")
 
 
 @dataclass

@@ -11,7 +11,7 @@ import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named, autopilot_names
 from ipoa_mission.autopilot.parameters import SINGLE_MAX
-from ipoa_mission.errors import BadInput, OptionConflict, Unwritable, WrongSuffix
+from ipoa_mission.errors import BadInput, Unwritable, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
 
 if TYPE_CHECKING:
@@ -54,12 +54,6 @@ def expect_mission(path: Path) -> Path:
     return path
 
 
-def expect_world_of(contingencies: bool, scenario: Path | None) -> None:
-    if contingencies and scenario is None:
-        words = "needs --scenario"
-        raise OptionConflict(words, hint="the clearance of an ending depends on the obstacles", place="--endings")
-
-
 FileArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
 ]
@@ -81,7 +75,7 @@ HomeOption: TypeAlias = Annotated[
     typer.Option("--home", metavar="LAT LON ALT", help="Home: degrees, and meters AMSL."),
 ]
 ContingenciesOption: TypeAlias = Annotated[
-    bool, typer.Option("--endings", help="Forecast RTL, LAND and other contingencies from every second of the flight.")
+    bool, typer.Option("--contingencies", help="Forecast RTL, LAND and others from every second of the flight.")
 ]
 ForceOption: TypeAlias = Annotated[
     bool, typer.Option("--force", metavar="", help="Overwrite existing files, also those not written by a plan.")

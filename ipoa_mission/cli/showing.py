@@ -6,14 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import ContingencyOptions
-from ipoa_mission.cli.options import (
-    AutopilotOption,
-    FileArgument,
-    ForceOption,
-    JsonOption,
-    ScenarioOption,
-    expect_world_of,
-)
+from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
@@ -37,10 +30,9 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     from ipoa_mission.report.table import rows_of, shown
     from ipoa_mission.unread import unread_as_json
 
-    expect_world_of(how.contingencies, how.scenario)
     if how.contingencies and as_json:
         words = "cannot be combined with --json"
-        raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
+        raise OptionConflict(words, hint="use `check --contingencies --json`", place="--contingencies")
     requested, forecast, world = read_forecast(file, how)
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)

@@ -76,7 +76,7 @@ def report_html(
         "apart": distance_profile(predicted, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, has_zones),
-        "endings": contingency_strip(forecast, predicted),
+        "contingencies": contingency_strip(forecast, predicted),
         "speed": speed_profile(drawn),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),

@@ -145,7 +145,7 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
             f"LAND in place may, in {seconds:.0f} of {whole:.0f} s in the air, end "
-            f"on or too near {', '.join(names[:NAMED])}{others} (`check --endings` says when)"
+            f"on or too near {', '.join(names[:NAMED])}{others} (`check --contingencies` says when)"
         )
 
 

@@ -36,7 +36,7 @@ class StripCost(PageMessage):
 class StripBar(PageMessage):
     """Interpolate between `costs`."""
 
-    ending: str
+    contingency: str
     stretches: tuple[StripStretch, ...]
     costs: tuple[StripCost, ...]
 
@@ -44,7 +44,7 @@ class StripBar(PageMessage):
 class ContingencyStrip(PageMessage):
     """Outcomes of one flight of a survey (from 0), first without `costs`; `reserve`: share that must be left."""
 
-    kind: Literal["endings"] = "endings"
+    kind: Literal["contingencies"] = "contingencies"
     revision: int
     flight: int
     reserve: Number

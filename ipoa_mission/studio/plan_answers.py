@@ -239,7 +239,7 @@ def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answe
         )
         for stretch in stretches(bar, course)
     )
-    return answers.StripBar(ending=bar.contingency, stretches=shown, costs=())
+    return answers.StripBar(contingency=bar.contingency, stretches=shown, costs=())
 
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:

@@ -35,10 +35,10 @@ SETTLE_TIME_S = 0.6  # before the proved path is planned
 FILE_CHECK_S = 1.0
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
-    *("endings", "loaded", "state", "trouble"),
+    *("contingencies", "loaded", "state", "trouble"),
 )
 FOLLOWS = (
-    *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
+    *("sketch", "coarse_survey", "plan", "survey", "contingencies", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.plan_worker"
@@ -178,7 +178,7 @@ class Session:
         """Show the scenario, sketch it, and plan it once it has settled."""
         self._forget(*FOLLOWS)
         self._stop("plan")
-        self._stop("endings")
+        self._stop("contingencies")
         if self.document.is_mission:
             self._job("look", self._judge)
         else:
@@ -203,7 +203,7 @@ class Session:
             log = None if self._log is None else str(self._log)
             await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
         if "plan" in self._latest:
-            self._start("endings", self._show_contingencies)
+            self._start("contingencies", self._show_contingencies)
 
     def _judged_by(self) -> dict[str, Any]:
         return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
@@ -221,11 +221,11 @@ class Session:
         await self._plan()
 
     async def _plan(self) -> None:
-        self._forget("trouble of plan", "endings")
-        self._stop("endings")
+        self._forget("trouble of plan", "contingencies")
+        self._stop("contingencies")
         order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
         if await self._ask(self._thorough, order):
-            self._start("endings", self._show_contingencies)
+            self._start("contingencies", self._show_contingencies)
 
     async def _show_contingencies(self) -> None:
         if self.document.is_mission:
@@ -341,7 +341,7 @@ class Session:
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    of = {"trouble": "of", "endings": "flight"}.get(answer["kind"])
+    of = {"trouble": "of", "contingencies": "flight"}.get(answer["kind"])
     return str(answer["kind"]) if of is None else f"{answer['kind']} of {answer[of]}"
 
 

@@ -22,7 +22,7 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     rows = Contingencies(
         Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))
     ).all_rows(timed=False)
-    ended, plain = run(f"show {SITL} --endings"), run(f"show {SITL}")
+    ended, plain = run(f"show {SITL} --contingencies"), run(f"show {SITL}")
     assert (ended.code, ended.err) == (0, "")
     assert ended.out.startswith(plain.out)
     strip = ended.out.removeprefix(plain.out)
@@ -51,16 +51,16 @@ def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: 
 
 
 def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
-    output = run(f"show {SITL} --param RTL_TYPE=1 --endings").out
+    output = run(f"show {SITL} --param RTL_TYPE=1 --contingencies").out
     assert re.search(rf"^rtl   \?{{{CELLS}}}  goal unknown$", output, re.MULTILINE)
     assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in output
 
 
 def test_the_reason_why_a_return_has_no_duration_is_printed(run: Run) -> None:
-    shown, as_json = (run(f"check {SITL} --param RTL_TYPE=2 --endings{form}").out for form in ("", " --json"))
+    shown, as_json = (run(f"check {SITL} --param RTL_TYPE=2 --contingencies{form}").out for form in ("", " --json"))
     why = "the duration of returns ahead along the mission is not modeled well enough"
     assert shown.count(f"no time of rtl: {why}\n") == 1
-    reasons = {row["ending"]: row["why_untimed"] for row in json.loads(as_json)["endings"]}
+    reasons = {row["contingency"]: row["why_untimed"] for row in json.loads(as_json)["contingencies"]}
     assert reasons == {"rtl": why, "land": None, "hold": None}
 
 
@@ -68,19 +68,25 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
     plan = json.loads((MISSIONS / "sitl.plan").read_text(encoding="utf-8"))
     plan["mission"]["items"][2]["params"][4] = 95.0  # north of the pole
     (tmp_path / "far.plan").write_text(json.dumps(plan), encoding="utf-8")
-    ended = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --endings")
-    assert ended.out.endswith("endings: unknown, because the flight is unknown\n")
+    ended = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --contingencies")
+    assert ended.out.endswith("contingencies: unknown, because the flight is unknown\n")
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (f"show {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
-        (f"check {MISSIONS}/sitl.plan --endings", "--endings: needs --scenario"),
-        (f"show {SITL} --endings --json", "--endings: cannot be combined with --json"),
+        (f"show {MISSIONS}/sitl.plan --contingencies", "--contingencies: needs --scenario"),
+        (f"check {MISSIONS}/sitl.plan --contingencies", "--contingencies: needs --scenario"),
+        (f"show {SITL} --contingencies --json", "--contingencies: cannot be combined with --json"),
     ],
 )
 def test_contingencies_need_a_world_and_have_one_form_for_machines(run: Run, words: str, message: str) -> None:
     ended = run(words)
     assert ended.code == 2
     assert message in ended.err
+
+
+def test_earlier_flag_warns_and_does_the_same(run: Run) -> None:
+    earlier, now = run(f"show {SITL} --endings"), run(f"show {SITL} --contingencies")
+    assert earlier.out == now.out
+    assert "--endings is --contingencies since 0.5" in earlier.err

@@ -296,9 +296,9 @@ def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeyp
 
 
 def test_check_lists_contingencies_and_what_leads_to_them() -> None:
-    words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--endings"]
+    words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--contingencies"]
     document = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
-    assert list(dict.fromkeys(row["ending"] for row in document["endings"])) == ["rtl", "land", "hold"]
+    assert list(dict.fromkeys(row["contingency"] for row in document["contingencies"])) == ["rtl", "land", "hold"]
     assert {"cause": "radio control lost", "parameter": "NAV_RCL_ACT", "value": 2.0} in [
         {key: failsafe[key] for key in ("cause", "parameter", "value")} for failsafe in document["failsafes"]
     ]
@@ -336,7 +336,7 @@ def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict
 
 
 def test_contingencies_depend_on_a_world() -> None:
-    ended = CliRunner().invoke(app, ["check", str(MISSIONS / "sitl.plan"), "--endings"])
+    ended = CliRunner().invoke(app, ["check", str(MISSIONS / "sitl.plan"), "--contingencies"])
     assert isinstance(ended.exception, BadInput)
 
 

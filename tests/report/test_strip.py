@@ -16,8 +16,9 @@ from tests.report.conftest import Bowed, Foreseen
 from tests.report_pages import page_of
 
 WAY = re.compile(
-    r'<span class="way (not-clear|perhaps|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
-    r'data-from="([\d.]+)" data-to="([\d.]+)" data-keeps="([^"]*)" style="left:([\d.]+)%;width:([\d.]+)%">([^<]*)<'
+    r'<span class="way (not-clear|perhaps|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" '
+    r'data-contingency="(\w+)" data-from="([\d.]+)" data-to="([\d.]+)" '
+    r'data-keeps="([^"]*)" style="left:([\d.]+)%;width:([\d.]+)%">([^<]*)<'
 )
 
 

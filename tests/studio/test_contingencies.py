@@ -34,9 +34,9 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     forecast: Forecast, strips: tuple[ContingencyStrip, ...]
 ) -> None:
     strip, page, course = strips[0], page_of(forecast), course_of(forecast)
-    assert [(strip.kind, strip.revision, strip.flight) for strip in strips] == [("endings", 7, 2)] * 2
+    assert [(strip.kind, strip.revision, strip.flight) for strip in strips] == [("contingencies", 7, 2)] * 2
     rows = Contingencies(forecast).all_rows(timed=False)
-    stretches = [(bar.ending, stretch) for bar in strip.bars for stretch in bar.stretches]
+    stretches = [(bar.contingency, stretch) for bar in strip.bars for stretch in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
     for (contingency, stretch), row in zip(stretches, rows, strict=True):
         assert (contingency, stretch.words) == (str(row.contingency), row.in_full)
@@ -47,7 +47,7 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
         assert (stretch.from_s, stretch.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
         there = np.interp([row.from_s, row.to_s], course.times, course.along)
         assert (stretch.begins, stretch.ends) == pytest.approx(there, abs=0.06)
-        assert f'data-ending="{contingency}" data-from="{stretch.from_s:.2f}" data-to="{stretch.to_s:.2f}"' in page
+        assert f'data-contingency="{contingency}" data-from="{stretch.from_s:.2f}" data-to="{stretch.to_s:.2f}"' in page
 
 
 def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
@@ -64,7 +64,7 @@ def test_the_energy_of_a_contingency_lies_between_its_neighbors(
     assert budget is not None
     assert not any(bar.costs for bar in strips[0].bars)
     assert strips[1].reserve == 0.25
-    (bar,) = (bar for bar in strips[1].bars if bar.ending == contingency)
+    (bar,) = (bar for bar in strips[1].bars if bar.contingency == contingency)
     begin, end = contingencies.in_air
     for time in np.linspace(begin + 1.0, end - 1.0, 7).tolist():
         taken = contingencies.predicted(contingency, time)
@@ -80,14 +80,14 @@ def test_the_energy_of_a_contingency_lies_between_its_neighbors(
 
 
 def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]) -> None:
-    assert {bar.ending: bool(bar.costs) for bar in strips[1].bars} == {"rtl": True, "land": True, "hold": False}
+    assert {bar.contingency: bool(bar.costs) for bar in strips[1].bars} == {"rtl": True, "land": True, "hold": False}
 
 
 def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> None:
     elsewhere = replace(forecast.mission_as_read, parameters={**forecast.mission_as_read.parameters, "RTL_TYPE": 1.0})
     *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
     bar = strip.bars[0]
-    assert (bar.ending, [stretch.look for stretch in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
+    assert (bar.contingency, [stretch.look for stretch in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
     assert "goal unknown: not clear: returns to the mission's landing" in bar.stretches[0].words
 
 

@@ -286,7 +286,7 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
         until(page, f"document.querySelector('.strip .row').ariaValueNow === '{at}'")
         time = float(page.locator(".slider output").inner_text().split(" s")[0])
         for contingency in contingencies_of(contingencies.forecast):
-            described = page.locator(f".strip [data-ending={contingency}]").get_attribute("aria-valuetext")
+            described = page.locator(f".strip [data-contingency={contingency}]").get_attribute("aria-valuetext")
             row = next(row for row in contingencies.rows(contingency, timed=False) if time < row.to_s)
             assert described.startswith(f"at {time:.1f} s {row.in_full}")
             taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", described)
@@ -296,7 +296,7 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
                 assert predicted is not None
                 seconds = float(taken[1]), float(taken[2] or taken[1])
                 assert seconds == pytest.approx(predicted.duration_s, rel=0.1, abs=2.0)
-    land, ways = page.locator(".strip [data-ending=land]"), page.locator(".strip [data-ending=land] .ways")
+    land, ways = page.locator(".strip [data-contingency=land]"), page.locator(".strip [data-contingency=land] .ways")
     land.focus()
     assert then.inner_text() == f"land {land.get_attribute('aria-valuetext')}"
     page.keyboard.press("Home")
@@ -306,7 +306,7 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
     for row in rows:  # a key leads to it, and on to its changes
         page.keyboard.press("PageUp")
         until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
-    looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
+    looks = page.locator(".strip [data-contingency=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
     assert looks == [GRADE_LOOKS[row.grade] for row in rows]
     Hand(page).settle()
     box = ways.bounding_box()
@@ -316,7 +316,7 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
     assert pointed != f"land {land.get_attribute('aria-valuetext')}"  # the slider stands where it stood
     page.mouse.down()
     page.mouse.up()
-    until(page, f"document.querySelector('.strip [data-ending=land]').ariaValueText === {json.dumps(pointed[5:])}")
+    until(page, f"document.querySelector('.strip [data-contingency=land]').ariaValueText === {json.dumps(pointed[5:])}")
 
 
 def test_it_fits_a_telephone(page: Any) -> None:

@@ -109,16 +109,17 @@ def test_cancelled_planning_is_resumed_and_a_place_is_found(studio: Studio) -> N
 def test_contingencies_follow_the_plan_and_expire_after_a_change(studio: Studio) -> None:
     with studio.window() as talk:
         plan = talk.has("plan")
-        strip = talk.wait("endings", lambda message: any(bar["costs"] for bar in message["bars"]))
+        strip = talk.wait("contingencies", lambda message: any(bar["costs"] for bar in message["bars"]))
         assert (strip["revision"], strip["flight"]) == (plan["revision"], 0)
-        assert [bar["ending"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
-        assert [message["kind"] for message in talk.heard if message["kind"] in ("plan", "endings")][:1] == ["plan"]
+        assert [bar["contingency"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
+        kinds = [message["kind"] for message in talk.heard]
+        assert [kind for kind in kinds if kind in ("plan", "contingencies")][:1] == ["plan"]
         with studio.window() as second:  # the server sends it the present state
-            assert second.wait("endings") == strip
+            assert second.wait("contingencies") == strip
         talk.say(kind="edit", seen=plan["revision"], label="slower", changes=[PUT_SPEED])
         document = talk.wait("document", lambda message: message["revision"] > plan["revision"])
         with studio.window() as second:
-            assert second.wait("endings")["revision"] == document["revision"]
+            assert second.wait("contingencies")["revision"] == document["revision"]
 
 
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:

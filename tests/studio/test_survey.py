@@ -249,7 +249,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         own = planned["revision"]  # contingencies of what was there before may come late
 
         def of_flight(n: int) -> Any:
-            return talk.has("endings", lambda message: (message["revision"], message["flight"]) == (own, n))
+            return talk.has("contingencies", lambda message: (message["revision"], message["flight"]) == (own, n))
 
         strips = [of_flight(n) for n in (0, 1)]
         turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}

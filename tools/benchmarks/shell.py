@@ -26,7 +26,7 @@ VERBS = {
     "--help": ["--help"],
     "show": ["show", "missions/campus.plan"],
     "estimate": ["estimate", "missions/campus.plan"],
-    "check --endings": ["check", "missions/campus.plan", "--scenario", "missions/campus.toml", "--endings"],
+    "check --contingencies": ["check", "missions/campus.plan", "--scenario", "missions/campus.toml", "--contingencies"],
     **{f"plan {name}": ["plan", f"missions/{name}.toml", "--out", "planned", "--force"] for name in SCENARIOS},
 }
 

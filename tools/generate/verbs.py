@@ -43,7 +43,8 @@ class Flag:
 
 def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
     parameters = signature(grouped(verb)).parameters.values()
-    return tuple(_flag(parameter.annotation, parameter.default) for parameter in parameters)
+    shown = [one for one in parameters if not getattr(get_args(one.annotation)[1], "hidden", False)]
+    return tuple(_flag(parameter.annotation, parameter.default) for parameter in shown)
 
 
 def _flag(hint: Any, default: Any) -> Flag:

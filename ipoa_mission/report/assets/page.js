@@ -35,8 +35,8 @@
       ...(chosen >= 0 && stops[chosen].index === i && stops[chosen].reason ? [["slow:", stops[chosen].reason]] : []),
     ];
     const now = course.times[i];
-    for (const { ending, from, to, keeps } of unclear)
-      if (Number(from) <= now && now <= Number(to)) words.push([ending, keeps]);
+    for (const { contingency, from, to, keeps } of unclear)
+      if (Number(from) <= now && now <= Number(to)) words.push([contingency, keeps]);
     readout.replaceChildren(...words.map(([strong, rest]) => {
       const part = document.createElement("span"), bold = document.createElement("b");
       bold.textContent = strong;

@@ -83,16 +83,16 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     below = f'<ul class="ways-not-clear">{rows}</ul>' if rows else '<p class="note">Every contingency is clear.</p>'
     return (
         '<h3>If it were ended there</h3><p class="note">The result of ending the flight there, by a failsafe or by '
-        'the pilot.</p><div class="chart strip" id="endings" data-along="along" '
+        'the pilot.</p><div class="chart strip" id="contingencies" data-along="along" '
         f'data-low="{axis.low:.9g}" data-high="{axis.high:.9g}" role="group" '
-        f'aria-label="endings over {escape(axis.label)}">'
+        f'aria-label="contingencies over {escape(axis.label)}">'
         f'<div class="plot">{drawn}<i class="cursor"></i></div></div>{below}'
     )
 
 
 def _bar(bar: ContingencyBar, predicted: SampledTrack, axis: GraphAxis) -> str:
     ways = "".join(_stretch(stretch, axis) for stretch in stretches(bar, predicted))
-    return f'<div class="ending"><b>{bar.contingency}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
+    return f'<div class="contingency"><b>{bar.contingency}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
 
 
 def _stretch(stretch: ContingencyStretch, axis: GraphAxis) -> str:
@@ -102,7 +102,7 @@ def _stretch(stretch: ContingencyStretch, axis: GraphAxis) -> str:
     has_room = width >= 0.09  # of the strip, for the label
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
-        f'data-ending="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
+        f'data-contingency="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
         f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * width:.2f}%">'
         f"{look if has_room else ''}</span>"
     )

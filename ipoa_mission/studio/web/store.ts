@@ -30,7 +30,7 @@ export interface Studio {
   dragSurvey: CoarseSurvey | null;
   survey: PlannedSurvey | null;
   /** How the plan's flights can end, flight by flight: they come after it. */
-  endings: Record<number, ContingencyStrip>;
+  contingencies: Record<number, ContingencyStrip>;
   /** Which flight of a survey is looked at, from 0 on, and those that were flown from here, by name. */
   part: number;
   flownParts: string[];
@@ -74,7 +74,7 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  area: null, coarseSurvey: null, dragSurvey: null, survey: null, endings: {}, part: 0, flownParts: [], lookedAt: null,
+  area: null, coarseSurvey: null, dragSurvey: null, survey: null, contingencies: {}, part: 0, flownParts: [], lookedAt: null,
   mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", spoken: "", dropped: null,
@@ -97,7 +97,7 @@ export function set(change: Partial<Studio>): void {
 }
 
 /** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
-const FORGOTTEN = { sketch: null, drag: null, plan: null, endings: {}, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
+const FORGOTTEN = { sketch: null, drag: null, plan: null, contingencies: {}, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
 
 const link = connect(hear, connected => {
   shows(undefined, true);
@@ -192,17 +192,17 @@ function take(answer: Answer): void {
       break;
     case "survey": {
       const part = Math.min(studio.part, answer.flights.length - 1);
-      set({ survey: answer, endings: {}, part, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), flownParts: [], at: Math.min(studio.at, answer.flights[part]!.plan.course.times.length - 1) });
+      set({ survey: answer, contingencies: {}, part, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), flownParts: [], at: Math.min(studio.at, answer.flights[part]!.plan.course.times.length - 1) });
       break;
     }
     case "progress":
       set({ progress: answer, troubles: studio.troubles.filter(one => one.of !== "plan") });
       break;
     case "plan":
-      set({ plan: answer, endings: {}, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
+      set({ plan: answer, contingencies: {}, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
       break;
-    case "endings":
-      set({ endings: { ...studio.endings, [answer.flight]: answer } });
+    case "contingencies":
+      set({ contingencies: { ...studio.contingencies, [answer.flight]: answer } });
       break;
     case "mission":
       set({ mission: answer, item: studio.item !== null && studio.item > answer.items.length ? null : studio.item });
@@ -378,7 +378,7 @@ export const hasWorld = (now: Studio): boolean => !isMission(now) || Boolean(now
 
 /** How the flight that is looked at can end, once that is known. */
 export function contingenciesOf(now: Studio): ContingencyStrip | null {
-  const plan = proved(now), strip = now.endings[surveyed(now) ? now.part : 0];
+  const plan = proved(now), strip = now.contingencies[surveyed(now) ? now.part : 0];
   return plan && strip?.revision === plan.revision ? strip : null;
 }
 

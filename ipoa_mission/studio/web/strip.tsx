@@ -4,9 +4,9 @@ import type { Course, Plan, StripBar, StripCost, ContingencyStrip, StripStretch 
 import { contingenciesOf, sampleAt, set, type Studio } from "./store";
 import { share } from "./words";
 
-/** What is pointed at: an ending, and the sample of the course; null: the one at which the slider stands. */
+/** What is pointed at: a contingency, and the sample of the course; null: the one at which the slider stands. */
 interface Pointed {
-  ending: string;
+  contingency: string;
   at: number | null;
 }
 
@@ -15,19 +15,19 @@ export function Strip({ now, plan, at }: { now: Studio; plan: Plan; at: number }
   const strip = contingenciesOf(now), { course } = plan;
   if (!strip?.bars.length) return <div class="strip"><p class="note">{strip ? "How it would end there is not known." : "How it would end there is being worked out …"}</p></div>;
   const time = course.times[at]!;
-  const told = strip.bars.find(bar => bar.ending === (pointed?.ending ?? focused)) ?? worst(strip.bars, time);
+  const told = strip.bars.find(bar => bar.contingency === (pointed?.contingency ?? focused)) ?? worst(strip.bars, time);
   return (
     <div class="strip" role="group" aria-label="If it were ended there">
       {strip.bars.map(bar => (
-        <Row key={bar.ending} bar={bar} course={course} at={at} words={sentence(strip, bar, time)} point={point} focus={focus} />
+        <Row key={bar.contingency} bar={bar} course={course} at={at} words={sentence(strip, bar, time)} point={point} focus={focus} />
       ))}
-      <p class="then"><b>{told.ending}</b> {sentence(strip, told, course.times[pointed?.at ?? at]!)}</p>
-      <ul class="hidden">{strip.bars.flatMap(bar => bar.stretches.map(one => <li key={bar.ending + one.from_s}>{bar.ending} {spanned(one)}</li>))}</ul>
+      <p class="then"><b>{told.contingency}</b> {sentence(strip, told, course.times[pointed?.at ?? at]!)}</p>
+      <ul class="hidden">{strip.bars.flatMap(bar => bar.stretches.map(one => <li key={bar.contingency + one.from_s}>{bar.contingency} {spanned(one)}</li>))}</ul>
     </div>
   );
 }
 
-function Row({ bar, course, at, words, point, focus }: { bar: StripBar; course: Course; at: number; words: string; point: (to: Pointed | null) => void; focus: (ending: string | null) => void }) {
+function Row({ bar, course, at, words, point, focus }: { bar: StripBar; course: Course; at: number; words: string; point: (to: Pointed | null) => void; focus: (contingency: string | null) => void }) {
   const length = course.along.at(-1) || 1, last = course.times.length - 1;
   const left = (along: number) => `${((100 * along) / length).toFixed(2)}%`;
   const under = (event: PointerEvent & { currentTarget: HTMLElement }) => {
@@ -44,12 +44,12 @@ function Row({ bar, course, at, words, point, focus }: { bar: StripBar; course: 
     go(to);
   };
   return (
-    <div class="row" role="slider" tabIndex={0} data-ending={bar.ending} aria-label={`${bar.ending}, if it were ended there`} aria-valuemin={0} aria-valuemax={last} aria-valuenow={at} aria-valuetext={words}
-      onFocus={() => focus(bar.ending)} onBlur={() => focus(null)} onKeyDown={press}>
-      <b>{bar.ending}</b>
+    <div class="row" role="slider" tabIndex={0} data-contingency={bar.contingency} aria-label={`${bar.contingency}, if it were ended there`} aria-valuemin={0} aria-valuemax={last} aria-valuenow={at} aria-valuetext={words}
+      onFocus={() => focus(bar.contingency)} onBlur={() => focus(null)} onKeyDown={press}>
+      <b>{bar.contingency}</b>
       <div class="ways" onPointerLeave={() => point(null)}
         onPointerDown={event => go(under(event))}
-        onPointerMove={event => { const sample = under(event); point({ ending: bar.ending, at: event.pointerType === "mouse" ? sample : null }); if (event.buttons) go(sample); }}>
+        onPointerMove={event => { const sample = under(event); point({ contingency: bar.contingency, at: event.pointerType === "mouse" ? sample : null }); if (event.buttons) go(sample); }}>
         {bar.stretches.map(one => (
           <span key={one.from_s} class={`way ${one.look.replace(" ", "-")}`} title={spanned(one)} style={{ left: left(one.begins), width: left(one.ends - one.begins) }}><span>{one.look}</span></span>
         ))}
@@ -59,7 +59,7 @@ function Row({ bar, course, at, words, point, focus }: { bar: StripBar; course: 
   );
 }
 
-/** The sample to which a key leads: a step, or to where what the ending would do changes. */
+/** The sample to which a key leads: a step, or to where what the contingency would do changes. */
 function moved(key: string, bar: StripBar, course: Course, at: number): number | null {
   const time = course.times[at]!, begins = bar.stretches.map(one => sampleAt(course, one.from_s));
   switch (key) {
@@ -75,7 +75,7 @@ function moved(key: string, bar: StripBar, course: Course, at: number): number |
 
 const spanned = (one: StripStretch): string => `${one.from_s.toFixed(1)} to ${one.to_s.toFixed(1)} s, ${one.words}`;
 
-/** Which stretch of an ending a moment lies in; null: the vehicle is on the ground. */
+/** Which stretch of a contingency a moment lies in; null: the vehicle is on the ground. */
 function stretchAt(bar: StripBar, time: number): StripStretch | null {
   if (time < bar.stretches[0]!.from_s) return null;
   return bar.stretches.find(one => time < one.to_s) ?? (time === bar.stretches.at(-1)!.to_s ? bar.stretches.at(-1)! : null);
@@ -83,13 +83,13 @@ function stretchAt(bar: StripBar, time: number): StripStretch | null {
 
 const WORSE: StripStretch["look"][] = ["clear", "perhaps", "unknown", "not clear"];
 
-/** The ending that is worst at a moment; of those that are as bad the first. */
+/** The contingency that is worst at a moment; of those that are as bad the first. */
 function worst(bars: StripBar[], time: number): StripBar {
   const bad = (bar: StripBar) => WORSE.indexOf(stretchAt(bar, time)?.look ?? "clear");
   return bars.reduce((one, other) => (bad(other) > bad(one) ? other : one));
 }
 
-/** What an ending would do at a moment. */
+/** What a contingency would do at a moment. */
 function sentence(strip: ContingencyStrip, bar: StripBar, time: number): string {
   const stretch = stretchAt(bar, time), cost = stretch && costAt(bar.costs, time);
   const words = `at ${time.toFixed(1)} s${stretch ? ` ${stretch.words}` : ": it is on the ground"}`;
@@ -104,7 +104,7 @@ function sentence(strip: ContingencyStrip, bar: StripBar, time: number): string 
 const between = ([low, high]: [number, number], digits: number): string =>
   low.toFixed(digits) === high.toFixed(digits) ? low.toFixed(digits) : `${low.toFixed(digits)} to ${high.toFixed(digits)}`;
 
-/** What an ending takes at a moment: what lies between the two that are known beside it. */
+/** What a contingency takes at a moment: what lies between the two that are known beside it. */
 function costAt(costs: StripCost[], time: number): StripCost | null {
   const after = costs.findIndex(one => one.at_s >= time), next = costs.at(after);
   if (!next) return null;
