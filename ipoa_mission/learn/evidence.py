@@ -12,7 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Vector
-from ipoa_mission.learn.witness import Witness, witness_of
+from ipoa_mission.learn.flight_measurements import FlightMeasurements, measure_flight
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from ipoa_mission.wind import Wind
 
@@ -29,13 +29,13 @@ class Evidence:
     visits: tuple[int, ...]
     seconds: Vector
     scatter: Vector
-    witness: Witness = field(default_factory=Witness)
+    measured: FlightMeasurements = field(default_factory=FlightMeasurements)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
         """Return the mission's energy in the lean's wind [Wh]; None: unknown."""
         if not self.visits or vehicle.hover_power is None:
             return None
-        forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.witness.wind))
+        forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.measured.wind))
         if self.visits[-1] + 1 < len(forecast.itinerary.visits):
             return None
         return None if forecast.energy is None else forecast.energy.energy_wh
@@ -101,7 +101,7 @@ def flights_in(
     usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
-        witness = witness_of(flight)
+        measured = measure_flight(flight)
         evidence = Evidence(name, Mission(Geodetic(0.0, 0.0, 0.0), (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
@@ -110,8 +110,8 @@ def flights_in(
                 left_out.append(f"{name}: not in a mission")
         except MissionError as error:
             left_out.append(str(error))
-        if evidence.visits or witness.leaned or witness.hover_w:
-            usable.append(replace(evidence, witness=witness))
+        if evidence.visits or measured.log_drag or measured.hover_w:
+            usable.append(replace(evidence, measured=measured))
         else:
-            left_out += [f"{name}: {reason}" for reason in witness.reasons.values()]
+            left_out += [f"{name}: {reason}" for reason in measured.reasons.values()]
     return usable, left_out, log.version, log.autopilot

@@ -17,8 +17,8 @@ from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.learn.flight_measurements import hover_power
 from ipoa_mission.learn.powers import DEVIATIONS_OF_90_PERCENT, learned_powers
-from ipoa_mission.learn.witness import hover_power
 
 #: Of logarithms, and of delays [s].
 PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
@@ -34,8 +34,8 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
         if deviation < 0.5 * PRIOR_DEVIATIONS[name] and abs(value) > DEVIATIONS_OF_90_PERCENT * deviation
     )
-    power = hover_power([flight.witness for flight in flights])
-    powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
+    power = hover_power([flight.measured for flight in flights])
+    powers = learned_powers([flight.measured.powers for flight in flights if flight.measured.powers is not None])
     if not known and power is None and not powers:
         raise LogUseless(
             "the flights show no difference of this vehicle to the simulated one",
@@ -59,13 +59,13 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
     """Return the best changes (k,) and their standard deviations (k,)."""
     deviations, prior = scatter(flights), np.array([PRIOR_DEVIATIONS[name] for name in names])
-    leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
-    drags = np.array(leaned).reshape(-1, 2)
+    log_drag = [flight.measured.log_drag for flight in flights if flight.measured.log_drag and "drag" in names]
+    drags = np.array(log_drag).reshape(-1, 2)
 
     def misfit(changes: Vector) -> Vector:
         values = {name: _number(blank.autopilot, name, change) for name, change in zip(names, changes, strict=True)}
         vehicle = blank.with_numbers({name: Learned(value, value, value) for name, value in values.items()})
-        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if leaned else np.empty(0)
+        by_lean = (changes[names.index("drag")] - drags[:, 0]) / drags[:, 1] if log_drag else np.empty(0)
         return np.concatenate([errors(flights, vehicle) / deviations, by_lean, changes / prior])
 
     def slopes(changes: Vector) -> Points:
@@ -77,14 +77,14 @@ def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[s
         return np.column_stack(columns)
 
     found = least_squares(misfit, np.zeros(len(names)), slopes, x_scale=prior, xtol=1e-3, ftol=1e-3, max_nfev=12)
-    freedom = max(len(deviations) + len(leaned) - len(names), 1)
+    freedom = max(len(deviations) + len(log_drag) - len(names), 1)
     spread = max(float((found.fun[: -len(names)] ** 2).sum()) / freedom, 1.0)
     covariance = np.linalg.inv(found.jac.T @ found.jac) * spread
     return found.x, np.sqrt(np.diag(covariance))
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class CrossValidation:
     """A flight [s]: flown, by the simulated vehicle, by that of the others; energy [Wh]."""
 
     name: str
@@ -95,7 +95,7 @@ class LeftOut:
     forecast_wh: float | None = None
 
 
-def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
+def cross_validate(flights: Sequence[Evidence]) -> tuple[CrossValidation, ...]:
     """Forecast each flight with the vehicle of the others, or the simulated one; at least two flights."""
     if len(flights) < 2:
         raise LogUseless("expected two flights or more: each is forecast from the others")
@@ -109,24 +109,24 @@ def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
     return tuple(judged)
 
 
-def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[LeftOut, ...]:
+def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[CrossValidation, ...]:
     return tuple(_timed(one, vehicle) for one in flights)
 
 
-def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
+def _timed(one: Evidence, vehicle: LearnedVehicle) -> CrossValidation:
     before, after = (float(one.forecast(each).sum()) for each in (None, vehicle))
-    measured_wh = one.witness.energy_wh
+    measured_wh = one.measured.energy_wh
     forecast_wh = one.energy(vehicle) if measured_wh else None
-    return LeftOut(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh)
+    return CrossValidation(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh)
 
 
-def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
+def median_errors(judged: Sequence[CrossValidation]) -> tuple[float, float]:
     flown = [one for one in judged if one.flown_s]
     before = [abs(one.before_s / one.flown_s - 1) for one in flown]
     after = [abs(one.after_s / one.flown_s - 1) for one in flown]
     return (float(np.median(before)), float(np.median(after))) if flown else (0.0, 0.0)
 
 
-def energy_error(judged: Sequence[LeftOut]) -> float | None:
+def energy_error(judged: Sequence[CrossValidation]) -> float | None:
     shares = [abs(one.forecast_wh / one.energy_wh - 1) for one in judged if one.energy_wh and one.forecast_wh]
     return float(np.median(shares)) if shares else None

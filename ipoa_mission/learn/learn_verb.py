@@ -13,7 +13,7 @@ from ipoa_mission.files import MISSIONS
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.learned import LearnedVehicle
     from ipoa_mission.learn.evidence import Evidence
-    from ipoa_mission.learn.fit import LeftOut
+    from ipoa_mission.learn.fit import CrossValidation
 
 
 def learn(
@@ -38,12 +38,12 @@ def learn(
 
     from ipoa_mission.cli.output import expect_free
     from ipoa_mission.files import write_atomically
-    from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, energy_error, fit, left_out, median_errors
+    from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, cross_validate, energy_error, fit, median_errors
     from ipoa_mission.logs.vehicle_file import write_vehicle
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files, system)
-    judged = left_out(flights) if len(flights) > 1 else ()
+    judged = cross_validate(flights) if len(flights) > 1 else ()
     try:
         vehicle = replace(fit(flights), version=version)
     except MissionError as error:
@@ -51,7 +51,7 @@ def learn(
     before, after = median_errors(judged)
     if len(flights) == 1:
         if vehicle.hover_power is None:
-            left_out(flights)  # raises if one flight is not enough
+            cross_validate(flights)  # raises if one flight is not enough
         vehicle = vehicle.with_numbers(dict.fromkeys(PRIOR_DEVIATIONS))
         remarks.append("one flight gives the hover power; times need two flights or more")
     elif before > 0 and not after < before:
@@ -106,14 +106,13 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
     return flights, remarks, max(version for _, version in kinds)
 
 
-def _row(one: "LeftOut") -> tuple[str, ...]:
+def _row(one: "CrossValidation") -> tuple[str, ...]:
     numbers = (one.flown_s, one.before_s, one.after_s, one.energy_wh, one.forecast_wh)
     return one.name, *(f"{number:.1f}" if number else "" for number in numbers)
 
 
 def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
-    told = (flight.witness.reasons.get(name) for flight in flights)
-    return [reason for reason in dict.fromkeys(told) if reason]
+    return [*dict.fromkeys(filter(None, (flight.measured.reasons.get(name) for flight in flights)))]
 
 
 def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str]:
@@ -127,7 +126,9 @@ def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str
             yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {quantity.meaning}"
 
 
-def _as_json(vehicle: "LearnedVehicle", judged: "tuple[LeftOut, ...]", errors: tuple[float, float]) -> dict[str, Any]:
+def _as_json(
+    vehicle: "LearnedVehicle", judged: "tuple[CrossValidation, ...]", errors: tuple[float, float]
+) -> dict[str, Any]:
     from dataclasses import asdict
 
     return {

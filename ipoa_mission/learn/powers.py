@@ -75,12 +75,12 @@ class PowerSeconds:
         airspeed = np.hypot(velocity[:, 0] - wind[0], velocity[:, 1] - wind[1])
         return cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]), mean(heights) > AIRBORNE_HEIGHT)
 
-    def some(self, which: NDArray[np.bool_]) -> "PowerSeconds":
+    def selected(self, which: NDArray[np.bool_]) -> "PowerSeconds":
         return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which], self.aloft[which])
 
     @property
     def flown(self) -> "PowerSeconds":
-        return self.some(self.aloft)
+        return self.selected(self.aloft)
 
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
@@ -149,4 +149,4 @@ def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
 
 def _blocks(flight: PowerSeconds) -> list[PowerSeconds]:
     number = np.arange(len(flight.watts)) // 30  # [s]
-    return [flight.some(number == block) for block in np.unique(number)]
+    return [flight.selected(number == block) for block in np.unique(number)]

@@ -19,7 +19,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
-from ipoa_mission.learn.fit import fit, left_out, median_errors, timed
+from ipoa_mission.learn.fit import cross_validate, fit, median_errors, timed
 from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly_built_in
@@ -67,11 +67,11 @@ def test_half_of_a_vehicles_flights_predict_the_times_of_the_others(
 
 def test_each_flight_is_judged_by_the_others() -> None:
     flights = recorded(ARDUPILOT)[:4]
-    judged = left_out(flights)
+    judged = cross_validate(flights)
     assert [row.name for row in judged] == [flight.name for flight in flights]
     assert median_errors(judged)[1] < 0.01 < median_errors(judged)[0]
     with refuses("log-useless"):
-        left_out(flights[:1])
+        cross_validate(flights[:1])
 
 
 def test_slow_flights_do_not_tell_the_drag() -> None:

@@ -39,7 +39,7 @@ FLOWN = [row for row in csv.DictReader(RECORDED) if row["likely_wh"]]
 @cache
 def learned() -> LearnedVehicle:
     flights, _, _, _ = flights_in(LOG)
-    return LearnedVehicle(Autopilot.ARDUPILOT).with_numbers(learned_powers([flights[0].witness.powers]))  # type: ignore[list-item]
+    return LearnedVehicle(Autopilot.ARDUPILOT).with_numbers(learned_powers([flights[0].measured.powers]))  # type: ignore[list-item]
 
 
 def wind_of(row: dict[str, str]) -> Wind:
@@ -127,7 +127,7 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
     """Five flights of a real quadrotor in dronekit's replay log, each by the others."""
     flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
-    seconds = [flight.witness.powers.flown for flight in flights if flight.witness.powers is not None]
+    seconds = [flight.measured.powers.flown for flight in flights if flight.measured.powers is not None]
     errors = []
     for n, second in enumerate(seconds):
         numbers = learned_powers([*seconds[:n], *seconds[n + 1 :]])

@@ -18,8 +18,8 @@ from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.learn.evidence import Evidence, flights_in
-from ipoa_mission.learn.fit import energy_error, fit, left_out, median_errors, timed
-from ipoa_mission.learn.witness import Witness, hover_power
+from ipoa_mission.learn.fit import cross_validate, energy_error, fit, median_errors, timed
+from ipoa_mission.learn.flight_measurements import FlightMeasurements, hover_power
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import write_mission
 from tests.logs.test_learning import ARDUPILOT, PX4, recorded
@@ -38,8 +38,8 @@ def evidence_of(path: Path) -> Evidence:
 def drag(path: Path, autopilot: Autopilot = ARDUPILOT) -> float:
     mission = recorded(autopilot)[0].mission
     flights, _, _, _ = flights_in(path, lambda _: mission)
-    assert flights[0].witness.leaned is not None
-    return math.exp(flights[0].witness.leaned[0])
+    assert flights[0].measured.log_drag is not None
+    return math.exp(flights[0].measured.log_drag[0])
 
 
 def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
@@ -50,7 +50,7 @@ def test_slow_flights_tell_by_their_lean_how_long_fast_ones_take() -> None:
     before, after = median_errors(timed(fast, fit(slow)))
     assert before > 0.09
     assert after < 0.005
-    times_only = [replace(flight, witness=Witness()) for flight in slow]
+    times_only = [replace(flight, measured=FlightMeasurements()) for flight in slow]
     assert median_errors(timed(fast, fit(times_only)))[1] > 3 * after
 
 
@@ -68,35 +68,38 @@ def test_hovering_takes_what_the_battery_measured() -> None:
     assert vehicle.hover_power.low < 22 * 12.09 < vehicle.hover_power.high
     assert vehicle.hover_power.value == pytest.approx(22 * 12.09, rel=0.01)
     for flight in flights:
-        measured, predicted = flight.witness.energy_wh, flight.energy(vehicle)
+        measured, predicted = flight.measured.energy_wh, flight.energy(vehicle)
         assert measured is not None
         assert predicted == pytest.approx(measured, rel=0.05)
     station, _, _, _ = flights_in(HERE / "other_vehicle-0.tlog", lambda _: recorded(ARDUPILOT)[0].mission)
-    assert station[0].witness.hover_w == pytest.approx(flights[0].witness.hover_w, rel=0.02)
-    assert station[0].witness.energy_wh == pytest.approx(flights[0].witness.energy_wh, rel=0.01)
+    assert station[0].measured.hover_w == pytest.approx(flights[0].measured.hover_w, rel=0.02)
+    assert station[0].measured.energy_wh == pytest.approx(flights[0].measured.energy_wh, rel=0.01)
 
 
 def test_the_energy_of_a_flight_is_judged_by_the_others() -> None:
     flights = [evidence_of(path) for path in (*LOGS, LOGS[0])]
-    error = energy_error(left_out(flights))
+    error = energy_error(cross_validate(flights))
     assert error is not None
     assert error < 0.05
-    without = [replace(flight, witness=replace(flight.witness, hover_w=None, powers=None)) for flight in flights]
-    assert energy_error(left_out(without)) is None
+    without = [replace(flight, measured=replace(flight.measured, hover_w=None, powers=None)) for flight in flights]
+    assert energy_error(cross_validate(without)) is None
 
 
 def test_powers_that_differ_too_much_or_are_one_tell_no_hover_power() -> None:
-    assert hover_power([Witness(hover_w=200.0)]) is None
-    assert hover_power([Witness(hover_w=200.0), Witness(hover_w=260.0)]) is None
-    assert hover_power([Witness(hover_w=200.0), Witness(hover_w=202.0), Witness()]) is not None
+    assert hover_power([FlightMeasurements(hover_w=200.0)]) is None
+    assert hover_power([FlightMeasurements(hover_w=200.0), FlightMeasurements(hover_w=260.0)]) is None
+    assert (
+        hover_power([FlightMeasurements(hover_w=200.0), FlightMeasurements(hover_w=202.0), FlightMeasurements()])
+        is not None
+    )
 
 
 def test_what_a_log_does_not_tell_is_named() -> None:
     mission = recorded(PX4)[0].mission
     flights, _, _, _ = flights_in(HERE / "other_vehicle-0.ulg", lambda _: mission)
-    assert "no current sensor" in flights[0].witness.reasons["hover_power"]
+    assert "no current sensor" in flights[0].measured.reasons["hover_power"]
     old, _, _, _ = flights_in(HERE.parent / "logs" / "twice-ardupilot.bin")
-    assert old[0].witness.reasons == {
+    assert old[0].measured.reasons == {
         "drag": "it has no attitudes",
         "hover_power": "it has no battery's voltage and current",
     }
@@ -117,9 +120,9 @@ def test_flights_without_a_time_tell_their_power_and_nothing_tells_nothing() -> 
     assert vehicle.drag is not None
     assert vehicle.drag.low < 1.5 < vehicle.drag.high
     assert vehicle.hover_power is not None
-    assert median_errors(left_out(flights)) == (0.0, 0.0)
+    assert median_errors(cross_validate(flights)) == (0.0, 0.0)
     with refuses("log-useless"):
-        fit([replace(flight, witness=Witness()) for flight in flights])
+        fit([replace(flight, measured=FlightMeasurements()) for flight in flights])
 
 
 def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> None:

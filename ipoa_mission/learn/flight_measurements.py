@@ -18,7 +18,7 @@ SAMPLE_STEP_S, SMOOTHED_SAMPLES = 0.2, 5
 
 
 @dataclass(frozen=True)
-class Leaned:
+class DragFromAttitude:
     """ln of drag over the simulated, wind towards north and east [m/s], with deviations."""
 
     drag: float
@@ -27,7 +27,7 @@ class Leaned:
     wind_deviation: float
 
 
-def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> Leaned:
+def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> DragFromAttitude:
     """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight."""
     min_speed, min_time_s = 2.5, 5.0  # slower, drag is within the lean's error [m/s]
     steady_limit, max_gap_s = 1.0, 2.0  # climb [m/s] and acceleration [m/s^2]; between attitudes
@@ -68,7 +68,7 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     variances = np.diag(np.linalg.inv(fitted.jac.T @ fitted.jac))
     drag, north, east = (float(number) for number in fitted.x[:3])
     deviation = float(np.sqrt(variances[0] + 0.05**2))  # from flight to flight
-    return Leaned(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
+    return DragFromAttitude(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
 
 
 def _smoothed(values: Points) -> Points:
@@ -78,13 +78,13 @@ def _smoothed(values: Points) -> Points:
 
 
 @dataclass(frozen=True)
-class Witness:
+class FlightMeasurements:
     """Measurements; None with `reasons` by the vehicle's parameter.
 
-    `leaned`: ln of drag over the simulated, and its deviation. `wind`: towards north and east [m/s].
+    `log_drag`: ln of drag over the simulated, and its deviation. `wind`: towards north and east [m/s].
     """
 
-    leaned: tuple[float, float] | None = None
+    log_drag: tuple[float, float] | None = None
     wind: tuple[float, float] = (0.0, 0.0)
     powers: PowerSeconds | None = None
     hover_w: float | None = None
@@ -92,17 +92,17 @@ class Witness:
     reasons: Mapping[str, str] = field(default_factory=dict)
 
 
-def witness_of(flight: LoggedFlight) -> Witness:
-    leaned = hover_w = energy_wh = powers = None
+def measure_flight(flight: LoggedFlight) -> FlightMeasurements:
+    log_drag = hover_w = energy_wh = powers = None
     wind = (0.0, 0.0)
     reasons = {}
     try:
         track = logged_track(flight)
     except MissionError as error:
-        return Witness(reasons={"drag": str(error), "hover_power": str(error)})
+        return FlightMeasurements(reasons={"drag": str(error), "hover_power": str(error)})
     try:
         by_lean = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
-        leaned = by_lean.drag, by_lean.deviation
+        log_drag = by_lean.drag, by_lean.deviation
         wind = by_lean.wind if by_lean.wind_deviation < 1.0 else wind  # [m/s]
     except MissionError as error:
         reasons["drag"] = str(error)
@@ -114,7 +114,7 @@ def witness_of(flight: LoggedFlight) -> Witness:
         hover_w = _in_hover(times, watts, track)
     except MissionError as error:
         reasons["hover_power"] = str(error)
-    return Witness(leaned, wind, powers, hover_w, energy_wh, reasons)
+    return FlightMeasurements(log_drag, wind, powers, hover_w, energy_wh, reasons)
 
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:
@@ -128,10 +128,10 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
     return float(watts[hovers] @ lasts / lasts.sum())
 
 
-def hover_power(flights: Sequence[Witness]) -> Learned | None:
+def hover_power(flights: Sequence[FlightMeasurements]) -> Learned | None:
     """Return the mean over flights [W] with its interval; None: unknown.
 
-    >>> power = hover_power([Witness(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
+    >>> power = hover_power([FlightMeasurements(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
     >>> round(power.low), power.value, round(power.high)
     (263, 266.0, 269)
     """
