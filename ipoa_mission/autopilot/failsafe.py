@@ -68,7 +68,7 @@ class FailsafeRule:
         return parameters.get(self.parameter, self.default) if self.parameter else math.nan
 
     def is_monitored(self, parameters: Parameters) -> bool:
-        return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
+        return not self.needs or any(parameters.get(name, default) > 0.0 for name, default in self.needs.items())
 
     def action(self, parameters: Parameters, series: Series) -> FailsafeAction:
         if not self.is_monitored(parameters):
@@ -116,14 +116,14 @@ class Failsafe:
 
 @dataclass(frozen=True)
 class StationLoss:
-    """When the station counts as lost: silent for `timeout`, by default `usual` [s].
+    """When the station counts as lost: silent for `timeout`, else `default_s` [s].
 
     `decided_by`: parameters of the action. `heeds`, `heeds_to`: first and last system id that count. A tuple lists
     names of one parameter.
     """
 
     timeout: str
-    usual: float
+    default_s: float
     decided_by: tuple[str | tuple[str, ...], ...]
     heeds: tuple[str, ...] = ()
     heeds_to: str = ""
@@ -140,15 +140,15 @@ class StationLoss:
         first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
         if not first <= station <= max(first, int(parameters.get(self.heeds_to, first))):
             return f"{by} counts for station {first}, not for this one ({station})"
-        seconds = parameters.get(self.timeout, self.usual)
+        seconds = parameters.get(self.timeout, self.default_s)
         return f"{seconds:g} s without its ground station lead to {lost.action} ({by})"
 
 
-def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
-    return tuple(always(Cause.BY_HAND, FailsafeAction(contingency)) for contingency in contingencies)
+def order_rules(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
+    return tuple(unconditional_rule(Cause.BY_HAND, FailsafeAction(contingency)) for contingency in contingencies)
 
 
-def always(cause: str, action: FailsafeAction, needs: Mapping[str, float] | None = None) -> FailsafeRule:
+def unconditional_rule(cause: str, action: FailsafeAction, needs: Mapping[str, float] | None = None) -> FailsafeRule:
     return FailsafeRule(cause, "", math.nan, {}, action, needs or {})
 
 

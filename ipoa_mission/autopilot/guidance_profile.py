@@ -131,7 +131,7 @@ class Modes:
     def numbers(self, custom_mode: int) -> tuple[float, ...]:
         return (custom_mode >> 16 & 0xFF, custom_mode >> 24) if self.has_sub_modes else (custom_mode,)
 
-    def ordered(self, main: float, sub: float) -> int:
+    def mode_of(self, main: float, sub: float) -> int:
         return mode_number(int(main) & 0xFF, int(sub) & 0xFF) if self.has_sub_modes else int(main)
 
 

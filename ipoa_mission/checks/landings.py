@@ -32,8 +32,8 @@ def check_landings(forecast: Forecast) -> Iterator[Finding]:
     if stretch is None:
         return
     for landing in landings(forecast):
-        if stretch.is_fast(landing.counted):
-            wanted = name_values(mission.autopilot.slowed(mission.parameters, landing.counted))
+        if stretch.is_fast(landing.assumed_height):
+            wanted = name_values(mission.autopilot.slowed(mission.parameters, landing.assumed_height))
             hint = f"{wanted} in the vehicle and under [vehicle.parameters] would slow it down in time"
             message = f"{landing.where}: {landing.touches_down(stretch)}"
             yield item_of(mission, landing.seq).warning("fast-touchdown", message, hint)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 
-def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
+def with_strict_vehicle_class(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
     """Take another class of vehicle for an error unless `anyway`; errors come first."""
     if anyway:
         return tuple(findings)
@@ -29,7 +29,7 @@ def unreadable(error: BadInput) -> Finding:
 
 def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     """Return the warnings of a check, or raise Unsafe."""
-    errors = [finding for finding in strictly(findings) if finding.severity is Severity.ERROR]
+    errors = [finding for finding in with_strict_vehicle_class(findings) if finding.severity is Severity.ERROR]
     if errors:
         codes = list(dict.fromkeys(error.code for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)

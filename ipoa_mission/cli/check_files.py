@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
-from ipoa_mission.checks.unsafe import strictly
+from ipoa_mission.checks.unsafe import with_strict_vehicle_class
 from ipoa_mission.cli.groups import ContingencyOptions
 from ipoa_mission.cli.options import expect_mission
 from ipoa_mission.cli.output import notes
@@ -93,8 +93,8 @@ class CheckedFile:
         if self.forecast is None:
             return f"{self.file}: not checked"
         mission, errors = self.forecast.mission_as_read, self.errors
-        severities = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
-        items = counted(len(mission.items), "item")
+        severities = f"{number_of(errors, 'error')}, {number_of(len(self.findings) - errors, 'warning')}"
+        items = number_of(len(mission.items), "item")
         return f"{self.file}: {severities}, {items} for {mission.autopilot.checked_for(mission.firmware_version)}"
 
 
@@ -103,7 +103,7 @@ def check_file(file: Path, how: ContingencyOptions, world: "Scenario | None", an
     requested = read_requested(file, how.flown_by, world=world)
     forecast = Forecast(requested.mission, world)
     world = forecast.scenario
-    findings = strictly(check_forecast(forecast, how.ignore or (), requested.findings), anyway)
+    findings = with_strict_vehicle_class(check_forecast(forecast, how.ignore or (), requested.findings), anyway)
     guarantee = None if world is None else guarantee_if_flown(forecast)
     contingencies: tuple[Any, Any] | None = ((), ()) if how.contingencies else None
     if how.contingencies and guarantee is not None:
@@ -116,7 +116,7 @@ def check_file(file: Path, how: ContingencyOptions, world: "Scenario | None", an
     return CheckedFile(file, findings, remarks, forecast, guarantee, contingencies)
 
 
-def counted(number: int, noun: str) -> str:
+def number_of(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 

@@ -34,7 +34,7 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.unsafe import unreadable
-    from ipoa_mission.cli.check_files import CheckedFile, check_file, counted, missions_in
+    from ipoa_mission.cli.check_files import CheckedFile, check_file, missions_in, number_of
     from ipoa_mission.cli.check_files import sarif as sarif_log
     from ipoa_mission.cli.reading import read_world
 
@@ -68,7 +68,9 @@ def check(
         print_json({"ok": not errors, "files": [{"file": str(each.file)} | each.as_json() for each in checked]})
     elif not is_one:
         warnings = sum(len(each.findings) for each in checked) - errors
-        print_lines(f"{counted(len(checked), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
+        print_lines(
+            f"{number_of(len(checked), 'file')}: {number_of(errors, 'error')}, {number_of(warnings, 'warning')}"
+        )
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 

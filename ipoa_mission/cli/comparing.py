@@ -207,7 +207,7 @@ def _clearance_as_json(flown: "FlownClearance") -> dict[str, Any]:
         | {"east": round(east, 3), "north": round(north, 3), "up": round(up, 3)},
         **picked(flown, "time_s", "kept"),
         "required": required,
-        **picked(flown, "planned", "promised", "strayed"),
+        **picked(flown, "planned", "guaranteed", "strayed"),
     }
 
 

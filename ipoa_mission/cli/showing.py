@@ -22,7 +22,7 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     """
     from dataclasses import asdict
 
-    from ipoa_mission.cli.check_files import counted
+    from ipoa_mission.cli.check_files import number_of
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_forecast
     from ipoa_mission.errors import MissionError
@@ -76,7 +76,7 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    count = counted(len(mission.items), "item")
+    count = number_of(len(mission.items), "item")
     print_lines(f"{file.name}: {count} for {mission.autopilot.checked_for(mission.firmware_version)}")
     print_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]

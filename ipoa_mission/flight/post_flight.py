@@ -53,7 +53,6 @@ class FlownClearance:
     """The smallest clearance of a flight, and the planned one [m].
 
     `least` has the smallest slack, east, north, up of home. `strayed`: the largest distance from the planned legs.
-    `promised`: guaranteed.
     """
 
     least: Check
@@ -61,7 +60,7 @@ class FlownClearance:
     time_s: float
     planned: float | None = None
     strayed: float | None = None
-    promised: float | None = None
+    guaranteed: float | None = None
 
     @property
     def kept(self) -> bool:
@@ -70,12 +69,12 @@ class FlownClearance:
     def words(self) -> str:
         near, required = self.least.nearest, self.least.required
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {near.place[2]:.1f} m"
-        promised = "" if self.promised is None else f", {down(self.promised):.2f} m guaranteed"
+        guaranteed = "" if self.guaranteed is None else f", {down(self.guaranteed):.2f} m guaranteed"
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
             f"least clearance flown {down(near.distance):.2f} m, to {near.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{promised}; {up(required):.2f} m required{verdict}{strayed}"
+            f"{self.time_s:.1f} s after arming{guaranteed}; {up(required):.2f} m required{verdict}{strayed}"
         )
 
 
@@ -102,7 +101,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         return None
     at = np.asarray(least.nearest.place)
     near = int(np.argmin(np.linalg.norm(points - at, axis=1)))
-    planned = strayed = promised = None
+    planned = strayed = guaranteed = None
     forecast = None if mission is None else Forecast(mission, scenario)
     if forecast is not None and (legs := forecast.cruise):
         checks = forecast.proof.checks
@@ -110,8 +109,8 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         strayed = _farthest(_between(points, legs[0].points[0], legs[-1].points[-1]), [leg.points for leg in legs])
         guarantee = forecast.guarantee_if_known
         clearance = None if guarantee is None else guarantee.clearance
-        promised = None if clearance is None else clearance.guaranteed
-    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, strayed, promised)
+        guaranteed = None if clearance is None else clearance.guaranteed
+    return FlownClearance(least, scenario.frame.geodetic(at), float(times[near]), planned, strayed, guaranteed)
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:

@@ -46,7 +46,7 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
         return
     own = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
     for landing in landings(forecast):
-        if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
+        if own is not None and own.is_fast(landing.assumed_height) and not planned.is_fast(landing.assumed_height):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {landing.touches_down(own)}",
                 hint="set the mission's parameters (NAME.params) by `fly --set-params`; "

@@ -33,14 +33,14 @@ def broken_limits(leg: Leg, scenario: "Scenario") -> "list[Check]":
 
 @dataclass(frozen=True)
 class Landing:
-    """`counted`: the greatest ground height [m] that the autopilot assumes, without a range finder."""
+    """`assumed_height`: the greatest ground height [m] that the autopilot assumes, without a range finder."""
 
     seq: int
     item: Item
     east: float
     north: float
     height: float
-    counted: float
+    assumed_height: float
 
     @property
     def words(self) -> str:
@@ -51,10 +51,8 @@ class Landing:
         return f"at east {self.east:.1f}, north {self.north:.1f} the ground is {above_or_below(self.height)} home"
 
     def touches_down(self, stretch: SlowStretch) -> str:
-        return (
-            f"without a rangefinder the vehicle touches down at up to {stretch.touchdown(self.counted):.1f} m/s, "
-            f"not at {stretch.landing:.1f}"
-        )
+        speed = f"{stretch.touchdown(self.assumed_height):.1f} m/s"
+        return f"without a rangefinder the vehicle touches down at up to {speed}, not at {stretch.landing:.1f}"
 
 
 def landings(forecast: Forecast) -> Iterator[Landing]:
@@ -68,9 +66,9 @@ def landings(forecast: Forecast) -> Iterator[Landing]:
             item = mission.items[leg.seq - 1]
             lands_at = item.command == Command.NAV_LAND and item.has_position
             below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
-            counted = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
+            assumed_height = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
             east, north = (float(value) for value in leg.points[-1, :2])
-            yield Landing(leg.seq, item, east, north, height, counted)
+            yield Landing(leg.seq, item, east, north, height, assumed_height)
 
 
 def above_or_below(height: float) -> str:

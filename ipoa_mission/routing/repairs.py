@@ -28,12 +28,15 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     named = mission.autopilot.parameter_table.by_old_names(mission.parameters)
     if stretch is None or not named.keys().isdisjoint(names):
         return mission
-    highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.counted, default=None)
-    if highest is None or not stretch.is_fast(highest.counted + HEIGHT_UNCERTAINTY):
+    highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.assumed_height, default=None)
+    if highest is None or not stretch.is_fast(highest.assumed_height + HEIGHT_UNCERTAINTY):
         return mission
-    wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
+    wanted, most = (
+        mission.autopilot.slowed(mission.parameters, highest.assumed_height),
+        mission.autopilot.slowed_by.most,
+    )
     slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
-    if slowed is not None and slowed.is_fast(highest.counted):
+    if slowed is not None and slowed.is_fast(highest.assumed_height):
         raise Unsafe(
             f"{highest.words}, and {' and '.join(names)} count up to {most:.0f} m above home: "
             f"{highest.touches_down(slowed)}",
@@ -50,7 +53,7 @@ def slow_landings_remarks(forecast: Forecast) -> Iterator[str]:
     named, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
     wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in named}
     if wanted:
-        highest = max(landings(forecast), key=lambda landing: landing.counted)
+        highest = max(landings(forecast), key=lambda landing: landing.assumed_height)
         yield (
             f"{highest.words}: {name_values(wanted)} in the vehicle makes LAND slow down at the usual height "
             f"above that ground ({scenario.name}.params; `fly --set-params` writes it)"

@@ -1,6 +1,5 @@
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -189,9 +188,6 @@ class Scenario(Section):
         """
         copied = super().model_copy(update=update, deep=deep)
         return copied if (WORLD | added_sections().keys()) & (update or {}).keys() else copied._taking(self._cached())
-
-    def in_airspace(self, airspace: Airspace) -> "Scenario":
-        return self.model_copy()._taking({"_surroundings": replace(self._surroundings, airspace=airspace)})
 
     def in_world_of(self, other: "Scenario") -> "Scenario":
         """Return a copy with the frame and maps of another scenario."""

@@ -41,7 +41,7 @@ class Commander:
             case Command.NAV_TAKEOFF:
                 return self._climb(params[6])
             case VehicleCommand.DO_SET_MODE:  # PX4's main and sub mode, or ArduPilot's mode number
-                return self.set_mode(profile.autopilot.modes.ordered(whole(params[1]), whole(params[2])))
+                return self.set_mode(profile.autopilot.modes.mode_of(whole(params[1]), whole(params[2])))
             case Command.DO_PAUSE_CONTINUE:
                 return self._pause(params[0])
             case VehicleCommand.DO_REPOSITION:

@@ -139,5 +139,5 @@ class FlightModel(ABC):
         """Return the simulated airframe at an altitude [m AMSL]; raise MissionError if drag cannot be learned."""
         raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
-    def usual(self, itinerary: Itinerary, mission: Mission) -> Vector:
+    def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
         return self.predicted(itinerary, mission, CALM, True, False).done

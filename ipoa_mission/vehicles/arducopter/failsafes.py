@@ -15,8 +15,8 @@ from ipoa_mission.autopilot.failsafe import (
     FailsafeRule,
     Series,
     StationLoss,
-    always,
-    ordered,
+    order_rules,
+    unconditional_rule,
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
@@ -94,7 +94,7 @@ FAILSAFE_RULES = (
         },
         GOES_ON,
     ),
-    always(Cause.TERRAIN_UNKNOWN, replace(RETURNS, words="RTL continues without terrain data")),
+    unconditional_rule(Cause.TERRAIN_UNKNOWN, replace(RETURNS, words="RTL continues without terrain data")),
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "AVD_F_ACTION", 1.0,
         {
@@ -105,15 +105,15 @@ FAILSAFE_RULES = (
         },
         GOES_ON, {"AVD_ENABLE": 0.0},
     ),
-    always("parachute", STOPS, {"CHUTE_ENABLED": 0.0}),
+    unconditional_rule("parachute", STOPS, {"CHUTE_ENABLED": 0.0}),
     FailsafeRule("out of control", "FS_CRASH_CHECK", 1.0, {0: GOES_ON}, STOPS),
-    always("thrust lost", replace(GOES_ON, words="uses all thrust that is left")),
-    always("vibration", FailsafeAction(
+    unconditional_rule("thrust lost", replace(GOES_ON, words="uses all thrust that is left")),
+    unconditional_rule("vibration", FailsafeAction(
         Contingency.CONTINUE, (Contingency.LAND,), "by FS_EKF_ACTION if its position is lost"
     )),
-    always("satellite position jumps", GOES_ON),
-    always("compasses lost", GOES_ON),
-    *ordered(
+    unconditional_rule("satellite position jumps", GOES_ON),
+    unconditional_rule("compasses lost", GOES_ON),
+    *order_rules(
         Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.SMART_RTL, Contingency.LAND_START,
         Contingency.TERMINATE,
     ),

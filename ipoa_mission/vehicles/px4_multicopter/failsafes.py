@@ -15,8 +15,8 @@ from ipoa_mission.autopilot.failsafe import (
     FailsafeRule,
     Series,
     StationLoss,
-    always,
-    ordered,
+    order_rules,
+    unconditional_rule,
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
@@ -37,7 +37,7 @@ TRAFFIC_ACTIONS = {
 }  # fmt: skip
 
 FAILSAFE_RULES = (
-    always(Cause.LOW_BATTERY, GOES_ON),
+    unconditional_rule(Cause.LOW_BATTERY, GOES_ON),
     FailsafeRule(
         Cause.CRITICAL_BATTERY, "COM_LOW_BAT_ACT", 0.0,
         {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: replace(RETURNS, since=V1_19)}, GOES_ON,
@@ -53,7 +53,7 @@ FAILSAFE_RULES = (
     ),
     FailsafeRule(Cause.STATION_LOST, "NAV_DLL_ACT", 0.0, LINK_ACTIONS, GOES_ON),
     FailsafeRule(Cause.FENCE_BREACHED, "GF_ACTION", 2.0, GRADED_ACTIONS, GOES_ON),
-    replace(always(Cause.POSITION_LOST, DRIFTS), until=V1_19),
+    replace(unconditional_rule(Cause.POSITION_LOST, DRIFTS), until=V1_19),
     FailsafeRule(
         Cause.POSITION_LOST, "COM_POS_FS_ACT", 0.0,
         {0: DRIFTS, 1: replace(FALLS, words="lands while it has a local position")}, DRIFTS, since=V1_19,
@@ -66,8 +66,8 @@ FAILSAFE_RULES = (
         {"SYS_HAS_NUM_GNSS": 0.0}, V1_18,
     ),
     FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", 0.0, GRADED_ACTIONS, GOES_ON, {"COM_WIND_MAX": -1.0}),
-    always("flown for too long", RETURNS, {"COM_FLT_TIME_MAX": -1.0}),
-    always("mission cannot be flown on", RETURNS),
+    unconditional_rule("flown for too long", RETURNS, {"COM_FLT_TIME_MAX": -1.0}),
+    unconditional_rule("mission cannot be flown on", RETURNS),
     FailsafeRule(
         "motor failed", "COM_ACT_FAIL_ACT", 0.0, {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}, GOES_ON
     ),
@@ -86,7 +86,7 @@ FAILSAFE_RULES = (
     FailsafeRule(
         Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, GOES_ON, since=V1_19
     ),
-    *ordered(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
+    *order_rules(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
 
 EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}

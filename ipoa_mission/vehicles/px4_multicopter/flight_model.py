@@ -150,7 +150,7 @@ class Px4Model(FlightModel):
     def airframe(self, altitude: float) -> SlowedByAir:
         return SIH
 
-    def usual(self, itinerary: Itinerary, mission: Mission) -> Vector:
+    def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
         flights = Flights(itinerary, mission)
         steps = RUNS.of_median * sum(order.patience for order in flights.plan.orders) / RUNS.step_s
         once, ends = flights.flown(True, True, steps), list(flights.plan.done)
