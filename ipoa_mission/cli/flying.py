@@ -10,7 +10,7 @@ from ipoa_mission.cli.groups import FaultOptions, FileOutput, FlightOptions, Flo
 from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_planning
 from ipoa_mission.cli.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
 from ipoa_mission.cli.output import expect_folder, expect_log, progress_bar, shown
-from ipoa_mission.cli.planners import AskedToFly, Pilot, planner_of, planners
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
@@ -28,7 +28,7 @@ def fly(
             help="Scenario (.toml, or `campus`) to plan first, or mission (.plan, .waypoints).",
         ),
     ],
-    asked: AskedToFly,
+    asked: FlyOptions,
     worse: FaultOptions,
 ) -> None:
     """Fly a mission from upload to landing, and compare the flown time with the estimate.
@@ -54,15 +54,15 @@ def fly(
     _expect_together(asked.on_vehicle, faults)
     expect_folder(to.folder)
     expect_log(on_link.log)
-    pilot: Pilot = partial(_fly_built_in, seed=search.seed, faults=faults)
+    fly_job: FlyJob = partial(_fly_built_in, seed=search.seed, faults=faults)
     if link is not None:
         from ipoa_mission.cli.real_flight import RealVehicle
 
-        pilot = RealVehicle(source, asked).fly
+        fly_job = RealVehicle(source, asked).fly
     if is_planned:
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
         if (planner := planner_of(scenario, [make() for make in planners()])) is not None:
-            planner.fly(scenario, asked, pilot)
+            planner.fly(scenario, asked, fly_job)
             return
         to.expect_plans([scenario.name])
         with showing_planning() as show:
@@ -73,7 +73,7 @@ def fly(
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
         if job.flight is not None and not to.as_json:
             print_planned(job.flight, planned_files)
-        flown = pilot(job, log := asked.log_of(job.name))
+        flown = fly_job(job, log := asked.log_of(job.name))
     written = [*map(Path, on_link.written(log))]
     if to.report and job.flight is not None:
         job.flight.report(page := to.folder / f"{job.name}.html", flown.record)
@@ -140,4 +140,4 @@ def demo(
     Example: `ipoa-mission demo`
     """
     files = FileOutput(out, report=True, force=force, as_json=as_json)
-    fly(or_packed(Path(NAMES[0])), AskedToFly(SearchOptions(seed), FlownByOptions(), files=files), FaultOptions())
+    fly(or_packed(Path(NAMES[0])), FlyOptions(SearchOptions(seed), FlownByOptions(), files=files), FaultOptions())

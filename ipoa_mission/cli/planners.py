@@ -18,11 +18,11 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 #: Flies a job; every frame goes to the log.
-Pilot: TypeAlias = "Callable[[Job, Path], FlownJob]"
+FlyJob: TypeAlias = "Callable[[Job, Path], FlownJob]"
 
 
 @dataclass(frozen=True)
-class Asked:
+class PlanOptions:
     """Options of `plan` and `fly`, also for a planner."""
 
     search: SearchOptions
@@ -32,7 +32,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class AskedToFly(Asked):
+class FlyOptions(PlanOptions):
     on_vehicle: FlightOptions = field(default_factory=FlightOptions)
     on_link: LinkOptions = field(default_factory=LinkOptions)
 
@@ -52,8 +52,8 @@ class Planner(Protocol):
         """Return the scenario of these options, or None."""
 
     def accepts(self, scenario: "Scenario") -> bool: ...
-    def plan(self, scenario: "Scenario", asked: Asked) -> None: ...
-    def fly(self, scenario: "Scenario", asked: AskedToFly, pilot: Pilot) -> None: ...
+    def plan(self, scenario: "Scenario", asked: PlanOptions) -> None: ...
+    def fly(self, scenario: "Scenario", asked: FlyOptions, fly_job: FlyJob) -> None: ...
 
 
 Planners: TypeAlias = list[Planner]

@@ -8,7 +8,7 @@ import typer
 from ipoa_mission.cli.interrupting import showing_planning
 from ipoa_mission.cli.options import ForceOption, HomeOption, JsonOption, expect_scenario
 from ipoa_mission.cli.output import expect_folder, expect_free, notes, print_json, print_lines
-from ipoa_mission.cli.planners import Asked, Planners, planner_of, planners
+from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def plan(
-    asked: Asked,
+    asked: PlanOptions,
     others: Planners,
     scenario: Annotated[
         Path | None,

@@ -14,7 +14,7 @@ from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showi
 from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.mission_source import FlownJob, Job, landing_remarks, read_job
 from ipoa_mission.cli.output import print_json
-from ipoa_mission.cli.planners import AskedToFly
+from ipoa_mission.cli.planners import FlyOptions
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
@@ -35,7 +35,7 @@ class RealVehicle:
     """Flies missions on the vehicle of a link."""
 
     source: Path
-    asked: AskedToFly
+    asked: FlyOptions
 
     def fly(self, job: Job, frames_log: Path) -> FlownJob:
         """Connect, upload, arm, start, watch. Raises MissionError with `known` data for JSON."""

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes, printed
 from ipoa_mission.maps.geojson import Take
@@ -36,6 +35,7 @@ from ipoa_mission.maps.kinds import (
 from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_obstacles import MapObstacle
 from ipoa_mission.maps.map_reader import hand_on_features
+from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import (
     FAR_FROM_HOME,
     MOST_NAMED,
@@ -117,7 +117,7 @@ class Buildings:
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
     """Return the obstacles of a map, `within` a box [m]."""
     all_buildings: bool | None = None
-    finder, around = _Finder(rules, frame, path, within), Around.of(frame, within)
+    finder, around = _Finder(rules, frame, path, within), MapWindow.of(frame, within)
 
     def begin() -> Take:
         nonlocal finder

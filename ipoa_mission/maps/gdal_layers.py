@@ -13,15 +13,15 @@ from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
+from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
 FIRST_BYTES = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 
 
-def read_layers(path: Path, around: Around) -> tuple[Feature, ...]:
+def read_layers(path: Path, around: MapWindow) -> tuple[Feature, ...]:
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
@@ -53,7 +53,7 @@ class _Layer:
             raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
         self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
 
-    def read(self, around: Around) -> list[Feature]:
+    def read(self, around: MapWindow) -> list[Feature]:
         count, box, nulls = self._info["features"], self._box(around), list[Feature]()
         if box is not None and self._path.suffix.lower() != ".fgb":  # a FlatGeobuf with such rows has no index
             column = self._info["geometry_name"].replace('"', '""')
@@ -68,7 +68,7 @@ class _Layer:
         around.elsewhere += count - len(features) - len(nulls)
         return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
 
-    def _box(self, around: Around) -> tuple[float, ...] | None:
+    def _box(self, around: MapWindow) -> tuple[float, ...] | None:
         """Return the window in the layer's coordinates; None: read all."""
         window, bounds = around.window, self._info["total_bounds"]
         if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:

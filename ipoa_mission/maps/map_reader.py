@@ -12,11 +12,11 @@ import shapely
 
 from ipoa_mission.errors import TooLarge, Unreadable, WrongSuffix
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.maps.around import Around, Degrees
 from ipoa_mission.maps.feature import Feature, many_objects
 from ipoa_mission.maps.gdal_layers import FIRST_BYTES, read_layers
 from ipoa_mission.maps.geojson import Take, read_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
+from ipoa_mission.maps.map_window import Degrees, MapWindow
 from ipoa_mission.maps.osm import read_osm
 from ipoa_mission.maps.parquet import read_parquet
 from ipoa_mission.maps.pbf import read_pbf
@@ -25,7 +25,7 @@ from ipoa_mission.maps.planar import flat
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
 _WHOLE_FILE_READERS = {".kml": read_kml, ".kmz": read_kmz, ".osm": read_osm}
 # For files that may exceed memory.
-_BATCH_READERS: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
+_BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     ".parquet": read_parquet,
     ".geoparquet": read_parquet,
@@ -33,7 +33,7 @@ _BATCH_READERS: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
 READERS = (*GEOJSON, *_WHOLE_FILE_READERS, *FIRST_BYTES, *_BATCH_READERS)
 
 
-def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ...]:
+def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
     features: list[Feature] = []
 
     def begin() -> Take:
@@ -44,9 +44,9 @@ def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ..
     return tuple(features)
 
 
-def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | None = None) -> None:
+def hand_on_features(path: Path, begin: Callable[[], Take], around: MapWindow | None = None) -> None:
     """Pass on features in batches; a second call of `begin` voids earlier ones."""
-    suffix, around = path.suffix.lower(), around or Around()
+    suffix, around = path.suffix.lower(), around or MapWindow()
     if suffix in GEOJSON:
         read_geojson(path, begin)
     elif suffix in _WHOLE_FILE_READERS or suffix in FIRST_BYTES:
@@ -61,7 +61,7 @@ def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | Non
         raise WrongSuffix(words, place=path)
 
 
-def _hand_on_large(path: Path, take: Take, around: Around) -> None:
+def _hand_on_large(path: Path, take: Take, around: MapWindow) -> None:
     if around.window != around.near:
         try:
             stat = path.stat()
@@ -80,7 +80,7 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
 def _small_part(
     path: Path, version: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
-    around, features = Around(window, near), list[Feature]()
+    around, features = MapWindow(window, near), list[Feature]()
     for batch in _BATCH_READERS[path.suffix.lower()](path, around):
         _extend(features, batch, path)
     around.expect_near(path)

@@ -14,10 +14,10 @@ from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth
 from ipoa_mission.maps.geojson import degrees_of
 from ipoa_mission.maps.keys import Means, meaning
+from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
 
@@ -29,7 +29,7 @@ class _Shapes(NamedTuple):
     boxes: tuple[str, ...]
 
 
-def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
+def read_parquet(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)
@@ -47,7 +47,7 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
         raise NothingThere("expected rows with shapes, but the file has none", place=path)
 
 
-def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Feature]]:
+def _rows(file: Any, arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     shapes = _shapes_of(file, arrow, path)
     columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
     row, largest = 0, 2_000_000_000  # unpacked [bytes]
@@ -118,7 +118,7 @@ def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
     return None if goes_round or not np.isfinite(box).all() else box
 
 
-def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around) -> list[Feature]:
+def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: MapWindow) -> list[Feature]:
     drawn = _drawn(batch.column(shapes.column).to_numpy(zero_copy_only=False), shapes.to_degrees, path, row)
     wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
     tags = batch.drop_columns([shapes.column]).take(wanted).to_pylist() if len(wanted) else []

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.around import Around, cut_out
 from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.map_window import MapWindow, cut_out
 from ipoa_mission.maps.osm import (
     EMPTY_SHAPE,
     META_TAGS,
@@ -40,7 +40,7 @@ class _Located(NamedTuple):
     box: tuple[float, ...]
 
 
-def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
+def read_pbf(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, 64):
         raise WrongFormat("expected an .osm.pbf file, but its first bytes are those of another format", place=path)
@@ -64,7 +64,7 @@ def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
 
 
 class _Extract:
-    def __init__(self, osmium: Any, path: Path, around: Around) -> None:
+    def __init__(self, osmium: Any, path: Path, around: MapWindow) -> None:
         self._osmium, self._path, self._around = osmium, path, around
         self._file = osmium.io.File(str(path), "pbf")
         self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import InvalidRing, TooFar
 from ipoa_mission.geodesy import REACH, LocalFrame
-from ipoa_mission.maps.around import near_home
+from ipoa_mission.maps.map_window import near_home
 
 LEAST_AREA = 1e-3  # [m^2]
 LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m at 45 degrees [deg]

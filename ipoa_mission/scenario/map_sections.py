@@ -9,10 +9,10 @@ from ipoa_mission.errors import NothingThere
 from ipoa_mission.finding import Finding
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
-from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.map_reader import READERS, differences, read_features
+from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.terrain import Grid
 
@@ -72,7 +72,7 @@ class ZoneMap(MapFile):
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
         """Return the zones at a time [s since 1970]."""
-        return find_zones(read_features(self.file, Around.of(frame)), frame, self.file)
+        return find_zones(read_features(self.file, MapWindow.of(frame)), frame, self.file)
 
 
 class NoFlyMap(ZoneMap):
@@ -89,7 +89,7 @@ class NoFlyMap(ZoneMap):
     given."""
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
-        return find_zones(read_features(self.file, Around.of(frame)), frame, self.file, self.restrictions, time)
+        return find_zones(read_features(self.file, MapWindow.of(frame)), frame, self.file, self.restrictions, time)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

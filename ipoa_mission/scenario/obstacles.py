@@ -10,7 +10,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
 from ipoa_mission.maps.areas import MapArea
-from ipoa_mission.maps.around import Box
+from ipoa_mission.maps.map_window import Box
 from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.place_sections import Horizontal, Ring, east_north_of
 from ipoa_mission.scenario.section import Positive, Section

@@ -16,10 +16,10 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.maps.areas import MapArea, join_zones
-from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.map_obstacles import MapObstacle, raise_obstacles
+from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import (

@@ -66,8 +66,8 @@ class Beginning(PageMessage):
     examples: tuple[StartFile, ...]
 
 
-class Elsewhere(PageMessage):
-    kind: Literal["elsewhere"] = "elsewhere"
+class Redirect(PageMessage):
+    kind: Literal["redirect"] = "redirect"
     address: str
 
 
@@ -223,7 +223,7 @@ class Binding(PageMessage):
     at: int
 
 
-class Beside(PageMessage):
+class NearbyObstacle(PageMessage):
     """An obstacle or zone near the course, its heights and distances along [m]."""
 
     name: str
@@ -287,9 +287,9 @@ class Plan(PageMessage):
     length: float
     energy_wh: Number
     battery_left: Number
-    tube_ring: tuple[tuple[LngLat, ...], ...]
+    deviation_ring: tuple[tuple[LngLat, ...], ...]
     course: Course
-    beside: tuple[Beside, ...]
+    nearby: tuple[NearbyObstacle, ...]
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
     homeward: tuple[Homeward, ...]
@@ -336,6 +336,6 @@ class Written(PageMessage):
 
 OfDocument: TypeAlias = Document | Trouble | World | Tiles | Sketch | Progress | Plan
 OfMission: TypeAlias = SurveyArea | CoarseSurvey | PlannedSurvey | ContingencyStrip | OpenMission | Checked
-OfFlight: TypeAlias = Beginning | Replay | Elsewhere | Found | Heard | Loaded | Seen | Landed | State | Written
+OfFlight: TypeAlias = Beginning | Replay | Redirect | Found | Heard | Loaded | Seen | Landed | State | Written
 Answer: TypeAlias = Annotated[OfDocument | OfMission | OfFlight, Field(discriminator="kind")]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

@@ -1,4 +1,4 @@
-"""Hand a plan to the pilot process; start it once a page has named it."""
+"""Hand a plan to the flight worker; start it once a page has named it."""
 
 import asyncio
 import shutil
@@ -108,7 +108,7 @@ class FlightDesk:
             await self._process.ask(request.model_dump(mode="json") | about, hear)
         except ProcessDied:
             troubled = True
-            words = "the pilot's process ended unexpectedly"
+            words = "the flight worker ended unexpectedly"
             self._send(Trouble(of="flight", message=words, hint="look at the vehicle"))
         except asyncio.CancelledError:
             self._send(State(phase="idle", words="the flight is no longer watched"))

@@ -1,4 +1,4 @@
-"""A mission that the planner hands to the pilot process."""
+"""A mission that the planner hands to the flight worker."""
 
 import hashlib
 import json

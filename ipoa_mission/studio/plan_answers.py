@@ -100,7 +100,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         length=round(float(course.along[-1]), 1),
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
-        tube_ring=tuple(on_map(forecast.frame, points) for points in ring),
+        deviation_ring=tuple(on_map(forecast.frame, points) for points in ring),
         course=answers.Course(
             line=line_of(forecast.frame, course.points),
             times=tuple(course.times.round(2).tolist()),
@@ -110,7 +110,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
             apart=tuple(apart),
             returns_at=_turns_home(course, forecast),
         ),
-        beside=() if scenario is None else tuple(_beside(course, scenario)),
+        nearby=() if scenario is None else tuple(_nearby(course, scenario)),
         stops=tuple(_stops(forecast, course)),
         bindings=(*_near_places(guarantee, course, scenario), *_slow_items(estimate, course)),
         homeward=() if guarantee is None else tuple(_homeward(forecast)),
@@ -165,11 +165,13 @@ def _stops(forecast: Forecast, course: SampledTrack) -> Iterator[answers.Stop]:
         )
 
 
-def _beside(course: SampledTrack, scenario: Scenario) -> Iterator[answers.Beside]:
+def _nearby(course: SampledTrack, scenario: Scenario) -> Iterator[answers.NearbyObstacle]:
     for body, (begins, ends), look in near_track(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
         name = without_folders(body.name, scenario)
-        yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
+        yield answers.NearbyObstacle(
+            name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top
+        )
 
 
 def _near_places(

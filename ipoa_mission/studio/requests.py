@@ -143,10 +143,10 @@ class SaveAs(PageMessage):
     suffix: Literal[".plan", ".waypoints"]
 
 
-class Within(PageMessage):
+class SetScenario(PageMessage):
     """Set what to check a mission with; None: no scenario, the file's autopilot."""
 
-    kind: Literal["within"] = "within"
+    kind: Literal["set_scenario"] = "set_scenario"
     scenario: str | None
     autopilot: str | None
 
@@ -220,7 +220,7 @@ class Order(PageMessage):
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | Rest | SaveAs | Within | Open | Begin | Find | Upload | Start | Order | Listen,
+    Edit | Rewrite | Drag | Do | Rest | SaveAs | SetScenario | Open | Begin | Find | Upload | Start | Order | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

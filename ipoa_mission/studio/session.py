@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
-from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
+from ipoa_mission.studio.answers import Found, Redirect, Trouble, Written
 from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flight_desk import BatteryGuard, FlightDesk
 from ipoa_mission.studio.place import place_of
@@ -24,9 +24,9 @@ from ipoa_mission.studio.requests import (
     Rest,
     Rewrite,
     SaveAs,
+    SetScenario,
     Start,
     Upload,
-    Within,
 )
 from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage, Window, as_json
@@ -112,7 +112,7 @@ class Session:
                 case SaveAs():
                     file, remarks = self.document.save_as(request.suffix)
                     self.send_all(Written(files=(file.name,), remarks=remarks))
-                case Within():
+                case SetScenario():
                     self._world = None if request.scenario is None else Path(request.scenario)
                     self.document.read_for(request.autopilot)
                     self._changed(True)
@@ -167,7 +167,7 @@ class Session:
         if self._open_file is None or path.suffix.lower() not in MISSIONS:
             raise MissionError("expected a mission", place=path.name)
         address = self._open_file(path, None if self.document.is_mission else self.document.path)
-        window.send(Elsewhere(address=address))
+        window.send(Redirect(address=address))
 
     def _changed(self, different: bool) -> None:
         if different:
@@ -246,7 +246,7 @@ class Session:
         await self._ask(self._thorough, {"job": "detach", "folder": str(folder), "flight": flight}, hear)
         if written and self._open_file is not None:
             address = self._open_file(folder / written[0], self.document.path)
-            self.send_all(Elsewhere(address=address))
+            self.send_all(Redirect(address=address))
 
     async def _hand_over(self, flight: int, file: Path) -> bool:
         if self.document.is_mission:

@@ -16,7 +16,7 @@ from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
-from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
+from ipoa_mission.studio.answers import Beginning, Redirect, StartFile, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
@@ -55,7 +55,7 @@ class Lobby:
                     token = await asyncio.to_thread(self._begin, request)
                 case _:
                     raise BadInput("expected a file that is open", hint="open one first")
-            window.send(Elsewhere(address=f"../{token}/"))
+            window.send(Redirect(address=f"../{token}/"))
         except MissionError as error:
             window.send(Trouble(of="file", message=str(error), hint=error.hint))
 

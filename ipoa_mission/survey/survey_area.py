@@ -9,8 +9,8 @@ import shapely
 from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geodesy import REACH, LocalFrame
 from ipoa_mission.geometry import Points, union_of
-from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
 
 LEAST_M2 = 1e-3
@@ -177,7 +177,7 @@ def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 
 def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
-    features = read_features(path, Around.of(frame))
+    features = read_features(path, MapWindow.of(frame))
     about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()

@@ -9,7 +9,7 @@ from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import showing_planning
 from ipoa_mission.cli.options import LogSystemOption
 from ipoa_mission.cli.output import confirm, print_json, print_lines, print_table
-from ipoa_mission.cli.planners import Asked, AskedToFly, Pilot
+from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
 from ipoa_mission.errors import OptionConflict
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class SurveyPlanner:
             raise OptionConflict("expected a survey", hint=hint, place="--flown")
         return is_survey
 
-    def plan(self, scenario: "Scenario", asked: Asked) -> None:
+    def plan(self, scenario: "Scenario", asked: PlanOptions) -> None:
         survey = self._planned(scenario, asked)
         written = _write(survey, asked.files)
         if asked.files.as_json:
@@ -85,15 +85,15 @@ class SurveyPlanner:
         else:
             _print(survey, written)
 
-    def fly(self, scenario: "Scenario", asked: AskedToFly, pilot: Pilot) -> None:
+    def fly(self, scenario: "Scenario", asked: FlyOptions, fly_job: FlyJob) -> None:
         """Fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
         if asked.on_vehicle.begin != 1:
             raise OptionConflict("expected a mission, not a survey", hint=ONE_BY_ONE, place="--from")
         survey = self._planned(scenario, asked)
         _expect_flyable(survey, asked)
-        _fly(survey, asked, pilot)
+        _fly(survey, asked, fly_job)
 
-    def _planned(self, scenario: "Scenario", asked: Asked) -> "Survey":
+    def _planned(self, scenario: "Scenario", asked: PlanOptions) -> "Survey":
         from ipoa_mission.survey.survey_flight import plan_survey
 
         if self.system is not None and not self.flown:
@@ -117,7 +117,7 @@ def _write(survey: "Survey", files: FileOutput) -> list[Path]:
     return [*survey.write(files.folder), *(survey.report(files.folder) if files.report else ())]
 
 
-def _expect_flyable(survey: "Survey", asked: AskedToFly) -> None:
+def _expect_flyable(survey: "Survey", asked: FlyOptions) -> None:
     """Refuse one log for several flights, and a link without a terminal."""
     count = len(survey.names)
     if count > 1 and asked.on_link.log is not None:
@@ -128,7 +128,7 @@ def _expect_flyable(survey: "Survey", asked: AskedToFly) -> None:
         raise OptionConflict(words, hint=ONE_BY_ONE)
 
 
-def _fly(survey: "Survey", asked: AskedToFly, pilot: Pilot) -> None:
+def _fly(survey: "Survey", asked: FlyOptions, fly_job: FlyJob) -> None:
     from ipoa_mission.cli.flight_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
 
@@ -141,7 +141,7 @@ def _fly(survey: "Survey", asked: AskedToFly, pilot: Pilot) -> None:
         if n and link is not None and not _is_ready(survey, n):
             why = f"{name} and later flights were not flown"
             break
-        flown = pilot(Job(name, forecast, ()), log := asked.log_of(name))
+        flown = fly_job(Job(name, forecast, ()), log := asked.log_of(name))
         written += map(Path, on_link.written(log))
         if files.as_json:
             result = flight_as_json(flown.job.estimate, flown.record, flown.job.reserves) | {"file": f"{name}.plan"}

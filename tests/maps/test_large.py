@@ -10,9 +10,9 @@ import pytest
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps import geojson, streamed
-from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
+from ipoa_mission.maps.map_window import Box
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.scenario import parse_scenario, surroundings
 from tests.examples import some

@@ -12,10 +12,10 @@ from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.maps.conftest import degrees
@@ -121,7 +121,7 @@ def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
 def test_what_is_wanted_does_not_depend_on_what_the_file_says_of_its_boxes(write: Write, geo: Any) -> None:
     wide = shapely.box(7.0, 46.0, 9.0, 48.0)
     places = [house(0), house(30_000), wide, None, house(0, 30_000), house(500)]
-    around = Around.of(HOME, HERE)
+    around = MapWindow.of(HOME, HERE)
     features = read_features(write(ROWS, places, geo, group=2), around)
     assert [feature.tags["id"] for feature in features] == ["a", "c", "d", "f"]
     assert [feature.place.rpartition(": ")[2] for feature in features] == ["row[0]", "row[2]", "row[3]", "row[5]"]
@@ -131,7 +131,7 @@ def test_what_is_wanted_does_not_depend_on_what_the_file_says_of_its_boxes(write
 
 def test_a_row_across_longitude_180_is_found(write: Write) -> None:
     frame = LocalFrame(Geodetic(10.0, 179.9999, 0.0))
-    around = Around.of(frame, (np.array([-50.0, -50.0]), np.array([50.0, 50.0])))
+    around = MapWindow.of(frame, (np.array([-50.0, -50.0]), np.array([50.0, 50.0])))
     rows = [{"id": "east"}, {"id": "west"}, {"id": "far"}]
     places = [
         shapely.box(179.999, 9.9999, 179.9999, 10.0001),
@@ -146,7 +146,7 @@ def test_the_map_of_another_place_is_refused(write: Write) -> None:
     with refuses("too-far", "map.parquet", "100", "10.0000", "8.0000"):
         search_buildings(path, BuildingRules(), LocalFrame(Geodetic(10.0, 8.0)), HERE)
     with refuses("too-far", "map.parquet", "100"):
-        read_features(path, Around.of(LocalFrame(Geodetic(10.0, 8.0))))
+        read_features(path, MapWindow.of(LocalFrame(Geodetic(10.0, 8.0))))
 
 
 def test_meters_become_degrees_and_tags_of_other_writers_are_read(write: Write) -> None:

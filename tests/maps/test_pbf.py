@@ -10,10 +10,10 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps import map_reader, pbf
-from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_window import Box, MapWindow
 from tests.maps.test_osm import RELATION, TOWN, node, way_xml
 from tests.refused import refuses
 
@@ -78,7 +78,7 @@ def test_things_that_are_only_drawn_yet_are_refused(make: Make) -> None:
 
 
 def test_only_what_meets_the_window_is_read_and_the_rest_is_counted(make: Make) -> None:
-    around = Around.of(HOME, HERE)
+    around = MapWindow.of(HOME, HERE)
     numbers = {feature.tags["@id"] for feature in read_features(make(COUNTRY), around)}
     assert numbers == {"node/9", "way/10", "way/11", "way/12", "way/13", "way/120", "relation/30", "relation/150"}
     assert around.elsewhere == 3  # the hut, the path, the mast
@@ -102,7 +102,7 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
 def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     binary, times = make(TOWN), 0
 
-    def count(path: Path, around: Around) -> object:
+    def count(path: Path, around: MapWindow) -> object:
         nonlocal times
         times += 1
         return pbf.read_pbf(path, around)
@@ -149,7 +149,9 @@ def test_a_file_without_things_is_refused(make: Make) -> None:
 def test_what_lies_nowhere_and_an_area_that_does_not_close_have_no_shape(make: Make) -> None:
     open_one = RELATION.replace('<member type="way" ref="21" role="outer"/>', "")
     binary = make(TOWN.replace(RELATION, open_one).replace("</osm>", way_xml(14, [5], building="yes") + "</osm>"))
-    empty = {feature.tags["@id"] for feature in read_features(binary, Around.of(HOME, HERE)) if feature.shape.is_empty}
+    empty = {
+        feature.tags["@id"] for feature in read_features(binary, MapWindow.of(HOME, HERE)) if feature.shape.is_empty
+    }
     assert empty == {"way/13", "way/14", "relation/30"}
 
 

@@ -8,8 +8,8 @@ from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_window import MapWindow
 from tests.refused import refuses
 
 pyogrio = pytest.importorskip("pyogrio")
@@ -37,9 +37,9 @@ def houses(path: Path, crs: str = "EPSG:4326", west: float = 8.0, options: dict[
     return path
 
 
-def near(path: Path, frame: LocalFrame = HOME) -> tuple[set[str], set[str], Around]:
+def near(path: Path, frame: LocalFrame = HOME) -> tuple[set[str], set[str], MapWindow]:
     """Return heights read near home, true ones, and the count left out."""
-    around = Around.of(frame, WITHIN)
+    around = MapWindow.of(frame, WITHIN)
     assert around.window is not None
     read, whole = read_features(path, around), read_features(path)
     boxes = np.array([feature.shape.bounds for feature in whole], float).reshape(-1, 4)
@@ -66,11 +66,11 @@ def test_a_file_is_read_whole_where_its_index_may_lack_rows(tmp_path: Path) -> N
         key = next(int(float(height)) for height in sorted(read) if int(float(height)) != NOWHERE) + 1
         database.execute("DELETE FROM rtree_map_geom WHERE id = ?", (key,))
     database.close()
-    lost = {feature.tags["height"] for feature in read_features(package, Around.of(HOME, WITHIN))}
+    lost = {feature.tags["height"] for feature in read_features(package, MapWindow.of(HOME, WITHIN))}
     assert there <= lost
     shape = houses(tmp_path / "map.shp")
     (tmp_path / "map.qix").write_bytes(b"")
-    assert len(read_features(shape, Around.of(HOME, WITHIN))) == ROWS
+    assert len(read_features(shape, MapWindow.of(HOME, WITHIN))) == ROWS
     for name in ("bare.fgb", "bare.gpkg"):
         read, there, _ = near(houses(tmp_path / name, options={"SPATIAL_INDEX": "NO"}))
         assert there <= read
@@ -96,11 +96,11 @@ def test_a_flatgeobuf_that_is_cut_short_is_refused_near_its_begin_too(tmp_path: 
     whole = houses(tmp_path / "map.fgb").read_bytes()
     (tmp_path / "cut.fgb").write_bytes(whole[: int(len(whole) * share)])
     with refuses("damaged-file", "cut.fgb", "4000"):
-        read_features(tmp_path / "cut.fgb", Around.of(HOME, WITHIN))
+        read_features(tmp_path / "cut.fgb", MapWindow.of(HOME, WITHIN))
 
 
 def test_a_map_of_another_place_is_named(tmp_path: Path) -> None:
     for suffix in DRIVERS:
         path = houses(tmp_path / f"map{suffix}", west=14.0)
         with refuses("too-far", f"map{suffix}", "100 km", kind=BadInput):
-            read_features(path, Around.of(HOME, WITHIN))
+            read_features(path, MapWindow.of(HOME, WITHIN))

@@ -74,10 +74,10 @@ def test_items_are_moved_put_in_and_taken_out_and_undone(opened: Studio) -> None
 def test_in_a_scenario_s_world_it_is_told_what_it_keeps(opened: Studio) -> None:
     with opened.window() as talk:
         world = talk.wait("mission")["worlds"][0]
-        talk.say(kind="within", scenario=world, autopilot=None)
+        talk.say(kind="set_scenario", scenario=world, autopilot=None)
         assert talk.wait("mission", lambda message: message["scenario"] is not None)["scenario"].endswith("sitl.toml")
         assert talk.wait("plan", lambda message: message["kept"] is not None)["required"] > 0
-        talk.say(kind="within", scenario=None, autopilot=None)
+        talk.say(kind="set_scenario", scenario=None, autopilot=None)
         talk.wait("mission", lambda message: message["scenario"] is None)
 
 
@@ -93,7 +93,7 @@ rotor_diameter = 0.3
 
 
 def within(talk: Any, world: Path | None) -> int:
-    talk.say(kind="within", scenario=None if world is None else str(world), autopilot=None)
+    talk.say(kind="set_scenario", scenario=None if world is None else str(world), autopilot=None)
     asked = talk.wait("document", lambda message: not message["unsaved"])["revision"]
     return int(talk.wait("checked", lambda message: message["revision"] == asked)["revision"])
 

@@ -146,7 +146,7 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     assert seen[-1]["done"] >= plan["stops"][-2]["seq"]
     assert [stop["seq"] for stop in plan["stops"]] == list(range(1, len(plan["stops"]) + 1))
     assert plan["stops"][0]["words"] == "take off"
-    assert [body["name"] for body in plan["beside"] if body["look"] == "beside"] == ["barn"]
+    assert [body["name"] for body in plan["nearby"] if body["look"] == "beside"] == ["barn"]
     assert studio.scenario.with_suffix(".tlog").stat().st_size > 10_000
 
 

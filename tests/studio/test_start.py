@@ -37,10 +37,10 @@ def test_it_opens_what_lies_there_and_nothing_that_it_did_not_tell(start: Studio
         talk.say(kind="open", path="/etc/passwd")
         assert "expected a file that the page offers" in talk.wait_for_trouble("file")["message"]
         talk.say(kind="open", path=beginning["examples"][0]["path"])
-        talk.wait("elsewhere")
+        talk.wait("redirect")
         assert (start.scenario / "campus.toml").read_bytes() == (MISSIONS / "campus.toml").read_bytes()
         talk.say(kind="open", path=beginning["here"][0]["path"])
-        address = talk.wait("elsewhere")["address"]
+        address = talk.wait("redirect")["address"]
     with opened_at(start, address).window() as talk:
         assert talk.wait("document")["name"] == "sitl"
     with start.window() as talk:
@@ -51,7 +51,7 @@ def test_a_scenario_begins_at_a_place_over_nothing(start: Studio) -> None:
     with start.window() as talk:
         for name in ("mission.toml", "mission-2.toml"):
             talk.say(kind="begin", place="47.397742 N 8.545594 E", altitude=488.0)
-            talk.wait("elsewhere")
+            talk.wait("redirect")
             scenario = read_scenario(start.scenario / name)
             assert scenario.home.latitude_deg == 47.397742
             assert scenario.goal_point[:2] == pytest.approx((0.0, 100.0), abs=1.0)

@@ -29,7 +29,7 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
     layers = [
         _relief(*ground_mesh(airspace, 120, extent)),
         *(_footprint(body, highest) for body in bodies),
-        f'<path class="tube" d="{bound}"><title>where flights are</title></path>' if bound else "",
+        f'<path class="deviation" d="{bound}"><title>where flights are</title></path>' if bound else "",
         _line(np.vstack([np.zeros((0, 3)), *(leg.path for _, leg, _ in places)]), "legs"),
         _line(flight.predicted.points, "planned"),
         "" if flight.flown is None else _line(flight.flown.points, "flown"),

@@ -31,7 +31,7 @@ def height_profile(flight: DrawnFlight) -> str:
         *(_block(chart, body, run, look) for body, run, look in near),
         chart.band(along, np.full(len(along), chart.y.low), predicted.ground, "soil"),
         chart.band(along, up - required, up + required, "band"),
-        chart.band(along, up - flight.deviation_bound.down, up + flight.deviation_bound.up, "tube"),
+        chart.band(along, up - flight.deviation_bound.down, up + flight.deviation_bound.up, "deviation"),
         chart.curve(along, up, "planned"),
     ]
     if flown is not None:
@@ -48,7 +48,7 @@ def height_profile(flight: DrawnFlight) -> str:
 
 def profile_legend(flown: bool, zones: bool) -> str:
     keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
-    keys += '<span class="key tube">where flights are</span><span class="key band">must stay free</span>'
+    keys += '<span class="key deviation">where flights are</span><span class="key band">must stay free</span>'
     looks: tuple[tuple[Look, str], ...] = (("below", "obstacles below"), ("beside", "within 15 m to the side"))
     keys += "".join(f'<span class="key {look}">{label}</span>' for look, label in looks)
     keys += '<span class="key zone">no-fly zone</span>' * zones

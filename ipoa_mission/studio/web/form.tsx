@@ -68,7 +68,7 @@ export function Chosen({ now }: { now: Studio }) {
 /** Whether the proved path to the goal leads over a thing; ways home do so as high as they can. */
 function isFlownOver(now: Studio, name: string): boolean {
   const plan = proved(now), turns = plan?.course.returns_at ?? null;
-  return plan?.beside.some(body => body.look === "below" && body.name === name && (turns === null || body.begins < plan.course.along[turns]!)) ?? false;
+  return plan?.nearby.some(body => body.look === "below" && body.name === name && (turns === null || body.begins < plan.course.along[turns]!)) ?? false;
 }
 
 const PLACES = ["home", "start", "goal", "via", "rally"];

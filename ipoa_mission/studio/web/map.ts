@@ -11,11 +11,11 @@ import { vectorLayers } from "./vector";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft", ...SURVEY_SOURCES] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "deviation", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft", ...SURVEY_SOURCES] as const;
 type SourceName = (typeof SOURCES)[number];
 const UNHEARD_S = 2.5; // a vehicle that is watched says where it is many times in so long
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "wires", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
+const FLAT = ["ground", "roofs", "roof-lines", "wires", "deviation", "arrows", "homeward", "items", ...SURVEY_FLAT];
 const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
@@ -181,7 +181,7 @@ function drawPath(map: MapLibre, now: Studio): void {
     : untimed.length > 1 ? [shapes.line(untimed, { coarse: true, is_proved: true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
-  fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
+  fill(map, "deviation", plan && !coarse ? shapes.deviationBound(plan) : []);
   fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, !coarse ? "proved" : coarse.is_proved ? "coarse" : "broken") : []);
 }
 
@@ -367,7 +367,7 @@ function style(): StyleSpecification {
       { id: "ground-space", type: "fill-extrusion", source: "ground", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-ground", "high-ground"), "fill-extrusion-height": ["get", "rise"] } },
       ...groundLayers(),
       { id: "bounds", type: "line", source: "bounds", paint: { "line-color": color("quiet"), "line-width": 1, "line-dasharray": [4, 4] } },
-      { id: "tube", type: "fill", source: "tube", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
+      { id: "deviation", type: "fill", source: "deviation", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
       { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ["match", ["get", "look"], "tree", color("good"), "wire", color("amber"), ramp("low-roof", "high-roof")], "fill-opacity": seenThrough(1) } },
       { id: "roof-lines", type: "line", source: "bodies", filter: ["all", solid, ["!=", ["get", "look"], "wire"]], paint: { "line-color": color("edge"), "line-width": 0.8 } },
       { id: "wires", type: "line", source: "bodies", filter: ["==", ["get", "look"], "wire"], paint: { "line-color": color("amber"), "line-width": 1.4, "line-dasharray": [5, 2, 1, 2] } },

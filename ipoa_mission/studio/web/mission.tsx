@@ -43,7 +43,7 @@ const count = (number: number, what: string): string => `${number} ${what}${numb
 export function World({ now }: { now: Studio }) {
   const mission = isMission(now) ? now.mission : null;
   if (!mission) return null;
-  const say = (scenario: string | null, autopilot: string | null) => send({ kind: "within", scenario, autopilot });
+  const say = (scenario: string | null, autopilot: string | null) => send({ kind: "set_scenario", scenario, autopilot });
   const name = (path: string) => path.split(/[\\/]/).at(-1);
   return (
     <section aria-label="The mission">

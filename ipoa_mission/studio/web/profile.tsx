@@ -99,7 +99,7 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
       <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" role="img" aria-label={`Height over the way: ${length.toFixed(0)} m, up to ${Math.max(...line.up).toFixed(0)} m above home`}
         onPointerDown={take} onPointerMove={pull} onPointerUp={drop} onPointerCancel={() => { grip.current = null; hold(null); }}>
         {ticks.map(tick => <path key={tick} class="grid" d={`M0 ${y(tick)}H${WIDE}`} />)}
-        {plan.beside.map((body, n) => {
+        {plan.nearby.map((body, n) => {
           const left = Math.max(0, body.begins - 0.002 * length), right = Math.min(length, body.ends + 0.002 * length);
           const top = Math.min(body.top, high), base = Math.max(body.base, low);
           return <path key={n} class={body.look} d={`M${x(left)} ${y(base)}V${y(top)}H${x(right)}V${y(base)}Z`}><title>{body.look === "zone" ? `${body.name}: no-fly zone` : `${body.name}: ${body.base.toFixed(0)} to ${body.top.toFixed(0)} m`}</title></path>;

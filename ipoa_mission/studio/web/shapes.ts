@@ -50,8 +50,8 @@ export function bounds(world: World): Feature[] {
   return [line([...world.around, world.around[0]])];
 }
 
-export function tube(plan: Plan): Feature[] {
-  return plan.tube_ring.length ? [polygon(plan.tube_ring, {})] : [];
+export function deviationBound(plan: Plan): Feature[] {
+  return plan.deviation_ring.length ? [polygon(plan.deviation_ring, {})] : [];
 }
 
 export const METERS = 111_320; // of a degree of latitude, closely enough to draw by

@@ -223,7 +223,7 @@ function take(answer: Answer): void {
     case "found":
       set({ found: answer });
       break;
-    case "elsewhere":
+    case "redirect":
       location.assign(new URL(answer.address, document.baseURI));
       break;
     case "trouble":

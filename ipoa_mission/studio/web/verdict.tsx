@@ -30,7 +30,7 @@ export function Verdict({ now }: { now: Studio }) {
         ) : coarse ? (
           <p class={coarse.is_proved ? "coarse" : "bad"}><b aria-hidden="true">{coarse.is_proved ? "≈" : "✕"}</b> {now.drag ? "While you drag: a" : "A"} coarse
             path{coarse.is_proved ? `, ${meters(coarse.clearance, 2)} from ${coarse.nearest}` : ` breaks a limit: ${coarse.verdict}`}.
-            {coarse.is_proved ? " Not yet the best one, and its tube is not proved." : " The planner may still find a way."}</p>
+            {coarse.is_proved ? " Not yet the best one, and its deviation bound is not proved." : " The planner may still find a way."}</p>
         ) : <p class="coarse">Looking at the scenario …</p>}
       {now.progress && !plan && (
         <div class="progress">

@@ -51,7 +51,7 @@ def window_of(box: Box, frame: LocalFrame) -> Degrees:
 
 
 @dataclass
-class Around:
+class MapWindow:
     """Selects features in `window` (None: all), counts `elsewhere`; one must be `near`, within 100 km of home."""
 
     window: Degrees | None = None
