@@ -36,7 +36,7 @@ class Stage(StrEnum):
 
 
 Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
-Remark: TypeAlias = Callable[[str], None]
+ReportRemark: TypeAlias = Callable[[str], None]
 
 
 def without_remarks(words: str) -> None:
@@ -56,7 +56,7 @@ class ProcedureOptions:
     ignore: Iterable[str] = ()
     set_params: bool = False
     stages: Stages = without_progress
-    remark: Remark = without_remarks
+    remark: ReportRemark = without_remarks
 
 
 DEFAULTS = ProcedureOptions()
@@ -135,7 +135,7 @@ def fly_mission(
     anyway: bool = False,
     set_params: bool = False,
     stages: Stages = without_progress,
-    remark: Remark = without_remarks,
+    remark: ReportRemark = without_remarks,
 ) -> FlightRecord:
     """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground.
 
@@ -220,7 +220,7 @@ def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOption
         return vehicle.watch(show)
 
 
-def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
+def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRemark) -> "ConformanceMonitor | None":
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     mission = forecast.mission_as_read
@@ -237,7 +237,7 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -
         return None
 
 
-def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: Remark) -> None:
+def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: ReportRemark) -> None:
     others, _ = other_values(vehicle, mission.parameters)
     names = ", ".join(other.name for other in others)
     for n, other in enumerate(others):

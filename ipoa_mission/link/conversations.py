@@ -7,7 +7,7 @@ from functools import partial
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step, T, Tell, TimeUp
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step, T, Tell, TimeUp
 from ipoa_mission.link.events import words_of
 from ipoa_mission.link.item_payloads import Payloads, as_items
 from ipoa_mission.link.item_run import ItemsRead, ItemsSent
@@ -111,7 +111,7 @@ def offer(
                 run.asked_for(seq)
                 step = Tell(m.ItemAt(seq, items[seq], kind), run if in_order else None)
                 if in_order and seq == last:
-                    yield Remark(step.message)
+                    yield SendOnce(step.message)
                     step = Pause(3.0)  # after it the read-back decides
             case m.Ack(m.Result.ACCEPTED, k) if k == kind:
                 if run.at == last or not in_order:
@@ -162,7 +162,7 @@ def fetch(
                         return result
                     break
                 case m.ItemAt(_, _, k) if k == kind and style.rebukes:
-                    yield Remark(m.Ack(m.Result.INVALID_SEQUENCE, kind))
+                    yield SendOnce(m.Ack(m.Result.INVALID_SEQUENCE, kind))
                 case m.Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case m.Ack(result, k) if k == kind and result != m.Result.ACCEPTED:
@@ -200,7 +200,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
                 stored.clear()
             total = again
         else:
-            yield Remark(m.Ack(m.Result.ACCEPTED, kind))
+            yield SendOnce(m.Ack(m.Result.ACCEPTED, kind))
             return stored
 
 

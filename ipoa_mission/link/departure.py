@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, SendOnce, TimeUp, until, wait
 from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
@@ -251,7 +251,7 @@ def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
             yield from until(lambda: state.landed_state is not None, SHOWN_S)
             if state.landed_state != ON_GROUND:
                 return
-            yield Remark(CommandLong(Command.COMPONENT_ARM_DISARM))
+            yield SendOnce(CommandLong(Command.COMPONENT_ARM_DISARM))
             state.armed = None
         yield from until(lambda: state.armed is not None, SHOWN_S)
     except (NoAnswer, Cancelled, TimeUp):

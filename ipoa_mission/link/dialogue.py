@@ -5,7 +5,7 @@ A dialogue yields a step and is sent a heard message:
     heard = yield Ask(Count(3))      # sent repeatedly until the dialogue acts on an answer
     heard = yield Tell(item)         # sent once: repeating is up to the other side
     heard = yield Pause(2.0)         # nothing is sent; returns `None` at the timeout
-    yield Remark(Ack(...))           # sent once; returns at once, and the earlier wait continues
+    yield SendOnce(Ack(...))         # sent once; returns at once, and the earlier wait continues
     heard = yield None               # the message was irrelevant: continue the earlier wait
 
 If the other side stays silent, `NoAnswer` is raised in the dialogue.
@@ -75,7 +75,7 @@ class Tell:
 
 
 @dataclass(frozen=True)
-class Remark:
+class SendOnce:
     message: Message
 
 
@@ -84,7 +84,7 @@ class Pause:
     seconds: float
 
 
-Step: TypeAlias = Ask | Tell | Remark | Pause | None
+Step: TypeAlias = Ask | Tell | SendOnce | Pause | None
 Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
@@ -319,7 +319,7 @@ class Exchange(Generic[T]):
             return None
 
     def _follow(self, step: Step, now: float) -> None:
-        while isinstance(step, Remark):
+        while isinstance(step, SendOnce):
             self._outbox.append(step.message)
             step = self._resume(None)
         if step is None or self.finished:

@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
-from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
+from ipoa_mission.link.dialogue import Dialogue, Pause, SendOnce, until
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
 from ipoa_mission.link.on_deviation import OnDeviation
@@ -122,7 +122,7 @@ class FlightOrder:
                     words = f"{name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it"
                     self._refused(NotReady(words, code="mode-not-shown"))
                 self._repeats, self._due_s = self._repeats + 1, self._now() + 1.0
-                yield Remark(self._steps[0].message)
+                yield SendOnce(self._steps[0].message)
         except (NotFlown, NotReady, CommandRefused) as reason:
             self.words = str(reason)
             self._steps.clear()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step
 from ipoa_mission.link.messages import FileTransfer, Message, MissionType
 from ipoa_mission.progress import Progress, count, silent
 
@@ -125,7 +125,7 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
     """Return a list's checksum with home, None if unsupported; a repeated sequence number gets its old answer."""
     asked: set[int] = set()
     for seconds in (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8:
-        yield Remark(checksum_question(kind, numbers, asked))
+        yield SendOnce(checksum_question(kind, numbers, asked))
         heard = yield Pause(seconds)
         while heard is not None:
             if (answer := checksum_answer(heard, asked)) is not None:

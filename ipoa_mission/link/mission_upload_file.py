@@ -61,7 +61,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
             list_on_vehicle="old",
         ) from None
     try:
-        return (yield from _settle(job, closing))
+        return (yield from _confirm_stored(job, closing))
     except TimeUp as late:
         raise TimeUp(
             f"{late}: the vehicle holds a whole mission, the old or the new one", list_on_vehicle="either"
@@ -73,7 +73,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 def _cancelled_late(job: Upload, closing: mavftp.FileMessage) -> Dialogue[Cancelled]:
     """The file may have been taken."""
     try:
-        yield from _settle(job, closing)
+        yield from _confirm_stored(job, closing)
     except mavftp.FileRefused:
         return Cancelled("cancelled: the vehicle keeps the mission it had", list_on_vehicle="old")
     except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
@@ -88,7 +88,7 @@ def _cancelled_late(job: Upload, closing: mavftp.FileMessage) -> Dialogue[Cancel
     )
 
 
-def _settle(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:
+def _confirm_stored(job: Upload, closing: mavftp.FileMessage) -> Dialogue[int]:
     yield from mavftp.ask_of_file(closing, f"take {mavftp.MISSION_FILE}")
     for _ in range(READ_ATTEMPTS):
         data = yield from mavftp.read_file(mavftp.MISSION_FILE)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import KeepsChanging, MissionRefused, list_name, open_list, read_consistent
-from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Remark, until
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer, SendOnce, until
 from ipoa_mission.link.mavftp import checksum_answer, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.upload import Replaced, Upload
@@ -112,7 +112,7 @@ class ListWatcher:
                     return
         elif now_s >= self._due_s:
             self._due_s = now_s + CHECK_INTERVAL_S
-            yield Remark(checksum_question(onboard.job.kind, numbers, self._asked))
+            yield SendOnce(checksum_question(onboard.job.kind, numbers, self._asked))
 
 
 def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:

@@ -12,7 +12,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
-from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
+from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, SendOnce, Step
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
 
 M = TypeVar("M", bound=m.Message)
@@ -148,7 +148,7 @@ def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) ->
             break
         known = table.surely_there[n % len(table.surely_there)]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
-            yield Remark(m.ParamRequestRead(name))
+            yield SendOnce(m.ParamRequestRead(name))
         heard = yield Pause(seconds)
         while heard is not None:
             if isinstance(heard, m.ParamValue):
@@ -175,7 +175,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
         raise error.at(name) from None
     stored: float | None = None
     for seconds in (1.0, 2.0, 4.0):
-        yield Remark(order)
+        yield SendOnce(order)
         heard = yield Pause(seconds)
         while heard is not None:
             if isinstance(heard, m.ParamValue) and heard.param_id == name:

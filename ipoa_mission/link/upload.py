@@ -17,7 +17,7 @@ from ipoa_mission.link.conversations import (
     read_consistent,
     read_list,
 )
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.mission.items import Item
@@ -177,7 +177,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         except Cancelled:
             yield from _cancel(job, course, progress)
     except TimeUp as late:
-        yield Remark(Ack(Result.OPERATION_CANCELLED, job.kind))
+        yield SendOnce(Ack(Result.OPERATION_CANCELLED, job.kind))
         arrived = f"{max(course.furthest, 0)} of {len(job.items)} items of the {list_name(job.kind)} had arrived"
         raise TimeUp(f"{late}: in attempt {course.attempt} {arrived}", hint=_remaining_list(job)) from None
     if job.is_judged:
@@ -190,14 +190,14 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
                 list_on_vehicle="new",
             ) from None
         if not (state == NO_MISSION and course.reports.agrees(job)):
-            yield from _settle(job, course.reports)
+            yield from _confirm_stored(job, course.reports)
         if state == NO_MISSION:
             raise Unflyable(str(course.reports))
         return course.reports.stored_as if course.reports.proves(job) else 0
     return course.checksum
 
 
-def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
+def _confirm_stored(job: Upload, reports: MissionReports) -> Dialogue[None]:
     if reports.proves(job):
         return
     for _ in range(READ_ATTEMPTS):
@@ -274,8 +274,8 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             again = refused_before is not None and (
                 (refusal.result, refusal.seq) == (refused_before.result, refused_before.seq)
             )
-            settled = refusal.result not in temporary and (not job.truncates or again)
-            if course.attempt == ATTEMPTS or settled or (again and refusal.result == Result.ERROR):
+            is_final = refusal.result not in temporary and (not job.truncates or again)
+            if course.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
                 refusal.hint = _remaining_list(job)
                 raise
             refused_before = refusal
@@ -300,14 +300,14 @@ def _remaining_list(job: Upload) -> str:
 
 def _refuse_requests(kind: int) -> Dialogue[None]:
     """Answer requests with "cancelled" until the vehicle is quiet."""
-    yield Remark(Ack(Result.OPERATION_CANCELLED, kind))
+    yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))
     step: Step = Pause(1.0)
     while True:
         match (yield step):
             case None:
                 return
             case Request(_, k) if k == kind:
-                yield Remark(Ack(Result.OPERATION_CANCELLED, kind))
+                yield SendOnce(Ack(Result.OPERATION_CANCELLED, kind))
                 step = Pause(1.0)
             case _:
                 step = None

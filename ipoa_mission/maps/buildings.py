@@ -319,8 +319,8 @@ def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, eve
         return None if rules.wood_height else Reason("wood_height = 0 excludes it", False)
     if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and extent != "none":
         return None
-    settled = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
-    return replace(why, may_be_obstacle=why.may_be_obstacle and not settled)
+    is_decided = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
+    return replace(why, may_be_obstacle=why.may_be_obstacle and not is_decided)
 
 
 def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:

@@ -21,7 +21,7 @@ from ipoa_mission.mission.json_node import Node, parse_document
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.plan_keys import findings_of_keys
-from ipoa_mission.mission.stored_mission import settle_frames
+from ipoa_mission.mission.stored_mission import resolve_frames
 
 
 class AltitudeMode(IntEnum):
@@ -63,7 +63,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     home = _home(mission["plannedHomePosition"])
     listed = [entry for child in mission["items"].array() for entry in _listed(child)]
     ground = plan.get("landingGround")
-    items = settle_frames(_items(listed), autopilot)
+    items = resolve_frames(_items(listed), autopilot)
     read = Mission(
         home=home,
         items=items,
@@ -84,7 +84,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
 
 
 def _plan(mission: Mission) -> dict[str, Any]:
-    items = settle_frames(mission.items, mission.autopilot)
+    items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate(items, start=1):
         _check(number, item, len(items))
     modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if _has_altitude(item))
@@ -115,7 +115,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 
 def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
-    own = [replace(part, items=settle_frames(part.items, mission.autopilot)) for part in mission.complex_items]
+    own = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
     for entry in entries(items, own):
         part = items[entry.first : entry.first + entry.count]
         simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]

@@ -42,7 +42,7 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     return Mission(home, tuple(_received(item, own) for item in items), autopilot)
 
 
-def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
+def resolve_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
     """Return frames as in files: no `_INT`, and frame 2 without a position."""
     return tuple(replace(item, frame=_plain_frame(item, autopilot.firmware())) for item in items)
 

@@ -19,7 +19,7 @@ from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, r
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import NUMBER
-from ipoa_mission.mission.stored_mission import home_item, settle_frames
+from ipoa_mission.mission.stored_mission import home_item, resolve_frames
 
 FIRST_LINE = "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
@@ -29,7 +29,7 @@ FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude"
 
 
 def waypoints_text(mission: Mission) -> str:
-    items = settle_frames(mission.items, mission.autopilot)
+    items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
     if not mission.autopilot.firmware().nan_holds:
@@ -69,7 +69,7 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
         raise BadInput(words, hint=hint, code="home-missing", place=f"{line.where}: command")
     if abs(first.latitude_deg) > 90:
         raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{line.where}: latitude")
-    items = settle_frames([item for _, item in others], autopilot)
+    items = resolve_frames([item for _, item in others], autopilot)
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)

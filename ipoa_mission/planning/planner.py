@@ -19,7 +19,7 @@ from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, settle
+from ipoa_mission.planning.polish import FINE_DESCENT, FIRM_DESCENT, ROUGH_DESCENT, polish, polish_until_proved
 from ipoa_mission.planning.problem import ALL, UNSAFE, Candidate, PreparedProblem, follow, prepare, refine, surround
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
@@ -76,7 +76,7 @@ def optimizer_of(task: PathTask, short: bool) -> tuple[Optimizer, int | None]:
     return build_optimizer(name, (defaults or {}) | settings), budget
 
 
-Settled: TypeAlias = tuple[Candidate, Proof, CostTerms]
+PolishedCurve: TypeAlias = tuple[Candidate, Proof, CostTerms]
 
 
 def plan_path(
@@ -132,31 +132,31 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
     problem = prepare(task)
     with threadpool_limits(1, "blas"):
         near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM_DESCENT)
-        candidate, proof = settle(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
+        candidate, proof = polish_until_proved(near, problem, replace(FINE_DESCENT, enough=1e-5, finer=1), attempts=2)
     return candidate.curve if proof.is_proved else None
 
 
-def _search_once(searcher: Searcher, progress: Progress) -> Settled:
+def _search_once(searcher: Searcher, progress: Progress) -> PolishedCurve:
     task = searcher.problem.task
     straight = follow(task.places, task.planning.control_points, task)
     searched = searcher.search(straight, 2 * searcher.strategy.straight_width, progress=progress)
     return searched, prove_curve(searched.curve, task), curve_cost(searched.curve, task)
 
 
-def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
-    """Return settled curves, if need be from a finer lattice."""
-    problem, strategy, proved = searcher.problem, searcher.strategy, list[Settled]()
+def _search_passages(searcher: Searcher, progress: Progress) -> list[PolishedCurve]:
+    """Return polished curves, if need be from a finer lattice."""
+    problem, strategy, proved = searcher.problem, searcher.strategy, list[PolishedCurve]()
     for coarsest in range(len(strategy.lattice.refinements) - 1):
         improved = _improve(_find_passages(searcher, coarsest, progress), searcher, progress)
-        for candidate in improved[: strategy.max_settled]:
-            proved.append(_settle(candidate, searcher))
-            enough = 1 if proved[0][1].is_proved else strategy.settled
+        for candidate in improved[: strategy.max_polished]:
+            proved.append(_polish_and_prove(candidate, searcher))
+            enough = 1 if proved[0][1].is_proved else strategy.enough_proved
             if sum(proof.is_proved for _, proof, _ in proved) == enough:
                 break
         if safe := [candidate for candidate, proof, _ in proved if proof.is_proved]:
             best = min(safe, key=problem.cost)
             if len(best.curve.control) < strategy.few_control_points:
-                proved.append(_settle(refine(best), searcher, enough=1e-8))
+                proved.append(_polish_and_prove(refine(best), searcher, enough=1e-8))
             break
         if coarsest == 0 and (why := blockage(problem)) is not None:
             raise why
@@ -190,7 +190,7 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
 def _approach(candidate: Candidate, problem: PreparedProblem) -> Candidate:
     """Polish roughly; with limited climbs until all limits hold: a shortcut must be climbed."""
     return (
-        settle(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
+        polish_until_proved(candidate, problem, replace(ROUGH_DESCENT, steps=60))[0]
         if problem.climbs_limited
         else polish(candidate, problem)
     )
@@ -214,16 +214,16 @@ def _improve(candidates: list[Candidate], searcher: Searcher, progress: Progress
     return [candidate for _, candidate in improved]
 
 
-def _settle(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> Settled:
-    """Settle; if clustered control points hide a loop, again evenly."""
+def _polish_and_prove(candidate: Candidate, searcher: Searcher, enough: float = 1e-7) -> PolishedCurve:
+    """Polish; if clustered control points hide a loop, again evenly."""
     problem, task = searcher.problem, searcher.problem.task
     descent = replace(FINE_DESCENT, enough=enough)
-    settled, proof = settle(candidate, problem, descent)
-    cost = curve_cost(settled.curve, task)
-    if cost.total <= searcher.strategy.hidden_loop * even_cost(settled.curve, task).total:
-        return settled, proof, cost
-    count = len(settled.curve.control)
-    even, even_proof = settle(follow(settled.curve.sample(4 * count), count - 2, task), problem, descent)
+    polished, proof = polish_until_proved(candidate, problem, descent)
+    cost = curve_cost(polished.curve, task)
+    if cost.total <= searcher.strategy.hidden_loop * even_cost(polished.curve, task).total:
+        return polished, proof, cost
+    count = len(polished.curve.control)
+    even, even_proof = polish_until_proved(follow(polished.curve.sample(4 * count), count - 2, task), problem, descent)
     even_terms = curve_cost(even.curve, task)
     is_better = even_proof.is_proved and (even_terms.total < cost.total or not proof.is_proved)
-    return (even, even_proof, even_terms) if is_better else (settled, proof, cost)
+    return (even, even_proof, even_terms) if is_better else (polished, proof, cost)

@@ -102,7 +102,7 @@ def polish(
     return Candidate(Spline(control), candidate.via_at)
 
 
-def settle(
+def polish_until_proved(
     candidate: Candidate, problem: PreparedProblem, descent: Descent = FINE_DESCENT, attempts: int = ATTEMPTS
 ) -> tuple[Candidate, Proof]:
     """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.

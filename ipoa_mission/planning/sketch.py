@@ -7,14 +7,14 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.planning.lattice import Guess, lay, ways
 from ipoa_mission.planning.obstruction import refuse_places
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.polish import polish, settle
+from ipoa_mission.planning.polish import polish, polish_until_proved
 from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
 FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # as shares of the planner's first one
 MAX_ROUTES = 4  # besides the straight one
-MAX_PROVED = 2  # before one is settled
+MAX_PROVED = 2  # before one is chosen
 CONTROL_POINTS = 24
 
 
@@ -47,7 +47,7 @@ def sketch_path(task: PathTask) -> Sketch:
                 first = candidate
                 break
         else:
-            candidate, proof = settle(first, problem)
+            candidate, proof = polish_until_proved(first, problem)
     return Sketch(candidate.curve, proof, tuple(other.curve for other in best if other is not first))
 
 

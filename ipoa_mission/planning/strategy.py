@@ -40,10 +40,10 @@ class SearchStrategy:
     piece: int = 10
     piece_width: float = 0.12
     enough_control_points: int = 150
-    few_control_points: int = 60  # of a settled curve, which is refined once more
+    few_control_points: int = 60  # of a polished curve, which is refined once more
     hidden_loop: float = 1.001  # of cost to even-step cost; control points are redistributed above
-    settled: int = 2  # if the best of all is not valid
-    max_settled: int = 6
+    enough_proved: int = 2  # if the best of all is not valid
+    max_polished: int = 6
 
 
 USUAL = SearchStrategy()

@@ -18,7 +18,7 @@ from ipoa_mission.geodesy import Geodetic, LocalFrame, apart
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_io import parse_mission
-from ipoa_mission.mission.stored_mission import settle_frames, values_of
+from ipoa_mission.mission.stored_mission import resolve_frames, values_of
 from ipoa_mission.studio import area_edits
 from ipoa_mission.studio.area_edits import DEGREES, DIGITS, Move, at_path, local_of, moves_of
 from ipoa_mission.studio.requests import (
@@ -210,11 +210,11 @@ def _with_change(mission: Mission, change: Change) -> Mission:
     match change:
         case PutItem():
             item = _with_value(_item(mission, change.seq), change, mission)
-            return with_item(mission, change.seq, _settled(item, mission))
+            return with_item(mission, change.seq, _with_frame(item, mission))
         case MoveItem():
             return with_item(mission, change.seq, _moved(_item(mission, change.seq), change.place))
         case InsertItem():
-            return with_inserted(mission, change.seq, _settled(_new_item(mission, change), mission))
+            return with_inserted(mission, change.seq, _with_frame(_new_item(mission, change), mission))
         case TakeItem():
             return without_item(mission, change.seq)
         case PlainItems():
@@ -286,8 +286,8 @@ def _new_item(mission: Mission, change: InsertItem) -> Item:
     return item
 
 
-def _settled(item: Item, mission: Mission) -> Item:
-    settled = settle_frames((item,), mission.autopilot)[0]
-    if settled.frame == Frame.MISSION and item.command in mission.autopilot.firmware().placed:
-        return replace(settled, frame=int(Frame.GLOBAL_RELATIVE_ALT))
-    return settled
+def _with_frame(item: Item, mission: Mission) -> Item:
+    framed = resolve_frames((item,), mission.autopilot)[0]
+    if framed.frame == Frame.MISSION and item.command in mission.autopilot.firmware().placed:
+        return replace(framed, frame=int(Frame.GLOBAL_RELATIVE_ALT))
+    return framed

@@ -175,7 +175,7 @@ class Session:
             self._follow()
 
     def _follow(self) -> None:
-        """Show the scenario, sketch it, and plan it once it has settled."""
+        """Show the scenario, sketch it, and plan it once no change follows."""
         self._forget(*FOLLOWS)
         self._stop("plan")
         self._stop("contingencies")
@@ -183,7 +183,7 @@ class Session:
             self._job("look", self._judge)
         else:
             self._job("look", self._look)
-            self._start("plan", self._plan_when_settled)
+            self._start("plan", self._plan_when_idle)
 
     async def _look(self) -> None:
         shown = -1
@@ -215,7 +215,7 @@ class Session:
             order = {"job": "sketch", "number": drag.number, "changes": changes}
             await self._ask(self._quick, order, window.send)
 
-    async def _plan_when_settled(self) -> None:
+    async def _plan_when_idle(self) -> None:
         await self._thorough.start()
         await asyncio.sleep(SETTLE_TIME_S)
         await self._plan()

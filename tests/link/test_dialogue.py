@@ -12,7 +12,7 @@ from ipoa_mission.link.dialogue import (
     NoAnswer,
     Patience,
     Pause,
-    Remark,
+    SendOnce,
     Tell,
     Tempo,
 )
@@ -139,9 +139,9 @@ def test_a_pause_ends_with_nothing_heard() -> None:
 def test_a_remark_is_said_without_disturbing_what_is_awaited() -> None:
     def remarking() -> Dialogue[Message | None]:
         heard = yield Ask(Count(2))
-        yield Remark(Ack(13))
+        yield SendOnce(Ack(13))
         heard = yield None
-        yield Remark(Ack(0))
+        yield SendOnce(Ack(0))
         return heard
 
     exchange = Exchange(remarking(), 0.0, SPECIFIED)

@@ -15,7 +15,7 @@ from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, Remark, Step, TimeUp
+from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause, SendOnce, Step, TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Message, MissionType, ParamSet, ParamValue, Request
@@ -157,7 +157,7 @@ def setting(value: float) -> Dialogue[None]:
     """Return the dialogue that sets a parameter to 3, where it waits for the result."""
     dialogue = orders.set_parameter("MPC_XY_CRUISE", 3.0, Autopilot.PX4)
     step = next(dialogue)
-    while not (isinstance(step, Remark) and isinstance(step.message, ParamSet)):
+    while not (isinstance(step, SendOnce) and isinstance(step.message, ParamSet)):
         step = dialogue.send(ParamValue("MPC_XY_CRUISE", value, 9, 1, 0) if isinstance(step, Pause) else None)
     assert isinstance(dialogue.send(None), Pause)
     return dialogue
@@ -181,7 +181,7 @@ def test_a_vehicle_that_keeps_a_value_is_asked_again_before_that_is_said() -> No
     dialogue.send(ParamValue("MPC_XY_CRUISE", 5.0, 9, 1, 0))
     with refuses("parameter-kept", "MPC_XY_CRUISE", "3", "5"):
         hear_nothing(dialogue, steps)
-    assert sum(isinstance(step, Remark) for step in steps) == 2  # besides the first
+    assert sum(isinstance(step, SendOnce) for step in steps) == 2  # besides the first
 
 
 def test_a_vehicle_that_says_nothing_of_a_parameter_that_is_set_is_silent() -> None:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.cost import curve_cost
-from ipoa_mission.planning.polish import polish, settle
+from ipoa_mission.planning.polish import polish, polish_until_proved
 from ipoa_mission.planning.problem import Candidate, follow, prepare, refine
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario
@@ -28,7 +28,7 @@ def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario: Make, side: int
     mast = {"kind": "cylinder", "name": "mast", "east": 50, "north": 0, "radius": 10, "height": 95, "base": 0.0}
     job = scenario(obstacles=[mast], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
     rough = polish(bulging(job, 18.0 * side, 0.0), prepare(job))
-    candidate, proof = settle(refine(rough), prepare(job))
+    candidate, proof = polish_until_proved(refine(rough), prepare(job))
     assert proof.worst.slack >= 0
     assert candidate.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
     assert side * candidate.curve.points(np.array([0.5]))[0, 1] > 11.5
@@ -37,7 +37,7 @@ def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario: Make, side: int
 def test_over_a_ball_the_way_is_the_same_turned_upright(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 0, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
-    candidate, proof = settle(refine(polish(bulging(job, 0.0, 18.0), prepare(job))), prepare(job))
+    candidate, proof = polish_until_proved(refine(polish(bulging(job, 0.0, 18.0), prepare(job))), prepare(job))
     assert proof.worst.slack >= 0
     assert candidate.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
 
@@ -55,7 +55,7 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> 
         "base": 0.0,
     }
     job = scenario(obstacles=[wall], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.5)
-    candidate, proof = settle(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
+    candidate, proof = polish_until_proved(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
     reach = np.hypot(49.9, 20)  # to an edge, with an arc of 2 m
     tangent, angle = np.sqrt(reach**2 - 2**2), np.arctan2(20, 49.9) + np.arcsin(2 / reach)
     assert proof.worst.slack >= 0
@@ -95,6 +95,6 @@ def test_it_never_makes_a_curve_dearer(town: Town) -> None:
 def test_the_threat_is_kept_out_of_where_that_is_cheap(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 3, "up": 20, "radius": 5}
     job = scenario(obstacles=[ball], vehicle=VEHICLE)
-    candidate, _ = settle(refine(polish(bulging(job, -8.0, 0.0), prepare(job))), prepare(job))
+    candidate, _ = polish_until_proved(refine(polish(bulging(job, -8.0, 0.0), prepare(job))), prepare(job))
     assert curve_cost(candidate.curve, job).threat == 0
     assert job.airspace.obstacle_clearance(candidate.curve.sample(1000)).distance == pytest.approx(5.5, abs=0.1)
