@@ -84,7 +84,7 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
 ) -> None:
     limits = px4_limits({**parameters, "RTL_LAND_DELAY": 9.0})
     *_, down_to, waiting, landing = return_orders(Enu(100.0, 0.0, ground + 20.0), limits, Enu(0.0, 0.0, ground), ground)
-    assert (waiting.holds, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
+    assert (waiting.hold_s, landing.goal) == (9.0, Enu(0.0, 0.0, ground))
     assert down_to.goal == waiting.goal == Enu(0.0, 0.0, wait)
 
 

@@ -82,10 +82,10 @@ class Px4Model(FlightModel):
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
         flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
-        exact_run, ends = flights.flown(False, fast)(0), list(flights.plan.done)
+        exact_run, ends = flights.flown(False, fast)(0), list(flights.mission_orders.done)
         smooth, samples = exact_run.done[ends], exact_run.samples
         once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
-        remarks = list(flights.plan.remarks)
+        remarks = list(flights.mission_orders.remarks)
         times: list[Vector] = []
         for seed in range(1, RUNS.most + 1 if itinerary.visits and not noise_free else 1):
             if (seed - 1) % RUNS.batch == 0 and _known(times):
@@ -152,8 +152,8 @@ class Px4Model(FlightModel):
 
     def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
         flights = Flights(itinerary, mission)
-        steps = RUNS.of_median * sum(order.patience for order in flights.plan.orders) / RUNS.step_s
-        once, ends = flights.flown(True, True, steps), list(flights.plan.done)
+        steps = RUNS.of_median * sum(order.patience for order in flights.mission_orders.orders) / RUNS.step_s
+        once, ends = flights.flown(True, True, steps), list(flights.mission_orders.done)
         return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
 
 
@@ -191,9 +191,9 @@ class Flights:
         self.itinerary, self.airframe, self.wind = itinerary, airframe_of(mission.vehicle), wind
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
-        self.plan = orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
-        self.orders = self.plan.orders
-        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.plan.orders)
+        self.mission_orders = orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
+        self.orders = self.mission_orders.orders
+        turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
         with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
@@ -204,7 +204,7 @@ class Flights:
 
         Returns also the number of orders begun by then.
         """
-        self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
+        self.orders = tuple(order._replace(until=time) for order in self.mission_orders.orders)
         until = self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
         begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
         onward = self.orders_of(contingency, until.samples[-1])
@@ -258,8 +258,8 @@ class Flights:
             return "hold" if params[0] > 0 else ""
         if command not in FLOWN_TO:
             return ""
-        order = self.plan.orders[self.plan.done[n] - 1]
-        if order.holds > LEAST_HOLD:
+        order = self.mission_orders.orders[self.mission_orders.done[n] - 1]
+        if order.hold_s > LEAST_HOLD:
             return "hold"
         rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
         length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits

@@ -77,7 +77,7 @@ class PX4Pilot:
         height = self._state.body.place.up if math.isnan(up) else up
         self._here = Enu(level.east, level.north, max(height, self._ground.at(level.east, level.north)))
         order = leg(self._state.body.place, self._here, None, self._limits, speed if speed > 0.0 else self._cruise)
-        self._carry_out([order._replace(holds=math.inf, follows_home=False)])
+        self._carry_out([order._replace(hold_s=math.inf, follows_home=False)])
 
     @property
     def rising(self) -> bool:
@@ -101,7 +101,7 @@ class PX4Pilot:
             self._state = begun(at_rest(place, now.time_s, self._vehicle.yaw, errors, True), order)
         self._state = step(self._state._replace(time=now.time_s), order, self._law)
         reached = self._state.reached
-        if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.holds:
+        if len(self._orders) == 1 and not self._announced and 0.0 <= reached <= self._state.time - order.hold_s:
             self._announced = True
             self._last_done()
         if is_over(self._state, order) and self._orders and self._orders[0] is order:
@@ -182,7 +182,7 @@ class PX4Pilot:
         beyond = None if onward is None else Enu(*self._now.program.place(onward, goal))
         order = waypoint(item, leg(start, goal, beyond, limits, cruise), limits)
         if item.command == Command.NAV_LOITER_UNLIM:
-            order = order._replace(holds=math.inf, beyond=goal)
+            order = order._replace(hold_s=math.inf, beyond=goal)
         return [*climb, order]
 
     def _return(self) -> None:
@@ -204,7 +204,7 @@ class PX4Pilot:
     def _brake(self) -> None:
         self._here = self._stopping_place(here := self._state.body.place)
         order = leg(here, self._here, None, self._limits, self._cruise)
-        self._fly([order._replace(holds=math.inf, follows_home=False)])
+        self._fly([order._replace(hold_s=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:
         """Replace the orders; on the ground only for a mission."""

@@ -93,5 +93,5 @@ def fly(
                 row[0], row[1], row[2], row[3] = state.time, at.east, at.north, at.up
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
-        done[n + 1] = state.reached + order.holds if order.until == math.inf else state.time
+        done[n + 1] = state.reached + order.hold_s if order.until == math.inf else state.time
     return done, samples[:taken].copy(), touched

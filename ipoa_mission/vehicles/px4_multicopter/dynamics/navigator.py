@@ -52,12 +52,12 @@ def take_off(top: Enu, limits: Px4Limits) -> Order:
 
 def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
     """Return the order of a leg with the item's hold, radius and heading."""
-    holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
+    hold_s = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return order._replace(
-        beyond=order.goal if holds > 0 else order.beyond,
+        beyond=order.goal if hold_s > 0 else order.beyond,
         radius=item.params[1] if own else limits.radius,
-        holds=holds,
+        hold_s=hold_s,
         heading=math.radians(item.params[3]),
         may_turn_first=True,
         follows_home=plain_frame(item.frame) != Frame.GLOBAL,
@@ -66,18 +66,18 @@ def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
 
 def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
     order = leg(here, here, None, limits, limits.cruise)
-    return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, holds=seconds)] if seconds > 0 else []
+    return [order._replace(radius=ANY_RADIUS, height_radius=ANY_RADIUS, hold_s=seconds)] if seconds > 0 else []
 
 
-def landing_orders(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
+def landing_orders(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, hold_s: float) -> list[Order]:
     """Return the orders of a landing, first to over the place if beyond the acceptance radius.
 
-    `holds`: on the ground [s].
+    `hold_s`: on the ground [s].
     """
     over = ground._replace(up=here.up)
     legs = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
     ground = ground if legs else here._replace(up=ground.up)
-    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, holds=holds)]
+    return [*legs, leg(ground, ground, None, limits, cruise)._replace(kind=LAND, hold_s=hold_s)]
 
 
 def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
@@ -112,7 +112,7 @@ def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: En
             legs.append(leg(at, place, beyond, limits, limits.cruise))
             at = place
     down = leg(ground, ground, None, limits, limits.cruise)
-    return [*legs, down._replace(kind=LAND, holds=limits.disarm_delay)]
+    return [*legs, down._replace(kind=LAND, hold_s=limits.disarm_delay)]
 
 
 class Planned(NamedTuple):
@@ -146,7 +146,7 @@ def with_patience(orders: Sequence[Order], at: Enu, limits: Px4Limits, landing_d
         level, rise = math.dist(at[:2], order.goal[:2]), abs(order.goal.up - at.up)
         lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
         late = landing_delay if order.kind == LAND else 0.0
-        yield order._replace(holds=order.holds + late, patience=lasts * max(1.0, 1 / order.radius))
+        yield order._replace(hold_s=order.hold_s + late, patience=lasts * max(1.0, 1 / order.radius))
         at = order.goal
 
 

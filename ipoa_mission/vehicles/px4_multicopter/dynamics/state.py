@@ -24,7 +24,7 @@ class Enu(NamedTuple):
 class Order(NamedTuple):
     """Fly from `start` to `goal`, and on to `beyond` (the goal: stop).
 
-    Done `holds` s after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
+    Done `hold_s` after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
     estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s, aborted at `until` [s].
     """
 
@@ -35,7 +35,7 @@ class Order(NamedTuple):
     radius: float
     height_radius: float
     cruise: float
-    holds: float = 0.0
+    hold_s: float = 0.0
     heading: float = math.nan
     may_turn_first: bool = False
     follows_home: bool = True

@@ -260,7 +260,7 @@ def is_over(state: State, order: Order) -> bool:
     """Return whether the order was held long enough, or its time `until` passed."""
     if state.time >= order.until:
         return True
-    return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
+    return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, NOTICED_S)
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
