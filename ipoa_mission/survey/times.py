@@ -22,7 +22,7 @@ ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
 SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed, of one ratio
 
 
-class Clock(NamedTuple):
+class LegTimeTable(NamedTuple):
     pace: Vector  # by direction counterclockwise from east (d,) [s/m]; size 1: any
     corner: Points  # by angle from 0 to 180 degrees and shorter leg (angles, lengths) [s]
     shortest: float  # the first length [m]
@@ -34,7 +34,7 @@ class LegTimes:
     """Times at one speed [m/s] in one wind; `past_corners`: overshoot past 90 degrees [m]."""
 
     speed: float
-    clock: Clock
+    clock: LegTimeTable
     past_corners: float
 
     @classmethod
@@ -49,7 +49,7 @@ class LegTimes:
         alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_LEGS_S)) / 2
         sharp = np.repeat(pairs[-1:], len(ANGLES) - len(pairs), axis=0)
         corner = np.column_stack([np.concatenate([pairs, sharp]), [0.0, *alone]])
-        clock = Clock(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(10 / 3))
+        clock = LegTimeTable(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(10 / 3))
         return cls(speed, clock, float(past[-len(SHORT_LEGS_S) :].max()))
 
     def seconds(self, path: Points) -> float:
@@ -108,7 +108,7 @@ def _corners(trial: _TrialFlight, stretches: list[Stretch], pace: Vector) -> tup
     done, track = trial.fly(corners)
     middles = np.flatnonzero(np.isin(np.arange(len(path)), ends)) - np.arange(len(ends)) - 1
     passed = [_passing(track, path[at], corners[n], done[n : n + 2]) for at, n in zip(ends, middles, strict=True)]
-    clock = Clock(pace, np.zeros((2, 2)), 1.0, 1.0)
+    clock = LegTimeTable(pace, np.zeros((2, 2)), 1.0, 1.0)
     alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
     legs = np.array([path[at + 1] - path[at] for at in ends[:-1]])
     ahead = legs / np.linalg.norm(legs, axis=1, keepdims=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled, records
 from ipoa_mission.planning.obstacle_grid import Bench, Moves, Nodes, ObstacleGrid, Raster, Rules, Soft, Spans, Sparse
-from ipoa_mission.survey.times import Clock
+from ipoa_mission.survey.times import LegTimeTable
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -68,7 +68,7 @@ def kernels() -> Iterator[Kernel]:
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     sparse = Sparse(_numbers(1, np.int64), _numbers(1, np.int64), _numbers(1))
     bench = Bench(spans, Moves(0, 1, 0, sparse, sparse, sparse), 1.0)
-    clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
+    clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "survey": (_numbers(2), grid, rules),
