@@ -127,7 +127,7 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
         return np.inf, None
 
     def towards(body: Obstacle) -> np.ndarray:
-        line = shapely.shortest_line(point, body.plan)
+        line = shapely.shortest_line(point, body.horizontal_shape)
         return np.asarray(np.diff(shapely.get_coordinates(line), axis=0)[0])
 
     ahead, best, opposite_name = towards(first), np.inf, None
@@ -135,7 +135,7 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
     for body in bodies:
         aside = towards(body)
         cosine = float(aside @ ahead) / max(float(np.linalg.norm(aside) * np.linalg.norm(ahead)), 1e-9)
-        width = float(shapely.distance(body.plan, first.plan))
+        width = float(shapely.distance(body.horizontal_shape, first.horizontal_shape))
         if body is not first and cosine <= max_cosine and width < best:
             best, opposite_name = width, body.name
     return best, opposite_name

@@ -175,7 +175,7 @@ def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
     zone = keep_out(scenario, sight, {})
     covered = shapely.Polygon() if zone is None else zone.intersection(area.shape)
     obstacles = scenario.airspace.obstacles
-    bodies = [body for body in obstacles if (body.name == name if name else body.plan.intersects(covered))]
+    bodies = [body for body in obstacles if (body.name == name if name else body.horizontal_shape.intersects(covered))]
     if not bodies:
         return
     height = math.ceil(max(_height_over(body.bounds, scenario) for body in bodies))

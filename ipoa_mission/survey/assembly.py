@@ -145,9 +145,11 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
     if (footprint := task.airspace.bounds.footprint) is not None:
         inside = inside.intersection(footprint.shape)
     bodies = [
-        body.plan.buffer(distance, quad_segs=corner_segments)
+        body.horizontal_shape.buffer(distance, quad_segs=corner_segments)
         for body in task.airspace.obstacles
-        if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
+        if body.bounds[0, 2] - distance < high
+        and body.bounds[1, 2] + distance > low
+        and body.horizontal_shape.intersects(near)
     ]
     free = FreeSpace.of(inside.difference(union_of(bodies)))
     if not 0 < len(free.corners) <= max_corners:

@@ -37,7 +37,7 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     shapes = list[Any]()
     for body in flown_round(scenario, sight, growth):
         away = (distance + bound.level + growth.get(body.name, 0.0)) / math.cos(math.pi / 4 / segments)
-        shapes.append(wider(body.plan.buffer(away, quad_segs=segments), max_widening))
+        shapes.append(wider(body.horizontal_shape.buffer(away, quad_segs=segments), max_widening))
     if air.bounds.footprint is not None:
         inside = air.bounds.footprint.shape.buffer(-bound.level - SPARE - growth.get("bounds", 0.0))
         (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper

@@ -139,7 +139,7 @@ def _missing(kept: KeptLimit, guarantee: ClearanceGuarantee, bodies: Sequence[Ob
     flight, lost, min_slack = guarantee.flight, kept.nominal - kept.guaranteed, 0.25  # [m]
     points = flight.prediction.track.between(*flight.cruise_span).points[:, :2]
     path = shapely.LineString(points).simplify(THINNING_TOLERANCE)
-    slack = shapely.distance(path, [body.plan for body in bodies]) - lost - kept.required
+    slack = shapely.distance(path, [body.horizontal_shape for body in bodies]) - lost - kept.required
     missing = {body.name: min_slack - float(each) for body, each in zip(bodies, slack, strict=True) if each < min_slack}
     return missing | {kept.to: -kept.slack}
 

@@ -36,15 +36,15 @@ def test_a_court_shrinks_and_vanishes() -> None:
     assert HOUSE.grown(11.0, 0.0, 0.0).distance(inside)[0] < 0
 
 
-def test_plans() -> None:
-    assert BALL.plan.area == pytest.approx(np.pi * 36.0, rel=0.01)
-    assert MAST.plan.area == pytest.approx(np.pi, rel=0.01)
-    assert HOUSE.plan.area == pytest.approx(1600.0 - 400.0)
+def test_horizontal_shapes_have_their_areas() -> None:
+    assert BALL.horizontal_shape.area == pytest.approx(np.pi * 36.0, rel=0.01)
+    assert MAST.horizontal_shape.area == pytest.approx(np.pi, rel=0.01)
+    assert HOUSE.horizontal_shape.area == pytest.approx(1600.0 - 400.0)
 
 
 def test_a_kind_without_a_column_is_passed_at_its_parts_and_does_not_grow() -> None:
     (west, south, _), (east, north, high) = CABLE.bounds
-    assert CABLE.plan.equals(shapely.box(west, south, east, north))
+    assert CABLE.horizontal_shape.equals(shapely.box(west, south, east, north))
     assert CABLE.column is None
     assert CABLE.grown(1.0, 1.0, 1.0) is CABLE
     over = np.array([[-20.0, 60.0, high + 5.0]]), np.array([[200.0, 60.0, high + 5.0]])

@@ -51,7 +51,7 @@ def grown(
 
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
     """Limit `growth` in place so that no sufficient gap closes."""
-    outlines = np.array([body.plan for body in bodies])
+    outlines = np.array([body.horizontal_shape for body in bodies])
     pairs = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
     first, second = pairs[:, pairs[0] < pairs[1]]
     spare = (shapely.distance(outlines[first], outlines[second]) - 2 * distance) / 2 - MIN_GROWTH

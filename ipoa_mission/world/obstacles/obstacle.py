@@ -72,11 +72,11 @@ class Obstacle(ABC):
 
     @property
     def column(self) -> Column | None:
-        """Return its upright column; without one its parts bound distances, its box is its plan, and no view has it."""
+        """Return its upright column; without one its parts bound distances, its box is its shape, no view has it."""
         return None
 
     @property
-    def plan(self) -> Any:
+    def horizontal_shape(self) -> Any:
         if (column := self.column) is not None:
             return column.shape.buffer(column.radius) if column.radius else column.shape
         return shapely.box(*self.bounds[:, :2].ravel())

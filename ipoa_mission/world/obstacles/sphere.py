@@ -45,7 +45,7 @@ class Sphere(Part):
         return (self,)
 
     @property
-    def plan(self) -> shapely.Geometry:
+    def horizontal_shape(self) -> shapely.Geometry:
         return shapely.Point(self.center[:2]).buffer(self.radius)
 
     def grown(self, aside: float, below: float, above: float) -> "Sphere":
