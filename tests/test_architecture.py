@@ -284,7 +284,9 @@ def test_sockets_serial_ports_and_pymavlink_live_in_one_module_each() -> None:
 
 
 def test_the_pure_rooms_have_no_clock_and_no_global_randomness() -> None:
-    pure = [path for path in FILES if room(path) in NO_CLOCK and not path.stem.startswith("pilot")]  # of stand-ins
+    pure = [
+        path for path in FILES if room(path) in NO_CLOCK and not path.stem.startswith("flight_controller")
+    ]  # of stand-ins
     unsteady = {"time", "datetime", "random", "asyncio", "threading", "subprocess"}
     assert len(pure) > 100
     assert not {path: imports(path) & unsteady for path in pure if imports(path) & unsteady}

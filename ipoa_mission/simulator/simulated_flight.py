@@ -1,4 +1,4 @@
-"""A pilot that decides as PX4 or ArduPilot does steers a body under gravity, air and thrust.
+"""A controller that decides as PX4 or ArduPilot does steers a body under gravity, air and thrust.
 
 Deterministic and without a clock: `advance` integrates.
 """
@@ -29,7 +29,7 @@ from ipoa_mission.simulator.situation import (
 )
 
 
-class Pilot(Protocol):
+class FlightController(Protocol):
     def enter(self) -> None:
         """Follow a new mode or current item."""
 
@@ -50,10 +50,10 @@ class Pilot(Protocol):
 
 
 @dataclass(frozen=True)
-class Pilots:
-    """`pilot` makes a flight's pilot; its random numbers are sensor errors."""
+class FlightControllers:
+    """`make` makes a flight's controller; its random numbers are sensor errors."""
 
-    pilot: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], Pilot]
+    make: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], FlightController]
 
 
 class SimulatedFlight:
@@ -69,10 +69,10 @@ class SimulatedFlight:
         self._now = Situation(self._program(()))
         self._chance = random.Random(conditions.seed)
         self._last_position: tuple[object, Geodetic] = None, home
-        self._pilot = self._new_pilot()
+        self._controller = self._new_controller()
 
-    def _new_pilot(self) -> Pilot:
-        return self.autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
+    def _new_controller(self) -> FlightController:
+        return self.autopilot.part(FlightControllers).make(self._body, self._now, self.parameters, self._chance)
 
     @property
     def parameters(self) -> Parameters:
@@ -160,7 +160,7 @@ class SimulatedFlight:
         if now.current >= len(items):
             now.current = self.autopilot.guidance.past_the_end % len(items)
         if now.mode is FlightMode.MISSION:
-            self._pilot.replaced(before)
+            self._controller.replaced(before)
         else:
             now.mission = MissionState.NOT_STARTED if self.landed else MissionState.PAUSED
 
@@ -178,8 +178,8 @@ class SimulatedFlight:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
         self._now.reached.clear()
-        self._pilot = self._new_pilot()
-        self._pilot.enter()
+        self._controller = self._new_controller()
+        self._controller.enter()
 
     def disarm(self) -> None:
         self._now.disarm()
@@ -207,7 +207,7 @@ class SimulatedFlight:
             raise ValueError(f"index: expected 0 to {len(now.program) - 1}, not {index}")
         now.current = index
         if now.mode is FlightMode.MISSION:
-            self._pilot.enter()
+            self._controller.enter()
         elif now.mission is MissionState.COMPLETE:
             now.mission = MissionState.PAUSED
 
@@ -220,25 +220,25 @@ class SimulatedFlight:
 
     def climb(self, height: float) -> None:
         self._now.mode = FlightMode.HOLD
-        self._pilot.climb(height)
+        self._controller.climb(height)
 
     @property
     def rising(self) -> bool:
-        return self._pilot.rising
+        return self._controller.rising
 
     def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
         self._now.mode = FlightMode.HOLD
         east = north = math.nan
         if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
             east, north, _ = map(float, self.frame.local(Geodetic(latitude_deg, longitude_deg, self.home.altitude)))
-        self._pilot.go_to(east, north, altitude - self.home.altitude, speed)
+        self._controller.go_to(east, north, altitude - self.home.altitude, speed)
 
     def advance(self, to_s: float) -> None:
         now = self._now
         while now.time_s + STEP_S <= to_s + 1e-9:
-            self._pilot.step()
+            self._controller.step()
             now.time_s += STEP_S
 
     def enter(self, mode: FlightMode) -> None:
         self._now.mode = mode
-        self._pilot.enter()
+        self._controller.enter()

@@ -84,7 +84,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """The pilot and `SimulatedFlight` both write to it."""
+    """The controller and `SimulatedFlight` both write to it."""
 
     program: Program
     time_s: float = 0.0

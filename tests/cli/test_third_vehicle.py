@@ -31,7 +31,7 @@ from ipoa_mission.geometry import Place, Vector
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.program import Program
 from ipoa_mission.simulator.mock_profile import MockProfile
-from ipoa_mission.simulator.simulated_flight import Pilots
+from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.wind import Wind
 from tests.cli.conftest import Outcome, Run
@@ -102,7 +102,7 @@ class Model(FlightModel):
         return Kinematics(speed or SPEED, SPEED, SPEED, 100.0)
 
 
-class StraightPilot:
+class StraightController:
     def __init__(self, body: SimulatedVehicle, now: Situation, *_: object) -> None:
         self.body, self.now = body, now
         self.ahead: list[Place] = []
@@ -214,7 +214,11 @@ class Toy(Autopilot):
     )
     slowed_by = SlowedBy((), 1.0, 0.0, ())
     own_fence_by = ("TOY_FENCE",)
-    parts: ClassVar[Mapping[str, Any]] = {"FlightModel": Model(), "DeviationLaw": LAW, "Pilots": Pilots(StraightPilot)}
+    parts: ClassVar[Mapping[str, Any]] = {
+        "FlightModel": Model(),
+        "DeviationLaw": LAW,
+        "FlightControllers": FlightControllers(StraightController),
+    }
 
     def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         return 0.0 * speed

@@ -239,7 +239,7 @@ class ArduCopter(Autopilot):
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.deviation_law:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
-        "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
+        "FlightControllers": "ipoa_mission.vehicles.arducopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_by = parameters_of(FAILSAFE_RULES, "FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE")

@@ -211,7 +211,7 @@ class Px4Multicopter(Autopilot):
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.deviation_law:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
-        "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
+        "FlightControllers": "ipoa_mission.vehicles.px4_multicopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_by = parameters_of(FAILSAFE_RULES, *EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE")

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.simulated_flight import Pilots
+from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
@@ -24,7 +24,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
 from ipoa_mission.vehicles.arducopter.limits import LANDED_S, copter_limits, usable
 
 
-class ArduPilotPilot:
+class ArduCopterController:
     """Give the copter its next leg: of the procedure, or by `_then`."""
 
     def __init__(
@@ -191,4 +191,4 @@ class ArduPilotPilot:
         body.on_ground = state.z <= self._floor
 
 
-PILOTS = Pilots(ArduPilotPilot)
+CONTROLLERS = FlightControllers(ArduCopterController)

@@ -7,7 +7,7 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.simulated_flight import Pilots
+from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
@@ -26,7 +26,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, 
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
 
-class PX4Pilot:
+class Px4Controller:
     """Give the vehicle its orders, one after another; `Situation` says which mode and item are current."""
 
     def __init__(
@@ -217,4 +217,4 @@ class PX4Pilot:
             self._state = begun(self._state, orders[0])
 
 
-PILOTS = Pilots(PX4Pilot)
+CONTROLLERS = FlightControllers(Px4Controller)
