@@ -166,7 +166,7 @@ def read_wind_option(text: str | None) -> "Wind | None":
     return Wind(speed, from_deg)
 
 
-def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
+def read_parameter_options(texts: list[str] | None, file: Path | None) -> tuple[dict[str, float], tuple[str, ...]]:
     """Return the file's parameters, overridden by the command line's, and remarks."""
     parameters, remarks = dict[str, float](), tuple[str, ...]()
     if file is not None:
@@ -175,7 +175,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> tuple[
         read = read_parameter_file(file)
         parameters.update(read.parameters)
         remarks = tuple(thing.words for thing in read.unread)
-    for text in given or ():
+    for text in texts or ():
         name, equals, value = text.partition("=")
         try:
             if not (name.strip() and equals and abs(number := float(value)) <= SINGLE_MAX):

@@ -100,7 +100,7 @@ def _expanded(group: Any) -> Iterator[inspect.Parameter]:
         yield from _expanded(parameter.annotation) if is_dataclass(parameter.annotation) else (parameter,)
 
 
-def _made(group: Any, given: dict[str, Any]) -> Any:
-    """Take the options of a group out of `given`."""
-    inner = {one.name: _made(one.type, given) for one in fields(group) if is_dataclass(one.type)}
-    return group(**inner, **{one.name: given.pop(one.name) for one in fields(group) if one.name in given})
+def _made(group: Any, values: dict[str, Any]) -> Any:
+    """Take the options of a group out of `values`."""
+    inner = {one.name: _made(one.type, values) for one in fields(group) if is_dataclass(one.type)}
+    return group(**inner, **{one.name: values.pop(one.name) for one in fields(group) if one.name in values})

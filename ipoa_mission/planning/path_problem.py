@@ -64,8 +64,7 @@ PathTask: TypeAlias = PathProblem | Scenario
 
 
 def problem_of(task: PathTask) -> PathProblem:
-    given = {one.name: getattr(task, one.name) for one in fields(PathProblem)}
-    return PathProblem(**given)
+    return PathProblem(**{field.name: getattr(task, field.name) for field in fields(PathProblem)})
 
 
 def place_names(places: Points) -> list[str]:

@@ -122,10 +122,10 @@ class Scenario(Section):
     __pydantic_extra__: dict[str, Annotated[Any, AfterValidator(_expect_added)]]
 
     @classmethod
-    def model_json_schema(cls, *given: Any, **named: Any) -> dict[str, Any]:
-        whole, ends = super().model_json_schema(*given, **named), [{"required": ["start", "goal"]}]
+    def model_json_schema(cls, *options: Any, **named: Any) -> dict[str, Any]:
+        whole, ends = super().model_json_schema(*options, **named), [{"required": ["start", "goal"]}]
         for name, section in added_sections().items():
-            own = section.model_json_schema(*given, **named)
+            own = section.model_json_schema(*options, **named)
             whole["$defs"] |= own.pop("$defs", {}) | {section.__name__: own}
             choices = [{"$ref": f"#/$defs/{section.__name__}"}, {"type": "null"}]
             whole["properties"][name] = {"anyOf": choices, "default": None, "description": section.about}
@@ -358,7 +358,7 @@ class AddedSection(Section):
 
     @classmethod
     @abstractmethod
-    def with_ends(cls, table: Mapping[str, Any], given: Self | None) -> dict[str, Any]:
+    def with_ends(cls, table: Mapping[str, Any], section: Self | None) -> dict[str, Any]:
         """Add start and goal to a scenario's table; None: it is invalid. Raises ValueError."""
 
     @abstractmethod
@@ -384,12 +384,12 @@ def _with_added(table: dict[str, Any], context: Any) -> dict[str, Any]:
     for name, section in added_sections().items():
         if (raw := table.pop(name, None)) is None:
             continue
-        given: AddedSection | ValidationError
+        parsed: AddedSection | ValidationError
         try:
-            given = section.model_validate(raw, context=context)
+            parsed = section.model_validate(raw, context=context)
         except ValidationError as error:
-            given = error
+            parsed = error
         if isinstance(raw, Mapping | section):
-            table = section.with_ends(table, given if isinstance(given, section) else None)
-        table = {name: given, **table}
+            table = section.with_ends(table, parsed if isinstance(parsed, section) else None)
+        table = {name: parsed, **table}
     return table

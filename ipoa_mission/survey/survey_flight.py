@@ -299,13 +299,13 @@ def _begin(area: Path) -> dict[str, float]:
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
-    given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
+    options: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
     if area is None:
-        table = ({} if (own := survey_of(scenario)) is None else own.model_dump(exclude_unset=True)) | given
+        table = ({} if (own := survey_of(scenario)) is None else own.model_dump(exclude_unset=True)) | options
     elif isinstance(area, str | Path):
-        table = given | {"area": area}
+        table = options | {"area": area}
     else:
-        table = given | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
+        table = options | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
     try:
         section = SurveySection.model_validate(table)
         places = Scenario.model_validate({"home": scenario.home, "survey": section})

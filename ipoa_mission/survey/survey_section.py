@@ -161,11 +161,11 @@ class SurveySection(AddedSection):
         return self.camera.height_for(self.gsd_cm)
 
     @classmethod
-    def with_ends(cls, table: Mapping[str, Any], given: Self | None) -> dict[str, Any]:
+    def with_ends(cls, table: Mapping[str, Any], section: Self | None) -> dict[str, Any]:
         for key in ("start", "goal"):
-            if given is not None and given.starts is not None and key in table:
+            if section is not None and section.starts is not None and key in table:
                 raise ValueError(f"{key}: expected without survey.starts, where flights begin and end")
-        height = 10.0 if given is None else given.height  # above home, before the height is known [m]
+        height = 10.0 if section is None else section.height  # above home, before the height is known [m]
         start = table.get("start", {"east": 0.0, "north": 0.0, "height_above_ground": height})
         return {"start": start, "goal": start, **table}
 

@@ -97,7 +97,7 @@ def test_height_errors_over_a_roof_last_a_whole_flight() -> None:
         assert proximity_risks(course, world, PX4, 3.0).clearance_at(0.01) == pytest.approx(flight, abs=0.002)
 
 
-def test_a_bend_widens_the_tube() -> None:
+def test_a_bend_widens_the_deviation_bound() -> None:
     course, world = straight(wall(5.0))
     bent = replace(course, across=np.full(len(course.across), PX4.turn))
     assert proximity_risks(bent, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(
@@ -203,7 +203,7 @@ def test_a_spread_is_turned_round() -> None:
         assert PX4.level.distance(float(PX4.level.chance(np.array([distance]))[0])) == pytest.approx(distance)
 
 
-def test_wind_widens_the_tube_and_chooses_the_route(
+def test_wind_widens_the_deviation_bound_and_chooses_the_route(
     scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)

@@ -184,7 +184,7 @@ def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
 
 
 def test_over_a_hill_no_waypoint_every_few_meters_is_needed() -> None:
-    """A curve just above the tube over a round hill."""
+    """A curve just above the deviation bound over a round hill."""
     along = np.arange(-60.0, 361.0, 20.0)
     hill = np.round(40 * np.exp(-(((along - 150) / 60) ** 2)), 2)
     text = f"""

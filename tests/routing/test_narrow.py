@@ -89,7 +89,7 @@ def test_a_gap_too_narrow_is_named_with_its_leg_before_any_search(monkeypatch: p
         gate(4.8, "px4"),  # not even the required distance: the planner names that
         gate(5.6, "px4") | {"via": [{"east": 37.0, "north": 0.0, "up": 10.0}]},  # of a given place less is promised
     ],
-    ids=["wide", "small tube", "no tube", "closed", "given place"],
+    ids=["wide", "small bound", "no bound", "closed", "given place"],
 )
 def test_only_what_is_certain_is_refused_without_a_search(scene: dict[str, Any]) -> None:
     expect_wide(Scenario.model_validate(scene))
