@@ -23,8 +23,8 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.wind import CALM, Wind
 
-HERE = Path(__file__).resolve().parent
-FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
+DATA = Path(__file__).resolve().parent / "data"
+FLIGHTS, LANDINGS, IN_WIND = DATA / "flights", DATA / "landings", DATA / "flights_wind"
 #: ArduPilot's simulated wind grows with the square root of the height up to 5 m.
 SIMULATED_PROFILE = 0.5, 5.0
 FLOWN_ON = {Autopilot.ARDUPILOT: Version(4, 7, 0, "dev"), Autopilot.PX4: Version(1, 17)}

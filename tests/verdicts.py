@@ -15,7 +15,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.mission.items import Item
 
-RECORDS = Path(__file__).parent / "recorded_verdicts"
+RECORDS = Path(__file__).parent / "data" / "recorded_verdicts"
 PLACE = (47.3978, 8.5457, 20.0)
 #: 0, NaN, 1, and out of range, for each param.
 VALUES = 4 * ((0.0, math.nan, 1.0, 1e6),) + 2 * ((0.0, math.nan, 1.0, 181.0),) + ((0.0, math.nan, 1.0, 1e6),)

@@ -201,7 +201,7 @@ def test_check_takes_files_and_folders_with_one_sarif_and_one_exit_code(run: Run
     shutil.copy(packed / "campus.plan", folder / "deep" / "fine.plan")
     good = run("check ci --sarif all.sarif")
     assert (good.code, good.out.splitlines()[-1]) == (0, "2 files: 0 errors, 0 warnings")
-    shutil.copy(RECORDED.parents[2] / "odd" / "fixed_wing.plan", folder / "plane.plan")
+    shutil.copy(RECORDED.parents[2] / "data" / "odd" / "fixed_wing.plan", folder / "plane.plan")
     wrong = run("check ci/good.plan ci --sarif all.sarif --json")
     result = json.loads(wrong.out)
     assert (wrong.code, result["ok"]) == (1, False)
@@ -219,7 +219,7 @@ def test_check_takes_files_and_folders_with_one_sarif_and_one_exit_code(run: Run
 
 
 def test_a_planes_mission_fails_unless_it_is_to_be_judged_anyway(run: Run) -> None:
-    plane = RECORDED.parents[2] / "odd" / "fixed_wing.plan"
+    plane = RECORDED.parents[2] / "data" / "odd" / "fixed_wing.plan"
     assert run(f"check {plane}").code == 1
     assert run(f"check {plane} --anyway").code == 0
     assert "1 error, 0 warnings" in run(f"check {plane}").out

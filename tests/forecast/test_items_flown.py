@@ -1,7 +1,7 @@
 """Splines before other commands, circles, payloads, arcs: flights of ArduCopter 4.8.0-dev (531699d652, calm air).
 
-A folder of tests/items_flown is one flight: mission, begin of each item, true position twice a second, 0.1 m above the
-measured height. Only PLACED and LEVEL in vehicles/arducopter/dynamics were fitted.
+A folder of tests/data/items_flown is one flight: mission, begin of each item, true position twice a second, 0.1 m
+above the measured height. Only PLACED and LEVEL in vehicles/arducopter/dynamics were fitted.
 """
 
 import json
@@ -20,7 +20,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.fly import fly_built_in
 
-FOLDERS = sorted((Path(__file__).resolve().parents[1] / "items_flown").iterdir())
+FOLDERS = sorted((Path(__file__).resolve().parents[1] / "data" / "items_flown").iterdir())
 FLOWN = pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name.removesuffix("-ardupilot"))
 WITHIN, SPLINES_WITHIN = 0.5, 0.45  # of the path [m]
 SHARE, SECONDS = 0.025, 0.3  # from the end of the take-off; 2 % in all but loiter_to_alt

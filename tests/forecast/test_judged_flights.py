@@ -19,7 +19,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.landing_ground import landing_on
 from tests.examples import some
 
-FOLDERS = sorted((Path(__file__).parents[1] / "flights_judged").iterdir())
+FOLDERS = sorted((Path(__file__).parents[1] / "data" / "flights_judged").iterdir())
 #: These kept less than 99 % of flights keep [m]: all PX4, 1.2 to 2.1 m of lateral deviation.
 BELOW_99 = {"crest7x025-px4-1.17": 0.8, "steep7x053-px4-1.17": 0.1, "crest1x085-px4-1.18": 0.55}
 

@@ -16,7 +16,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 
-FOLDER = Path(__file__).parents[1] / "flights_crest"
+FOLDER = Path(__file__).parents[1] / "data" / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]
 PLACE = 245.0  # east of home, 24 m past the crest [m]
 

@@ -20,7 +20,7 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in
 from tests.examples import some
 
-FLIGHTS = Path(__file__).parents[1] / "flights"
+FLIGHTS = Path(__file__).parents[1] / "data" / "flights"
 WORLD = """
 home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
 start = { east = 0.0, north = 0.0, up = 20.0 }

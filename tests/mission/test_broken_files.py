@@ -7,7 +7,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.mission_io import read_mission
 from tests.refused import refuses
 
-BROKEN = Path(__file__).parent.parent / "broken"
+BROKEN = Path(__file__).parent.parent / "data" / "broken"
 MESSAGES = tomllib.loads((BROKEN / "messages.toml").read_text(encoding="utf-8"))
 
 

@@ -14,7 +14,7 @@ from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.program import as_flown
 from tests.px4_waypoints import PX4_117
 
-ODD = Path(__file__).parent.parent / "odd"
+ODD = Path(__file__).parent.parent / "data" / "odd"
 SAID: dict[str, list[str]] = tomllib.loads((ODD / "findings.toml").read_text(encoding="utf-8"))
 
 

@@ -21,7 +21,7 @@ from tests.px4_waypoints import PX4_117
 from tests.report.conftest import Bowed, Foreseen
 from tests.report_pages import page_of
 
-RECORDED = Path(__file__).parents[1] / "flights"
+RECORDED = Path(__file__).parents[1] / "data" / "flights"
 
 
 def flown_as(timed: Estimate, mission: Mission, factor: float, offset: float) -> FlightRecord:

@@ -1,4 +1,4 @@
-"""The quickest waypoints on a curve that real autopilots flew, cut in ten ways (tests/flights/ways_*)."""
+"""The quickest waypoints on a curve that real autopilots flew, cut in ten ways (tests/data/flights/ways_*)."""
 
 from functools import cache
 from pathlib import Path
@@ -27,7 +27,7 @@ from ipoa_mission.simulator.fly import fly_built_in as fly_here
 from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 
-FLIGHTS = Path(__file__).parent.parent / "flights"
+FLIGHTS = Path(__file__).parent.parent / "data" / "flights"
 #: Best flown on this curve, from take-off done to the last waypoint [s], and its distance [m].
 BEST_FLOWN = {Autopilot.ARDUPILOT: 46.8, Autopilot.PX4: 55.7}
 WITHIN = 4.0

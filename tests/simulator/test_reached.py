@@ -18,7 +18,7 @@ from tests.examples import some
 from tests.link_pair import CLIENT
 from tests.recorded_flights import FLOWN_ON
 
-FLIGHTS = Path(__file__).parent.parent / "flights"
+FLIGHTS = Path(__file__).parent.parent / "data" / "flights"
 
 
 def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dict[str, object]]:

@@ -43,7 +43,7 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltI
 from ipoa_mission.simulator.situation import Conditions
 from tests.px4_waypoints import PX4_117
 
-SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
+SESSIONS = Path(__file__).resolve().parents[1] / "data" / "sessions"
 STATION, SPEEDUP = 245, 4.0
 LANDS_WITHIN_S = 5.0  # of the real one
 #: Seconds from arming until each item was done.

@@ -7,7 +7,7 @@ import pytest
 
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 
-TABLE = np.genfromtxt(Path(__file__).parent.parent / "reference" / "enu.csv", delimiter=",", names=True)
+TABLE = np.genfromtxt(Path(__file__).parent.parent / "data" / "reference" / "enu.csv", delimiter=",", names=True)
 MILLIMETER = 1e-3
 
 
