@@ -3,10 +3,17 @@
 python -m tools.generate.failsafes
 """
 
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TypeAlias
+
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.failsafe import FailsafeAction, FailsafeRule
+from ipoa_mission.autopilot.failsafe import Cause, FailsafeAction, FailsafeRule
+from ipoa_mission.autopilot.returning import Contingency
 from tools import REPOSITORY, command_line
 
+Fallbacks: TypeAlias = Mapping[Contingency, tuple[Contingency, ...]]
 PAGE = REPOSITORY / "docs" / "failsafes.md"
 HEAD = """\
 # Failsafes
@@ -16,8 +23,8 @@ Generated from the code by `python -m tools.generate.failsafes`. In Python: `aut
 
 `rtl` returns by its return parameters, `land` lands in place, `smart_rtl` flies back along the flown path. `hold`
 brakes and stays. `land_start` flies to the mission's own landing, `terminate` stops the motors, `continue` goes on.
-`unknown` is not modeled. After "or" follow the fallbacks, used if the first action is not available. A cause with
-"needs" is checked only if one of these parameters is above 0.
+`unknown` is not modeled. If an action is not available, its fallbacks follow; a row names them ("or") where they are
+others. A cause with "needs" is checked only if one of these parameters is above 0.
 """
 NOTES = {
     "ardupilot": """\
@@ -48,23 +55,51 @@ def page() -> str:
 
 
 def _of(autopilot: Autopilot) -> str:
-    rows = "\n".join(_row(rule) for rule in autopilot.failsafe_rules)
-    table = f"| cause | parameter | its default | what follows | any other value |\n|---|---|---|---|---|\n{rows}\n"
-    return f"## {autopilot.model} {autopilot.newest}\n\n{NOTES[autopilot.name]}\n{table}"
+    by_hand = [rule.other.contingency for rule in autopilot.failsafe_rules if rule.cause == Cause.BY_HAND]
+    rules = [rule for rule in autopilot.failsafe_rules if rule.cause != Cause.BY_HAND]
+    fallbacks = _usual_fallbacks(rules)
+    rows = "\n".join(_row(rule, fallbacks) for rule in rules)
+    table = f"| cause | parameter | its default | value: action | any other value |\n|---|---|---|---|---|\n{rows}\n"
+    then = "; ".join(f"`{first}`: {_in_code(others)}" for first, others in fallbacks.items())
+    notes = f"{NOTES[autopilot.name]}\nFallbacks, in turn: {then}.\n"
+    return f"## {autopilot.model} {autopilot.newest}\n\n{notes}\n{table}\nBy hand: {_in_code(by_hand)}.\n"
 
 
-def _row(rule: FailsafeRule) -> str:
+def _usual_fallbacks(rules: Iterable[FailsafeRule]) -> dict[Contingency, tuple[Contingency, ...]]:
+    """Return the most frequent fallbacks of each action."""
+    counts = dict[Contingency, Counter[tuple[Contingency, ...]]]()
+    for rule in rules:
+        for action in (*rule.actions.values(), rule.other):
+            counts.setdefault(action.contingency, Counter())[action.otherwise] += 1
+    usual = {first: count.most_common(1)[0][0] for first, count in counts.items()}
+    return {first: usual[first] for first in Contingency if usual.get(first) and first is not Contingency.UNKNOWN}
+
+
+def _row(rule: FailsafeRule, fallbacks: Fallbacks) -> str:
     cause = rule.cause + (f"; needs {' or '.join(f'`{name}`' for name in rule.needs)}" if rule.needs else "")
     cause += f"; since {_series(rule.since)}" if rule.since > (0, 0) else ""
     cause += f"; before {_series(rule.until)}" if rule.until < (99, 0) else ""
+    other = _words(rule.other, fallbacks)
     if not rule.parameter:
-        return f"| {cause} | | | {rule.other} | |"
-    follows = "<br>".join(f"{value}: {_words(action)}" for value, action in rule.actions.items())
-    return f"| {cause} | `{rule.parameter}` | {rule.default:.9g} | {follows} | {rule.other} |"
+        return f"| {cause} | | | {other} | |"
+    values = dict[str, list[str]]()
+    for value, action in rule.actions.items():
+        values.setdefault(_words(action, fallbacks), []).append(str(value))
+    follows = "<br>".join(f"{', '.join(same)}: {words}" for words, same in values.items())
+    return f"| {cause} | `{rule.parameter}` | {rule.default:.9g} | {follows} | {other} |"
 
 
-def _words(action: FailsafeAction) -> str:
-    return f"{action}; since {_series(action.since)}" if action.since > (0, 0) else str(action)
+def _words(action: FailsafeAction, fallbacks: Fallbacks) -> str:
+    """Name the fallbacks only where they are not the usual ones."""
+    usual = fallbacks.get(action.contingency, ())
+    words = str(replace(action, otherwise=()) if action.otherwise == usual else action)
+    if usual and not action.otherwise:
+        words = words.replace(action.contingency, f"{action.contingency} without a fallback", 1)
+    return f"{words}; since {_series(action.since)}" if action.since > (0, 0) else words
+
+
+def _in_code(words: Iterable[str]) -> str:
+    return ", ".join(f"`{word}`" for word in words)
 
 
 def _series(series: tuple[int, int]) -> str:
