@@ -88,7 +88,7 @@ def compare(
         raise BadInput(message, place=f"--flight {number}")
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
     if picture is not None and len(numbers) > 1:
-        raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
+        raise OptionConflict(f"needs --flight N, as {log} has {len(numbers)} flights", place="--picture")
     if picture is not None:
         expect_free([picture], how.force, ask=not as_json)
     parameters, air = flown_by.parameters, flown_by.air

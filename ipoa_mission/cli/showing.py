@@ -135,7 +135,7 @@ def export(
 
     form = how.form
     if target == Path("-") and form is None:
-        raise OptionConflict("expected --format with it", hint="like --format kml", place="-")
+        raise OptionConflict("needs --format", hint="like --format kml", place="-")
     suffix = target.suffix.lower() if form is None else f".{form.lower()}"
     if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
         if form is not None:
@@ -147,7 +147,7 @@ def export(
     forecast = Forecast(read.mission, read_world(how.scenario))
     if target == Path("-"):
         if as_json:
-            raise OptionConflict("expected a file to write, not standard output", place="--json")
+            raise OptionConflict("cannot be combined with standard output", hint="name a file", place="--json")
         mission = read.mission
         text = mission_text(mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
         sys.stdout.write(text)

@@ -116,7 +116,7 @@ def test_standard_output_gets_what_the_file_gets(run: Run, form: str) -> None:
     output = run(f"export {CAMPUS} - {words}").out
     assert run(f"export {CAMPUS} campus{form.upper()} {words}").code == 0
     assert Path(f"campus{form.upper()}").read_text() == output
-    assert "-: expected --format with it" in run(f"export {CAMPUS} -").err
+    assert "-: needs --format" in run(f"export {CAMPUS} -").err
 
 
 def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
