@@ -78,6 +78,14 @@ def test_beside_a_wall_the_chance_is_that_of_one_side_of_a_pass() -> None:
     assert near.clearance_at(0.01) == pytest.approx(5.0 - PX4.level.distance(0.01), abs=0.002)
 
 
+@pytest.mark.parametrize(("seconds", "across", "kept"), [(3.9, 0.0, 2.93), (11.9, 0.0, 2.69), (3.9, 4.0, 2.39)])
+def test_clearance_of_the_example_in_safety_md(seconds: float, across: float, kept: float) -> None:
+    course, world = straight(wall(4.0), seconds=seconds)
+    course = replace(course, across=np.full(len(course.across), across))
+    assert proximity_risks(course, world, PX4, 4.0).clearance_at(0.01) == pytest.approx(kept, abs=0.006)
+    assert f"{kept:.2f} m" in (Path(__file__).parents[2] / "docs" / "safety.md").read_text(encoding="utf-8")
+
+
 def test_two_walls_add_up_and_two_passes_are_two_draws() -> None:
     course, world = straight(wall(5.0))
     once = proximity_risks(course, world, PX4, 4.0).chance(3.5)

@@ -10,8 +10,8 @@ PAGE = REPOSITORY / "docs" / "reference.md"
 HEAD = """\
 # Python, name by name
 
-What `import ipoa_mission` offers, from its docstrings; [api.md](api.md) shows it at work. On the site every name has
-its parameters, errors and example; in a checkout use `help(ipoa_mission.NAME)`.
+The names of `import ipoa_mission`; [api.md](api.md) shows it at work. The site puts the docstring of each name here. In
+a checkout, where a line has only module and name, use `help(ipoa_mission.NAME)`.
 
 """
 
