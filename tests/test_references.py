@@ -1,10 +1,14 @@
+import ast
 import re
 from pathlib import Path
+
+import pytest
 
 from tools import REPOSITORY
 from tools.census import comments
 
 REFERENCE = re.compile(r"[A-Za-z_]\w*(?:[./][A-Za-z_]\w*)*(?:\(\))?")
+ROOMS = re.compile(r"`((?:\w+/)+)(\w+)((?:\.\w+)*)`")  # room, module, names
 PROSE = re.compile(r'"""(?s:.*?)"""|(?:^|  ) *#.*', re.MULTILINE)
 #: Of other projects, files and data.
 FOREIGN = {
@@ -32,3 +36,33 @@ def test_names_in_backticks_exist() -> None:
         if not names.issuperset(re.split(r"[./]", reference.removesuffix("()")))
     }
     assert not stale
+
+
+def is_defined(module: Path, names: list[str]) -> bool:
+    body = ast.parse(module.read_text(encoding="utf-8")).body if module.exists() else []
+    for name in names:
+        found = [node for node in body if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name == name]
+        if not found:
+            return False
+        body = found[0].body
+    return module.exists()
+
+
+@pytest.mark.parametrize("page", ["life-of-a-plan.md", "glossary.md"])
+def test_names_with_their_room_exist(page: str) -> None:
+    text = (REPOSITORY / "docs" / page).read_text(encoding="utf-8")
+    references = ROOMS.findall(text)
+    stale = {
+        f"{room}{module}{names}"
+        for room, module, names in references
+        if not is_defined(REPOSITORY / "ipoa_mission" / room / f"{module}.py", names.split(".")[1:])
+    }
+    assert references
+    assert not stale
+
+
+def test_each_step_of_a_plan_names_its_room() -> None:
+    text = (REPOSITORY / "docs" / "life-of-a-plan.md").read_text(encoding="utf-8")
+    steps = re.split(r"^\d+\. ", text, flags=re.MULTILINE)[1:]
+    assert len(steps) > 20
+    assert not [step for step in steps if not ROOMS.search(step.split("\n\n#")[0])]
