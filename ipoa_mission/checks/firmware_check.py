@@ -122,7 +122,7 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
         if at.item.frame == Frame.MISSION or not (is_place or is_height):
             words = f"{param_name(wrong.param)}: {wrong.words}: {firmware} refuses the mission"
             yield at.error("param-refused", words)
-    for seq, item in enumerate(fence_to_wire(mission.fence)):
+    for seq, item in enumerate(fence_to_wire(mission.fence), 1):
         wrong = mission.autopilot.refusals.fence(firmware, item.command, item.frame, values_of(item))
         if wrong is not None and wrong.words and wrong.result != "ERROR":  # `checks.fence` reports too few vertices
             words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"

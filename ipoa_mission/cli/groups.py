@@ -89,7 +89,6 @@ class FlownByOptions:
 
     @cached_property
     def version(self) -> "Version | None":
-        """Raises BadInput."""
         from ipoa_mission.autopilot.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)

@@ -38,7 +38,7 @@ class RealVehicle:
     asked: FlyOptions
 
     def fly(self, job: Job, frames_log: Path) -> FlownJob:
-        """Connect, upload, arm, start, watch. Raises MissionError with `known` data for JSON."""
+        """Connect, upload, arm, start, watch; errors have `known` data for JSON."""
         asked, on_vehicle, on_link = self.asked, self.asked.on_vehicle, self.asked.on_link
         _begun_at_item(job, on_vehicle.begin)  # an unknown item is an error before connecting
         try:

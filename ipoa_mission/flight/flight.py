@@ -230,10 +230,7 @@ def plan_regardless_of_battery(scenario: Scenario, seed: int, progress: Progress
 def plan_for_batteries(
     scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
 ) -> tuple[Flight, tuple[Forecast, ...]]:
-    """Return the whole, and the fewest flights with a battery each.
-
-    Raises BadInput without a battery, else as `plan_flight`.
-    """
+    """Return the whole, and the fewest flights with a battery each; BadInput: the vehicle has none."""
     with threadpool_limits(1, "blas"):
         flight = plan_regardless_of_battery(scenario.in_wind(wind), seed, progress)
         return flight, split_flight(flight.forecast)
@@ -242,7 +239,7 @@ def plan_for_batteries(
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts, `summary` as NAME.json, and for `report` NAME.html. Raises BadInput."""
+    """Write the parts, `summary` as NAME.json, and for `report` NAME.html."""
     make_folder(folder)
     plans = names_of(whole, parts, folder)
     missions = ((plan.stem, part.mission, None) for plan, part in zip(plans, parts, strict=True))

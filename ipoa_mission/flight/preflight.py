@@ -82,7 +82,6 @@ class OutsideOwnFence(MissionError):
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    """Raise NotReady or TimeUp."""
     state, until_s = vehicle.state, vehicle.line.now() + vehicle.ready_s
     reason = ""
     try:

@@ -27,12 +27,12 @@ REASON_TIMEOUT_S = 0.3
 
 
 class MissionRefused(MissionError):
-    def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "") -> None:
+    def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "", first: int = 1) -> None:
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
         name = m.Result(result).name if result in set(m.Result) else str(result)
-        where = "" if seq is None else f" at item {seq}"
-        reason = f": {words}" if words else ""
-        super().__init__(f"the vehicle refused the {list_name(kind)}{where} with {name}{reason}")
+        where = "" if seq is None else f" at item {seq + first}"
+        where += f" with {name}" + (f": {words}" if words else "")
+        super().__init__(f"the vehicle refused the {list_name(kind)}{where}")
 
 
 def list_name(kind: int) -> str:

@@ -216,13 +216,13 @@ def _begin(departure: Departure) -> Dialogue[None]:
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
-    state, first = departure.state, departure.first
+    state, first, home = departure.state, departure.first, departure.autopilot.counts_home
     begins = range(first, departure.moving + 1)
     state.current = None
-    yield from set_current(first, restart=True)
+    yield from set_current(first, home, restart=True)
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
-        reported = "no item" if state.current is None else f"item {state.current.seq}"
-        words = f"the mission was set to begin at item {first}, but the vehicle reports {reported}"
+        reported = "no item" if state.current is None else f"item {state.current.seq + 1 - home}"
+        words = f"the mission was set to begin at item {first + 1 - home}, but the vehicle reports {reported}"
         raise NotReady(words, code="other-item-current")
 
 

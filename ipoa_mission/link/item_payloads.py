@@ -13,7 +13,7 @@ from ipoa_mission.autopilot.commands import PLAIN_FRAME
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, coordinate, degrees, scale
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import Difference, compare
+from ipoa_mission.mission.stored_mission import Difference, compare, first_number
 
 SINGLE_MAX = float(np.finfo(np.float32).max)
 PAYLOAD = np.dtype(
@@ -38,15 +38,15 @@ _PLAIN = np.array([PLAIN_FRAME.get(frame, frame) for frame in range(256)], np.ui
 Payloads = NDArray[np.void]
 
 
-def pack_items(items: Sequence[Item], kind: int) -> Payloads:
-    """Return payloads, shape (items,), for target (0, 0); raise BadInput if they do not fit."""
+def pack_items(items: Sequence[Item], kind: int, first: int = 1) -> Payloads:
+    """Return payloads, shape (items,), for target (0, 0); BadInput, where they do not fit, counts from `first`."""
     packed = np.zeros(len(items), PAYLOAD)
     if not items:
         return packed
     if len(items) > 0xFFFF:
         raise BadInput(f"expected {0xFFFF} items at most, as many as MAVLink can count, not {len(items)}")
     if any(not (0 <= item.command <= 65535 and 0 <= item.frame <= 255) for item in items):
-        _refuse(items)
+        _refuse(items, first)
     numbers = np.array([(*item.params, item.altitude, item.latitude_deg, item.longitude_deg) for item in items], float)
     packed["command"] = [item.command for item in items]
     packed["frame"] = [item.frame for item in items]
@@ -58,7 +58,7 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
     places[np.isnan(places)] = 0.0
     too_large = (np.abs(numbers[:, :5]) > SINGLE_MAX) & np.isfinite(numbers[:, :5])
     if too_large.any() or not (np.abs(places) < INT32_MAX).all():
-        _refuse(items)
+        _refuse(items, first)
     is_global = np.isin(packed["frame"], [*GLOBAL_FRAMES])
     places[np.isnan(numbers[:, 5:]) & is_global[:, None]] = INT32_MAX
     packed["params"], packed["z"] = numbers[:, :4], numbers[:, 4]
@@ -66,8 +66,8 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
     return packed
 
 
-def _refuse(items: Sequence[Item]) -> None:
-    for seq, item in enumerate(items):
+def _refuse(items: Sequence[Item], first: int) -> None:
+    for seq, item in enumerate(items, first):
         numbers = {f"param{i}": value for i, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
         wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
         if wrong:
@@ -112,7 +112,8 @@ def first_difference(
     difference = compare([sent[n] for n in compared], others, autopilot)
     if difference is None or difference.seq is None:
         return difference
-    return replace(difference, seq=compared[difference.seq])
+    first = first_number(sent, autopilot)
+    return replace(difference, seq=compared[difference.seq - first] + first)
 
 
 def _same(packed: Payloads, stored: Payloads) -> NDArray[np.bool_]:

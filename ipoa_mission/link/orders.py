@@ -65,19 +65,19 @@ def send_command(message: m.CommandLong) -> Dialogue[tuple[int, str]]:
                 texts.note(heard)
 
 
-def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
-    """By command 224, or the older message (PX4); `restart` resets jump counters. NoAnswer: the item is not shown."""
+def set_current(seq: int, home: int, restart: bool = False) -> Dialogue[None]:
+    """By command 224, or the older message (PX4); `home`: 1 if the list has it; `restart` resets jump counters."""
     result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == m.CommandResult.ACCEPTED:
         return
     if result != m.CommandResult.UNSUPPORTED:
-        raise CommandRefused(f"go to item {seq}", result, words)
+        raise CommandRefused(f"go to item {seq + 1 - home}", result, words)
     step: Step = Ask(m.SetCurrent(seq))
     while True:
         try:
             heard = yield step
         except NoAnswer:
-            raise NoAnswer(f"the vehicle did not go to item {seq}: does it exist?", code="no-such-item") from None
+            raise NoAnswer(f"the vehicle did not go to item {seq + 1 - home}", code="no-such-item") from None
         step = None
         if isinstance(heard, m.Current) and heard.seq == seq:
             return

@@ -154,10 +154,7 @@ class Signer:
 
 
 def persistent_signer(key: bytes, path: str | Path) -> Signer:
-    """Timestamps grow from run to run; `path` stores the last one.
-
-    Each process has its own file and link id. Raise BadInput if the file has no timestamp, or too many sign.
-    """
+    """Return a signer whose timestamps grow over runs, by files at `path`; each process has its own link id."""
     path = Path(path)
     for link_id in range(MAX_SIGNERS):
         timestamps = _own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
@@ -167,7 +164,7 @@ def persistent_signer(key: bytes, path: str | Path) -> Signer:
 
 
 def _own_timestamps(path: Path) -> Timestamps | None:
-    """None while another process owns the file. Raise BadInput."""
+    """Return None while another process owns the file."""
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
     except OSError as error:

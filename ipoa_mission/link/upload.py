@@ -21,7 +21,7 @@ from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Sen
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import Difference
+from ipoa_mission.mission.stored_mission import Difference, first_number
 from ipoa_mission.progress import Progress, count, silent
 
 #: Without any item: two.
@@ -76,7 +76,11 @@ class Upload:
     packed: Payloads = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "packed", pack_items(self.items, self.kind))
+        object.__setattr__(self, "packed", pack_items(self.items, self.kind, self.first))
+
+    @property
+    def first(self) -> int:
+        return first_number(self.items, self.autopilot)
 
     @property
     def has_checksum(self) -> bool:
@@ -276,8 +280,8 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             )
             is_final = refusal.result not in temporary and (not job.truncates or again)
             if course.attempt == ATTEMPTS or is_final or (again and refusal.result == Result.ERROR):
-                refusal.hint = _remaining_list(job)
-                raise
+                final = MissionRefused(refusal.result, job.kind, refusal.seq, refusal.words, job.first)
+                raise final.at(hint=_remaining_list(job)) from None
             refused_before = refusal
             yield from wait(1.0)
         else:
@@ -286,7 +290,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             if difference is None:
                 return
             if course.attempt >= 2 and result in DOUBTFUL_REFUSALS:
-                raise MissionRefused(result, job.kind, len(job.items) - 1)
+                raise MissionRefused(result, job.kind, len(job.items) - 1, first=job.first)
             if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
 

@@ -173,7 +173,7 @@ class Vehicle(RemoteVehicle):
     def set_current(self, index: int) -> None:
         """Make item `index` of `Mission.items` the current one; see `state`."""
         with self._in_time():
-            self._tell(orders.set_current(index + self.autopilot.counts_home))
+            self._tell(orders.set_current(index + self.autopilot.counts_home, self.autopilot.counts_home))
             self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:

@@ -27,11 +27,11 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
             count = int(item.params[0]) if math.isfinite(item.params[0]) else 0
             if count < 3:
                 words = f"expected a polygon of 3 vertices or more, not {item.params[0]:g}"
-                raise MissionError(words, code="fence-broken", place=f"fence item {at}")
+                raise MissionError(words, code="fence-broken", place=f"fence item {at + 1}")
             ring = items[at : at + count]
             if len(ring) < count or any((v.command, v.params[0]) != (item.command, item.params[0]) for v in ring):
                 words = f"expected a polygon of {count} vertices, but the list ends before"
-                raise MissionError(words, code="fence-broken", place=f"fence item {at}")
+                raise MissionError(words, code="fence-broken", place=f"fence item {at + 1}")
             vertices = tuple((v.latitude_deg, v.longitude_deg) for v in ring)
             fence.append(FencePolygon(vertices, POLYGON[Command(item.command)]))
             at += count
@@ -41,7 +41,7 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
             fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
         elif item.command != Command.NAV_FENCE_RETURN_POINT:
             words = f"expected a fence, not {command_name(item.command)}"
-            raise MissionError(words, code="not-a-mission-item", place=f"fence item {at}")
+            raise MissionError(words, code="not-a-mission-item", place=f"fence item {at + 1}")
         at += 1
     return tuple(fence)
 
@@ -52,7 +52,7 @@ def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
 
 
 def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
-    for at, item in enumerate(items):
+    for at, item in enumerate(items, 1):
         if item.command != Command.NAV_RALLY_POINT:
             words = f"expected a rally point, not {command_name(item.command)}"
             raise MissionError(words, code="not-a-mission-item", place=f"rally item {at}")

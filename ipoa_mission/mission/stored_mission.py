@@ -59,7 +59,7 @@ def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | No
 
 @dataclass(frozen=True)
 class Difference:
-    """`seq` is on the wire; None if the counts differ."""
+    """`seq` counts from 1, home is 0; None if the counts differ."""
 
     seq: int | None
     field: str
@@ -87,8 +87,13 @@ def compare(
             continue
         difference = _first_difference(item, stored, newest)
         if difference and all(_first_difference(item, stored, firmware) for firmware in older):
-            return Difference(seq, *difference)
+            return Difference(seq + first_number(sent, autopilot), *difference)
     return None
+
+
+def first_number(items: Sequence[Item], autopilot: Autopilot) -> int:
+    """Return 0 for a list with ArduPilot's home, else 1."""
+    return 0 if items and autopilot.counts_home and _is_home(items[0]) else 1
 
 
 def _sent(item: Item, firmware: Firmware) -> Item:

@@ -17,7 +17,7 @@ from ipoa_mission.mission.waypoints_file import waypoints_text
 def write_files(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
 ) -> tuple[tuple[Path, ...], dict[str, str]]:
-    """Write all files or none, NAME.json of `about`; return them, and digests of the first two. Raises BadInput."""
+    """Write all files or none, NAME.json of `about`; return them, and digests of the first two."""
     plan = folder / f"{name}.plan"
     contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
     digests = {path.name: digest(text) for path, text in contents.items()}
@@ -30,7 +30,7 @@ def write_files(
 def write_several(
     missions: Iterable[tuple[str, Mission, Mapping[str, Any] | None]], folder: Path, name: str, about: Mapping[str, Any]
 ) -> tuple[Path, ...]:
-    """Write missions (name, mission, `about`), then NAME.json. Raises BadInput."""
+    """Write missions (name, mission, `about`), then NAME.json."""
     written, digests = list[Path](), dict[str, str]()
     for part, mission, about_part in missions:
         files, own = write_files(mission, folder, part, about_part)

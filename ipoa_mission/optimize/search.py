@@ -150,7 +150,7 @@ Amount: TypeAlias = Annotated[float, Between(0)]
 
 
 def check_setting(place: str, kind: Any, value: object) -> object:
-    """Return `value` as `kind`: bool, int, float, a Literal, or Annotated with a `Between`. Raises BadInput."""
+    """Return `value` as `kind`: bool, int, float, a Literal, or Annotated with a `Between`."""
     (kind, *rest) = get_args(kind) if get_origin(kind) is Annotated else (kind,)
     limits = next((r for r in rest if isinstance(r, Between)), Between(-math.inf))
     if get_origin(kind) is Literal:

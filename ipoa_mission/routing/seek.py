@@ -118,7 +118,6 @@ def plan_with_margins(scenario: Scenario, seed: int, progress: Progress) -> Atte
 
 
 def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
-    """Raises WayHomeBlocked in addition."""
     trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
     try:
         return seek(scenario, seed, progress)

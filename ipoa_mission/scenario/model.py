@@ -201,7 +201,7 @@ class Scenario(Section):
         return self
 
     def with_wind_read(self) -> "Scenario":
-        """Return the scenario with the wind of its forecast. Raises BadInput, MissionError."""
+        """Return the scenario with the wind of its forecast."""
         if self.wind.file is None:
             return self
         from ipoa_mission.maps.winds import read_wind
@@ -238,12 +238,10 @@ class Scenario(Section):
         )
 
     def expect_here(self, home: Geodetic) -> None:
-        """Raises BadInput."""
         if (elsewhere := self.why_elsewhere(home)) is not None:
             raise elsewhere
 
     def read_maps(self) -> None:
-        """Raises BadInput."""
         _ = self._surroundings
 
     @cached_property
@@ -359,7 +357,7 @@ class AddedSection(Section):
     @classmethod
     @abstractmethod
     def with_ends(cls, table: Mapping[str, Any], section: Self | None) -> dict[str, Any]:
-        """Add start and goal to a scenario's table; None: it is invalid. Raises ValueError."""
+        """Add start and goal to a scenario's table; None: it is invalid."""
 
     @abstractmethod
     def reach(self, scenario: Scenario) -> Reach:

@@ -291,12 +291,12 @@ FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"params": (0.0, 1e300, 0.0, 0.0)}, ("bad-input", "item 1: param2", "1e")),
-        ({"altitude": -1e39}, ("bad-input", "item 1: altitude")),
-        ({"command": 70_000}, ("bad-input", "item 1: command", "65535", "70000")),
-        ({"frame": 300}, ("bad-input", "item 1: frame", "255", "300")),
-        ({"latitude_deg": -1e305}, ("bad-input", "item 1: coordinate")),
-        ({"latitude_deg": math.inf}, ("bad-input", "item 1: coordinate")),
+        ({"params": (0.0, 1e300, 0.0, 0.0)}, ("bad-input", "item 2: param2", "1e")),
+        ({"altitude": -1e39}, ("bad-input", "item 2: altitude")),
+        ({"command": 70_000}, ("bad-input", "item 2: command", "65535", "70000")),
+        ({"frame": 300}, ("bad-input", "item 2: frame", "255", "300")),
+        ({"latitude_deg": -1e305}, ("bad-input", "item 2: coordinate")),
+        ({"latitude_deg": math.inf}, ("bad-input", "item 2: coordinate")),
     ],
 )
 def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(
@@ -373,5 +373,5 @@ def test_coordinates_beyond_the_largest_and_smallest_are_errors(frame: int, unit
         assert packed["y"] == wire.coordinate(item.longitude_deg, frame) == value
     for value in (2**31 - 1, -(2**31)):
         item = dataclasses.replace(FINE, frame=frame, longitude_deg=value * unit)
-        with refuses("bad-input", "item 0: coordinate"):
+        with refuses("bad-input", "item 1: coordinate"):
             pack_items([item], 0)

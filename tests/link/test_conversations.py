@@ -157,7 +157,7 @@ def test_a_refusal_has_its_result_its_item_and_the_vehicles_words(result: int) -
     with pytest.raises(MissionRefused) as refusal:
         _ = talk.hear(Text(3, "behind")).wait(1.0)
     assert (refusal.value.result, refusal.value.seq) == (result, 1)
-    assert "at item 1" in str(refusal.value)
+    assert "at item 2" in str(refusal.value)
     assert "before" in str(refusal.value)
 
 
@@ -238,7 +238,7 @@ def test_the_first_item_that_is_not_taken_ends_it() -> None:
 
 
 def test_the_other_side_may_break_it_off() -> None:
-    with refuses("mission-refused", "", "item 1", "DENIED"):
+    with refuses("mission-refused", "", "item 2", "DENIED"):
         Talk(fetch(3, 0, accept)).hear(item(0), Ack(Result.DENIED))
 
 

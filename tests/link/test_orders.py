@@ -64,13 +64,13 @@ def test_a_command_in_progress_is_waited_for() -> None:
 
 
 def test_the_current_item_is_set_by_command_or_by_the_older_message() -> None:
-    assert lead(orders.set_current(3), [CommandAck(224, 0)]).finished
-    with refuses("command-refused", "", "item 3"):
-        lead(orders.set_current(3), [CommandAck(224, 2)])
-    assert said_by(orders.set_current(3), [CommandAck(224, 3)])[-1] != SetCurrent(3)  # words are waited for first
-    assert lead(orders.set_current(3), [CommandAck(224, 3)], [Current(1), Current(3)]).finished
-    with refuses("no-such-item", kind=NoAnswer):
-        lead(orders.set_current(3), [CommandAck(224, 3)], [Current(1)])
+    assert lead(orders.set_current(3, 0), [CommandAck(224, 0)]).finished
+    with refuses("command-refused", "", "item 4"):
+        lead(orders.set_current(3, 0), [CommandAck(224, 2)])
+    assert said_by(orders.set_current(3, 0), [CommandAck(224, 3)])[-1] != SetCurrent(3)  # words are waited for first
+    assert lead(orders.set_current(3, 0), [CommandAck(224, 3)], [Current(1), Current(3)]).finished
+    with refuses("no-such-item", "", "item 4", kind=NoAnswer):
+        lead(orders.set_current(3, 0), [CommandAck(224, 3)], [Current(1)])
 
 
 def test_home_is_asked_for_until_it_comes_or_is_unknown() -> None:

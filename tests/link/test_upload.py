@@ -109,7 +109,7 @@ def test_what_reads_back_differently_is_an_error_that_names_it() -> None:
         RequestList: [[Count(1)], [Count(1)]],
         Request: [[ItemAt(0, changed)], [ItemAt(0, changed)]],
     }
-    with refuses("read-back-differs", "", "item 0", "NAV_TAKEOFF"):
+    with refuses("read-back-differs", "", "item 1", "NAV_TAKEOFF"):
         lead(upload(Upload(items, PX4)), offered)  # type: ignore[arg-type]
 
 
@@ -119,7 +119,7 @@ def test_a_doubtful_end_with_a_different_list_is_a_refusal() -> None:
         ItemAt: [[Ack(Result.ERROR)], [Ack(Result.ERROR)]],
         RequestList: [[Count(0)], [Count(0)]],
     }
-    with refuses("mission-refused", "", "item 0", "ERROR"):
+    with refuses("mission-refused", "", "item 1", "ERROR"):
         lead(upload(Upload(items_of(PX4, 1), PX4)), offered)  # type: ignore[arg-type]
 
 

@@ -57,7 +57,7 @@ OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
         (Ack(0), (Current(0, 65535, 1),), (), "number of items: sent 1, the vehicle holds 0"),
         (Ack(0), (Current(0, 0, 1),), (), "number of items: sent 1, the vehicle holds 0"),
         (Ack(0), (Current(0, 2),), OTHER, "number of items"),
-        (Ack(0, 0, 77), (Current(0, 1, 2, 2, 78),), items_of(PX4, 2)[1:], "item 0: command: sent NAV_TAKEOFF"),
+        (Ack(0, 0, 77), (Current(0, 1, 2, 2, 78),), items_of(PX4, 2)[1:], "item 1: command: sent NAV_TAKEOFF"),
     ],
 )
 def test_a_mission_replaced_before_the_verdict_is_an_error(

@@ -38,20 +38,20 @@ def test_ardupilots_return_point_is_no_fence() -> None:
 
 
 def test_a_polygon_that_breaks_off_is_an_error() -> None:
-    with refuses("fence-broken", "fence item 0"):
+    with refuses("fence-broken", "fence item 1"):
         fence_from_wire([Item(5001, 0, (3.0, 0.0, 0.0, 0.0))] * 2)
 
 
 @pytest.mark.parametrize("number", [2.0, -3.0, float("nan"), float("inf")])
 def test_a_polygon_of_no_vertices_is_an_error(number: float) -> None:
-    with refuses("fence-broken", "fence item 0"):
+    with refuses("fence-broken", "fence item 1"):
         fence_from_wire([Item(5001, 0, (number, 0.0, 0.0, 0.0))] * 3)
 
 
 def test_what_is_no_fence_is_an_error() -> None:
-    with refuses("not-a-mission-item", "fence item 0", "NAV_WAYPOINT"):
+    with refuses("not-a-mission-item", "fence item 1", "NAV_WAYPOINT"):
         fence_from_wire([Item(16, 3)])
-    with refuses("not-a-mission-item", "rally item 0", "NAV_WAYPOINT"):
+    with refuses("not-a-mission-item", "rally item 1", "NAV_WAYPOINT"):
         rally_from_wire([Item(16, 3)])
 
 

@@ -171,7 +171,7 @@ def mislead_a_client(chance: random.Random) -> None:
         lambda: upload_by_file(job),
         lambda: download(0),
         lambda: clear(255),
-        lambda: set_current(1),
+        lambda: set_current(1, 0),
         lambda: prepare(departure),
         lambda: depart(departure),
         lambda: request_parameters(("A", "B"), family),

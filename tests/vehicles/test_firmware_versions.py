@@ -92,7 +92,7 @@ def test_a_read_back_agrees_that_one_of_the_versions_gives() -> None:
     zeroed = Item(Command.NAV_LAND, 3, (0.0, 0.0, 0.0, 0.0), THERE.latitude_deg, THERE.longitude_deg)
     assert compare([sent], [zeroed], PX4) is None
     assert compare([sent], [zeroed], PX4, Version(1, 17)) is None
-    assert str(compare([sent], [zeroed], PX4, Version(1, 18))) == "item 0: param1: sent 5, the vehicle holds 0"
+    assert str(compare([sent], [zeroed], PX4, Version(1, 18))) == "item 1: param1: sent 5, the vehicle holds 0"
 
 
 def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> None:
