@@ -74,7 +74,7 @@ def apart(a: Geodetic, b: Geodetic) -> float:
 def swap_hint(home: Geodetic, there: Geodetic, name: str) -> str:
     turned = Geodetic(there.longitude_deg, there.latitude_deg)
     fits = abs(turned.latitude_deg) <= 90 and apart(home, turned) <= REACH
-    return f": are latitude and longitude swapped, in home or in {name}?" if fits else ""
+    return f": latitude and longitude may be swapped, in home or in {name}" if fits else ""
 
 
 def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:

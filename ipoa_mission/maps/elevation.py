@@ -276,7 +276,7 @@ class _Raster:
             steps = np.abs(np.diff(posts.heights, axis=axis))
             if (most := steps.max(initial=0.0)) > SUSPECT_STEP:
                 where = self._where(steps == most, posts)
-                yield f"heights differ by {most:.0f} m from one {side} to the next {where}: is one missing?"
+                yield f"heights differ by {most:.0f} m from one {side} to the next {where}: one may be missing"
 
     def _completed(self, posts: _Posts, fill: bool, why: str) -> tuple[_Posts, tuple[str, ...]]:
         wild, missing = posts.heights > HIGHEST, np.isnan(posts.heights)

@@ -221,7 +221,7 @@ def _items(listed: list[ListedItem]) -> list[Item]:
 def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
     for due, entry in enumerate(listed, start=1):
         if entry.jump_id not in (None, due):
-            words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: is an item missing or moved?"
+            words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: an item may be missing or moved"
             yield Finding("file-numbers", Severity.WARNING, due, words)
             return
 

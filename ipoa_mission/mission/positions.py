@@ -154,10 +154,10 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
         message = f"expected a height from {MIN_HEIGHT:g} to {MAX_HEIGHT:g} m above home, not {height:g} m"
         yield at.error("height-absurd", message + _doubt(item, mission))
     elif height <= 0 and item.command not in POSITION_OPTIONAL:
-        words = f"lies {-height:g} m below home" if height else "is at the height of home: is its altitude missing?"
+        words = f"lies {-height:g} m below home" if height else "is at the height of home: its altitude may be missing"
         yield at.warning("below-home", words + _doubt(item, mission))
 
 
 def _doubt(item: Item, mission: Mission) -> str:
     mistaken = plain_frame(item.frame) == Frame.GLOBAL and 0 < item.altitude < mission.home.altitude
-    return ": is it meant above home (frame 3), not AMSL (frame 0)?" if mistaken else ""
+    return ": perhaps it is meant above home (frame 3), not AMSL (frame 0)" if mistaken else ""

@@ -123,13 +123,13 @@ class SurveySection(AddedSection):
         if len(areas) != 1:
             raise ValueError(f"expected one of area, polygon or line, not {' and '.join(areas) or 'none'}")
         if self.line is not None and self.width is None:
-            raise ValueError("width: expected with a line, but not there")
+            raise ValueError("line: needs width")
         if self.polygon is not None and self.width is not None:
-            raise ValueError("width: expected with a line, not with a polygon")
+            raise ValueError("width: cannot be combined with polygon")
         if self.camera is None:
             for key in ("gsd_cm", "front_overlap", "side_overlap"):
                 if getattr(self, key) is not None:
-                    raise ValueError(f"{key}: expected with a camera, but there is none")
+                    raise ValueError(f"{key}: needs camera")
             if self.line_spacing is None:
                 raise ValueError("expected a line_spacing or a camera")
         elif self.line_spacing is not None and self.side_overlap is not None:
@@ -143,7 +143,7 @@ class SurveySection(AddedSection):
     def _expect_apart(self, starts: tuple[Spot, ...]) -> None:
         for key in ("flights", "entry", "exit"):
             if getattr(self, key) is not None:
-                raise ValueError(f"{key}: expected without starts, since each flight has its own")
+                raise ValueError(f"{key}: cannot be combined with starts, as each flight has its own")
         for n, here in enumerate(starts):
             if not math.hypot(*here) < REACH:
                 raise ValueError(f"starts[{n}]: expected a place within {REACH / 1000:g} km of home")
@@ -164,7 +164,7 @@ class SurveySection(AddedSection):
     def with_ends(cls, table: Mapping[str, Any], section: Self | None) -> dict[str, Any]:
         for key in ("start", "goal"):
             if section is not None and section.starts is not None and key in table:
-                raise ValueError(f"{key}: expected without survey.starts, where flights begin and end")
+                raise ValueError(f"{key}: cannot be combined with survey.starts, where flights begin and end")
         height = 10.0 if section is None else section.height  # above home, before the height is known [m]
         start = table.get("start", {"east": 0.0, "north": 0.0, "height_above_ground": height})
         return {"start": start, "goal": start, **table}

@@ -76,7 +76,7 @@ def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
         (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a known camera"),
         (f"plan --survey {tmp_path}/no.geojson", "no.geojson"),
         (f"plan --survey {tmp_path}/area.geojson --height 0", "survey.height_above_ground: expected a number greater"),
-        (f"plan --survey {tmp_path}/area.geojson --gsd 2", "survey: gsd_cm: expected with a camera"),
+        (f"plan --survey {tmp_path}/area.geojson --gsd 2", "survey: gsd_cm: needs camera"),
     ):
         ended = run(f"{command} --out {tmp_path}/out" if command != "plan" else command)
         assert ended.code == 2, ended

@@ -29,8 +29,8 @@ BROKEN = {
     "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
     "goal = {latitude_deg = 46, longitude_deg = 8, up = 9}": "goal: expected a place within 100 km of home, not 111 km",
     "goal = {latitude_deg = 8, longitude_deg = 47, up = 9}": (
-        "goal: expected a place within 100 km of home, not 5687 km: are latitude and longitude swapped, "
-        "in home or in goal?"
+        "goal: expected a place within 100 km of home, not 5687 km: latitude and longitude may be swapped, "
+        "in home or in goal"
     ),
     "vehicle = { cruise_speed = 800 }": (
         "vehicle: cruise_speed: expected at most 40 m/s, unless MPC_XY_VEL_MAX allows more, not 800: "
