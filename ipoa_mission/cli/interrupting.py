@@ -1,7 +1,7 @@
 """Handle Ctrl-C: exit code 130, and a message of changes on the vehicle and in files.
 
 The first Ctrl-C ends a dialogue by `Cancelled`; the vehicle keeps a whole mission. A second ends at once. Each stage
-of `fly` adds the state that it leaves (`showing_stage`). A vehicle in flight flies on, unwatched.
+of `fly` adds the state that it leaves (`showing_stage`).
 """
 
 from collections.abc import Callable, Iterator
@@ -105,7 +105,7 @@ def showing_stage(stage: "Stage", link: str = "") -> "Iterator[Progress]":
     change, left, after = {
         Stage.UPLOAD: (Change.MISSION, "the mission on the vehicle may be the old or the new one", str(Stage.STORED)),
         Stage.STORED: (Change.MISSION, str(Stage.STORED), str(Stage.STORED)),
-        Stage.READY: (Change.START, "the vehicle was not armed", ""),
+        Stage.READY: (Change.START, "the vehicle was not armed", ""),  # START replaces it
         Stage.START: (Change.START, "the start may have been completed", "the vehicle was started"),
         Stage.FLIGHT: (Change.FLIGHT, "the vehicle flies on, unwatched", ""),
     }.get(stage, (Change.MISSION, "the mission was not sent", ""))

@@ -49,7 +49,7 @@ def without_progress(stage: Stage) -> AbstractContextManager[Progress]:
 
 @dataclass(frozen=True)
 class ProcedureOptions:
-    """The options of `fly_mission`, and codes of findings to `ignore`."""
+    """The options of `fly_mission`."""
 
     first: int = 0
     anyway: bool = False

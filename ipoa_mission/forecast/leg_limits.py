@@ -33,7 +33,7 @@ def broken_limits(leg: Leg, scenario: "Scenario") -> "list[Check]":
 
 @dataclass(frozen=True)
 class Landing:
-    """`assumed_height`: the greatest ground height [m] that the autopilot assumes, without a range finder."""
+    """`assumed_height`: the ground's height [m] over the level that LAND slows down above, without a range finder."""
 
     seq: int
     item: Item

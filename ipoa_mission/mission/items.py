@@ -77,7 +77,7 @@ class Item:
         return "" if second == -1 else f"second {second} of the minute"
 
     def height(self, home: Geodetic) -> float:
-        """Return the height above home [m], of a terrain altitude too."""
+        """Return the height above home [m]; a terrain altitude is taken as one."""
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
 
 

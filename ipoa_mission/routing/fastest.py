@@ -106,7 +106,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 
 def braking_length(scenario: Scenario) -> float:
-    """Return ArduCopter's braking distance on a curve, with half of WPNAV_ACCEL [m]."""
+    """Return the braking distance on a curve [m]: v² / (2 a / 2), with half the acceleration."""
     limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
     return scenario.vehicle.cruise_speed**2 / limits.accel
 

@@ -42,10 +42,10 @@ class ContingenciesNow:
         """Return the forecast time [s] of a place (3,) reached at `time` [s], and its distance to the forecast [m]."""
         stops = self._contingencies.stops()
         off = np.abs(stops.times - (time - self._late_s))
-        near = np.flatnonzero(off <= 12.0)  # change of its delay between two calls [s]
+        near = np.flatnonzero(off <= 12.0)  # [s]; its delay changes less between two calls
         near = near if len(near) else np.array([off.argmin()])
         apart = np.linalg.norm(stops.places[near] - place, axis=1)
-        best = (apart + 0.2 * off[near]).argmin()  # [m/s]
+        best = (apart + 0.2 * off[near]).argmin()  # [m/s]: prefers the last delay
         reached = float(stops.times[near][best])
         self._late_s = time - reached
         return reached, float(apart[best])

@@ -51,7 +51,7 @@ from ipoa_mission.wind import CALM, Wind
 
 @dataclass(frozen=True)
 class NoisyRuns:
-    """Runs with sensor noise, and the uncertainty of their mean and of the model."""
+    """Runs with sensor noise, and the uncertainty of their mean and of the model (docs/lab/flight-time.md)."""
 
     most: int = 90
     of_median: int = 8  # always the same seeds
@@ -65,7 +65,7 @@ class NoisyRuns:
     landing_s: float = 1.6  # more for landings, as recorded
     interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
-    abort_deviations: float = 2.3  # for contingencies, as flown
+    abort_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
     missed_s: float = 3.0  # later than the median: missed
 
 
