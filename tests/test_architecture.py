@@ -47,7 +47,7 @@ MAY_IMPORT["paper"] = {"optimize", "planning", "cli"}
 MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | {"cli"}
 MAY_IMPORT["survey"] = _BELOW_THE_CLI - {"flight"} | {"cli"}
 MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli", "survey"}
-OF_THE_FACE = {"survey", "paper", "learn", "studio"}  # what they can, they import from `ipoa_mission`
+USE_PUBLIC_API = {"survey", "paper", "learn", "studio"}  # they import from `ipoa_mission` where they can
 PLUG_INS = {"vehicles", "paper", "learn", "survey", "studio"}
 
 #: May own a socket, a clock or pymavlink.
@@ -105,15 +105,15 @@ def allowed(here: str) -> set[str]:
     return {here, "errors"} if here in GROUND else MAY_IMPORT.get(here, set()) | GROUND | {here}
 
 
-def test_rooms_import_only_what_the_plan_of_the_house_allows() -> None:
-    faces = {PACKAGE / "__init__.py", PACKAGE / "__main__.py"}
-    inside = [path for path in FILES if path not in faces]
+def test_rooms_import_only_from_allowed_rooms() -> None:
+    public = {PACKAGE / "__init__.py", PACKAGE / "__main__.py"}
+    inside = [path for path in FILES if path not in public]
     modules = {module(path) for path in FILES}
     wrong = {
         f"{path.relative_to(PACKAGE)} imports {name}"
         for path in inside
         for name in imports(path)
-        if (name == "ipoa_mission" and room(path) not in OF_THE_FACE)
+        if (name == "ipoa_mission" and room(path) not in USE_PUBLIC_API)
         or (name in modules and name.count(".") and room_of(name) not in allowed(room(path)))
     }
     assert len(inside) > 200

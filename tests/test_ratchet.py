@@ -1,4 +1,4 @@
-"""Hold the counts of `tools.census` to their limits, which only fall."""
+"""Hold the counts of `tools.census` to their limits; .ci/ratchet compares these with those of the parent commit."""
 
 import tomllib
 from pathlib import Path
