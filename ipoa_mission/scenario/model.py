@@ -1,5 +1,6 @@
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache, cached_property
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -10,7 +11,7 @@ from pydantic import AfterValidator, AwareDatetime, ConfigDict, Field, Validatio
 from pydantic_core import PydanticKnownError
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.errors import BadInput, TooFar
+from ipoa_mission.errors import BadInput, TooFar, renamed
 from ipoa_mission.geodesy import EARTH_RADIUS, REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.ground import LEVEL, Ground
@@ -120,6 +121,7 @@ class Scenario(Section):
     rally: tuple[Place, ...] = ()
     """Rally points of the mission."""
     __pydantic_extra__: dict[str, Annotated[Any, AfterValidator(_expect_added)]]
+    in_airspace = renamed("in_airspace", "with_airspace")
 
     @classmethod
     def model_json_schema(cls, *options: Any, **named: Any) -> dict[str, Any]:
@@ -188,6 +190,9 @@ class Scenario(Section):
         """
         copied = super().model_copy(update=update, deep=deep)
         return copied if (WORLD | added_sections().keys()) & (update or {}).keys() else copied._taking(self._cached())
+
+    def with_airspace(self, airspace: Airspace) -> "Scenario":
+        return self.model_copy()._taking({"_surroundings": replace(self._surroundings, airspace=airspace)})
 
     def in_world_of(self, other: "Scenario") -> "Scenario":
         """Return a copy with the frame and maps of another scenario."""

@@ -235,7 +235,10 @@ def test_renamed_function_is_the_new_one_with_a_warning(old: str, new: str) -> N
         assert getattr(ipoa_mission, old) is getattr(ipoa_mission, new)
 
 
-def test_renamed_property_is_the_new_one_with_a_warning() -> None:
+def test_renamed_member_is_the_new_one_with_a_warning() -> None:
+    scenario = read_scenario(REPOSITORY / "missions" / "sitl.toml")
+    with pytest.warns(DeprecationWarning, match="in_airspace is with_airspace since 0.5"):
+        assert scenario.in_airspace(scenario.airspace).airspace is scenario.airspace
     forecast = ipoa_mission.Forecast(ipoa_mission.read_mission(REPOSITORY / "missions" / "sitl.plan"))
     with pytest.warns(DeprecationWarning, match="given is mission_as_read since 0.5"):
         assert forecast.given is forecast.mission_as_read
