@@ -110,8 +110,7 @@ def _restrictions(tags: Mapping[str, str]) -> set[str]:
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
     tags, place = feature.tags, feature.name.removeprefix(f"{path}: ")
-    for subject, value in limits.not_understood:
-        yield Unread(path.name, subject, place, value)
+    yield from (Unread(path.name, subject, place, value) for subject, value in limits.not_understood)
     if "restriction" in tags and not is_named:
         yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, tags["restriction"])
     if (kind := tags.get("type", tags.get("Type", ""))).lower() in ("inclusive", "inclusion"):

@@ -110,8 +110,7 @@ def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
             value: Any = next(values, end)
         if value is end:
             break
-        place = f"{path}: value {number}"
-        features += mistakes.attempt(_whole, value, path, place) or ()
+        features += mistakes.attempt(_whole, value, path, f"{path}: value {number}") or ()
         if len(features) >= BATCH:
             take(features)
             features = []
@@ -285,8 +284,7 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
     if document.get("crs") is None:
         return lambda corners: corners
     try:
-        name = document["crs"]["properties"]["name"]
-        system = CRS.from_user_input(name)
+        system = CRS.from_user_input(document["crs"]["properties"]["name"])
     except (KeyError, TypeError, CRSError) as error:
         words = "expected the name of a coordinate system, such as 'EPSG:32633'"
         raise NoCoordinateSystem(words, place=f"{path}: crs") from error

@@ -179,7 +179,8 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
         elif kind == "LinearRing":
             yield shapely.Polygon(_corners(element, 3, f"{place}.{kind}"))
         elif kind == "Track":
-            yield shapely.LineString(_track(element, f"{place}.{kind}"))
+            text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
+            yield shapely.LineString(_positions(text, 2, f"{place}.{kind}.coord"))
         elif kind == "Polygon":
             outer = [ring for side in element if _local(side) == "outerBoundaryIs" for ring in side]
             inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
@@ -189,11 +190,6 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
                 raise BadInput(f"expected a LinearRing, not {_local(wrong):.40}", place=f"{place}.Polygon")
             rings = [_corners(ring, 3, f"{place}.Polygon") for ring in (*outer, *inner)]
             yield shapely.Polygon(rings[0], rings[1:])
-
-
-def _track(element: ElementTree.Element, place: str) -> Corners:
-    text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
-    return _positions(text, 2, f"{place}.coord")
 
 
 def _corners(element: ElementTree.Element, least: int, place: str) -> Corners:

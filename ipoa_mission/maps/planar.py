@@ -59,8 +59,7 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
         return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), height))[:, :2]
 
-    sides = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1)
-    long = sides > LONGEST_EDGE
+    long = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1) > LONGEST_EDGE
     sound = long & shapely.is_valid(degrees)
     degrees[sound] = shapely.segmentize(degrees[sound], LONGEST_EDGE)
     for i in np.flatnonzero(long & ~sound).tolist():

@@ -40,7 +40,8 @@ class _Row:
 def read_parameter_file(path: str | Path) -> ParameterFile:
     """Of several components, read the autopilot's."""
     text = read_text(Path(path))
-    rows = list(_rows(text, path))
+    lines = ((n, line.split("#", 1)[0].strip()) for n, line in enumerate(text.splitlines(), start=1))
+    rows = [_row(content, n, f"{path}: line {n}") for n, content in lines if content]
     owners = [row.owner for row in rows]
     autopilots = (owner for owner in owners if owner is not None and owner[1] == "1")  # MAV_COMP_ID_AUTOPILOT1
     owner = next(autopilots, owners[0] if owners else None)
@@ -84,12 +85,6 @@ def _is_ours(target: Path) -> bool:
 
 def _taken(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
     return {row.name: row for row in rows if row.owner in (owner, None)}
-
-
-def _rows(text: str, path: str | Path) -> Iterator[_Row]:
-    for number, line in enumerate(text.splitlines(), start=1):
-        if content := line.split("#", 1)[0].strip():
-            yield _row(content, number, f"{path}: line {number}")
 
 
 def _row(text: str, line: int, place: str) -> _Row:
