@@ -4,8 +4,8 @@ import re
 from abc import ABCMeta, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import import_module
 from importlib.metadata import entry_points
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, OwnFence, StationLoss
@@ -100,7 +100,7 @@ class Autopilot(metaclass=_ByName):
         if not self.has(interface):
             raise NotModeled(f"{self.model} has no {interface.__name__} here")
         address = self.parts[interface.__name__]
-        part = _loaded(address) if isinstance(address, str) else address
+        part = resolve_name(address) if isinstance(address, str) else address
         assert isinstance(part, interface), f"{address} is no {interface.__name__}"
         return part
 
@@ -323,9 +323,3 @@ def autopilot_named(name: str) -> Autopilot:
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
     of_firmware = (vehicle for vehicle in registered() if vehicle.mav_autopilot == mav_autopilot)
     return next((vehicle for vehicle in of_firmware if mav_type in vehicle.mav_types), None)
-
-
-@cache
-def _loaded(address: str) -> Any:
-    module, _, name = address.partition(":")
-    return getattr(import_module(module), name)

@@ -124,9 +124,7 @@ class Modes:
             return "it continues its mission"
         if custom_mode in self.returns:
             return "it returns home and lands"
-        if custom_mode in self.lands:
-            return "it lands where it is"
-        return "it stays in this mode"
+        return "it lands where it is" if custom_mode in self.lands else "it stays in this mode"
 
     def numbers(self, custom_mode: int) -> tuple[float, ...]:
         return (custom_mode >> 16 & 0xFF, custom_mode >> 24) if self.has_sub_modes else (custom_mode,)

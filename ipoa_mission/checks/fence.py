@@ -21,8 +21,7 @@ def check_fence(forecast: Forecast) -> Iterator[Finding]:
     if wrong or not mission.fence:
         return
     allowed = _allowed(mission, frame)
-    home = shapely.Point(frame.local(mission.home)[:2])
-    if not allowed.covers(home):
+    if not allowed.covers(shapely.Point(frame.local(mission.home)[:2])):
         yield Finding("outside-fence", Severity.ERROR, 0, "home: expected inside the fence, but it lies outside")
     for n, place in enumerate(mission.rally):
         if not allowed.covers(shapely.Point(frame.local(place)[:2])):

@@ -59,7 +59,9 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file() and _is_of(index, file)]
+    made: dict[str, str] | None = index.get("libraries")
+    files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file()]
+    files = [file for file in files if made is None or made.get(file.name) == digest_of(file)]
     if index["sources"] != sources_digest() or not files:
         return None
     try:
@@ -67,11 +69,6 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
         return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
     except (OSError, AttributeError):  # another system, or no exported symbols
         return None
-
-
-def _is_of(index: dict[str, Any], library: Path) -> bool:
-    made: dict[str, str] | None = index.get("libraries")
-    return made is None or made.get(library.name) == digest_of(library)
 
 
 def digest_of(library: Path) -> str:
