@@ -96,8 +96,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
 
 
 def table_8(rows: Sequence[TrialRow]) -> Table:
-    measured = {row.trial.algorithm for row in rows}
-    names = [*ALGORITHMS, *sorted(measured.difference(ALGORITHMS))]
+    names = [*ALGORITHMS, *sorted({row.trial.algorithm for row in rows}.difference(ALGORITHMS))]
     lines = []
     for measure, printed_as, label in (
         ("distance", "distance", "Distance [m]"),

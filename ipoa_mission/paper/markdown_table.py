@@ -69,8 +69,7 @@ def _filled(block: str) -> str:
     if block.startswith(("|", "#", "!")):  # tables, headings, pictures
         return block
     if block.startswith("* "):
-        items = re.split(r"(?m)^\* ", block)[1:]
-        return "\n".join(f"* {_paragraph(item, '  ')}" for item in items)
+        return "\n".join(f"* {_paragraph(item, '  ')}" for item in re.split(r"(?m)^\* ", block)[1:])
     return _paragraph(block, "")
 
 

@@ -28,7 +28,8 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
     if address is None:
         try:
-            with ProcessPoolExecutor(jobs, initializer=_leave_ctrl_c_to_the_parent) as pool:
+            ignore_ctrl_c = (signal.SIGINT, signal.SIG_IGN)  # it ends the parent
+            with ProcessPoolExecutor(jobs, initializer=signal.signal, initargs=ignore_ctrl_c) as pool:
                 yield pool
         except BrokenProcessPool as error:
             raise MissionError(
@@ -58,10 +59,6 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
     except (CancelledError, distributed.KilledWorker) as error:
         words = f"the cluster at {address} was lost while it ran trials"
         raise MissionError(words, hint="the same command continues where it stopped", code="cluster-lost") from error
-
-
-def _leave_ctrl_c_to_the_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)

@@ -121,8 +121,7 @@ def open_to_append(path: Path) -> io.TextIOWrapper:
     path.parent.mkdir(parents=True, exist_ok=True)
     opened = path.open("a", encoding="utf-8", newline="")
     _claim(opened, path)
-    kept = path.read_bytes()
-    whole = kept.rfind(b"\n") + 1
+    whole = path.read_bytes().rfind(b"\n") + 1
     opened.truncate(whole)
     if not whole:
         opened.write(",".join(_COLUMNS) + "\n")

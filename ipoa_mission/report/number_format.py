@@ -32,6 +32,5 @@ def signed(value: float, digits: int, unit: str = "") -> str:
     """Unbreakable; empty if not finite."""
     if not math.isfinite(value):
         return ""
-    rounded = round(value, digits) + 0.0
-    words = f"{rounded:+.{digits}f}".replace("-", "−")
+    words = f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")
     return f"{words}\N{NO-BREAK SPACE}{unit}" if unit else words
