@@ -92,11 +92,7 @@ class Autopilot(metaclass=_ByName):
         return autopilot_named, (self.name,)
 
     def part(self, interface: type[Part]) -> Part:
-        """Return this autopilot's implementation of an interface.
-
-        Raises:
-            MissionError: it has none.
-        """
+        """Return this autopilot's implementation of an interface, or raise MissionError."""
         if not self.has(interface):
             raise NotModeled(f"{self.model} has no {interface.__name__} here")
         address = self.parts[interface.__name__]

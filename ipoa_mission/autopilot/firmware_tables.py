@@ -147,11 +147,7 @@ class FirmwareTables:
         )
 
     def expect(self, version: Version) -> Version:
-        """Return the version.
-
-        Raises:
-            BadInput: its series has no table.
-        """
+        """Raise BadInput if the version's series has no table."""
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)
             words = f"expected one of {self._defaults.autopilot}'s {names}, not {version}"

@@ -25,11 +25,7 @@ class Version:
 
     @classmethod
     def parsed(cls, text: str) -> "Version":
-        """Parse a version.
-
-        Raises:
-            BadInput: it is none.
-        """
+        """Raise BadInput if the text is no version."""
         match = _WRITTEN.fullmatch(text.strip())
         if match is None:
             words = f'firmware version: expected one like 4.6 or 1.18.0-beta1, not "{text}"'
