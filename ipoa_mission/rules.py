@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput, UnknownName
 
 @dataclass(frozen=True)
 class Rule:
-    """One rule: its meaning, advice, and whether a `crash` may follow; then it is never ignored."""
+    """A rule is never ignored if a `crash` may follow."""
 
     means: str
     do: str
@@ -172,11 +172,7 @@ RULES: Mapping[str, Rule] = {
 
 
 def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
-    """Return the codes if each may be ignored.
-
-    Raises:
-        BadInput: a code is unknown, or a crash may follow from its finding.
-    """
+    """Raise BadInput if a code is unknown, or a crash may follow from its finding."""
     for code in (codes := tuple(codes)):
         if code not in RULES:
             near = get_close_matches(code, RULES, 1)

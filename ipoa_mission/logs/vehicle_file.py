@@ -12,8 +12,6 @@ from ipoa_mission.files import read_bytes
 
 
 class LearnedQuantity(NamedTuple):
-    """A learned number: its meaning and unit, its greatest amount, and whether it is above zero."""
-
     meaning: str
     most: float = 100_000.0
     is_positive: bool = False

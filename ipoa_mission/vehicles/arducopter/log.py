@@ -57,8 +57,6 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 
 @dataclass(frozen=True)
 class RecordKind:
-    """A record kind: name, struct layout, columns and their conversions."""
-
     name: str
     layout: Struct
     columns: tuple[str, ...]
