@@ -99,16 +99,14 @@ class Commander:
             text = f"Arm: {reason}" if self._profile.reports_prearm else f"Arming denied: {reason}\t"
             self._send_text(CRITICAL, text)
             return refused
-        if self._vehicle.mode not in self._profile.armable_modes and not self._arms_in_auto():
+        options = int(self._vehicle.parameters.get("AUTO_OPTIONS", 0.0))
+        arms_in_auto = self._vehicle.mode == self._vehicle.mission_mode and options & 1
+        if self._vehicle.mode not in self._profile.armable_modes and not arms_in_auto:
             name = self._profile.autopilot.modes.name(self._vehicle.mode)
             self._send_text(CRITICAL, f"Arm: {name} mode not armable")
             return refused
         self._arm(self._profile.arm_texts[0])
         return CommandResult.ACCEPTED
-
-    def _arms_in_auto(self) -> bool:
-        arms_in_auto = int(self._vehicle.parameters.get("AUTO_OPTIONS", 0.0)) & 1
-        return self._vehicle.mode == self._vehicle.mission_mode and bool(arms_in_auto)
 
     def _arm(self, words: str) -> None:
         self._flight.arm()

@@ -48,9 +48,6 @@ def fly_built_in(
         uploading: receives the progress of the upload.
         flying: receives the progress of the flight.
 
-    Returns:
-        The record of the flight.
-
     Raises:
         BadInput: the autopilot has no such parameter.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
@@ -89,5 +86,4 @@ def board(
     autopilot = BuiltInAutopilot(mission.autopilot, home, parameters, nak_at=faults.nak_at, conditions=conditions)
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))
-    line = Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log)
-    return meet(line)
+    return meet(Line(Loopback(station, *pipes), Codec(STATION_SYSTEM, STATION_COMPONENT), log))

@@ -56,7 +56,8 @@ class Server:
             self.step()
 
     def step(self) -> None:
-        hurry = self._hurry
+        waits = self._is_ahead or self._station.awaits_somebody
+        hurry = min(self._speedup, 1.0) if waits else self._speedup
         due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
         rested_s = (self._unread - LIMITS.frames_at_once) / LIMITS.frames_hz if self._is_ahead else math.inf
         pipes = [pipe.deadline for pipe in (*self._inward.values(), *self._outward.values())]
@@ -80,16 +81,11 @@ class Server:
         self._unread += most
 
     @property
-    def _hurry(self) -> float:
-        """Return the present speed, relative to real time."""
-        return min(self._speedup, 1.0) if self._is_ahead or self._station.awaits_somebody else self._speedup
-
-    @property
     def _is_ahead(self) -> bool:
         return self._unread > LIMITS.frames_at_once
 
     def _advance_clock(self, now: float, hurry: float) -> None:
-        """Advance the clock; let it lag on a slow machine."""
+        """Let the clock lag on a slow machine."""
         passed_s = now - self._real_s
         self._real_s = now
         self._unread = max(self._unread - passed_s * LIMITS.frames_hz, 0.0)

@@ -40,8 +40,7 @@ class FlightController(Protocol):
         """Take off to a height above home [m], and hold."""
 
     @property
-    def rising(self) -> bool:
-        """Return whether it still climbs."""
+    def rising(self) -> bool: ...
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """Fly there and hold; NaN: the present target, height or default speed."""
