@@ -165,9 +165,6 @@ class Scenario(Section):
             table: with the keys of a scenario file.
             folder: base of relative paths.
 
-        Returns:
-            The scenario, with its maps read.
-
         Raises:
             BadInput: with place and expected value; or a library is missing.
         """
@@ -179,15 +176,7 @@ class Scenario(Section):
         return scenario.with_wind_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
-        """Return a copy with some values replaced, unchecked.
-
-        Args:
-            update: the new values.
-            deep: copy nested values too.
-
-        Returns:
-            The copy; it shares the world unless `update` changes it.
-        """
+        """Return a copy, unchecked, which shares the world unless `update` changes it."""
         copied = super().model_copy(update=update, deep=deep)
         return copied if (WORLD | added_sections().keys()) & (update or {}).keys() else copied._taking(self._cached())
 
@@ -206,7 +195,6 @@ class Scenario(Section):
         return self
 
     def with_wind_read(self) -> "Scenario":
-        """Return the scenario with the wind of its forecast."""
         if self.wind.file is None:
             return self
         from ipoa_mission.maps.winds import read_wind

@@ -141,12 +141,12 @@ class _Zones:
 def surroundings_of(scenario: Site) -> Surroundings:
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
-    things = _things(scenario)
-    buildings, (lower, upper) = _read_buildings(scenario, maps.area, things, allowed)
+    buildings, (lower, upper) = _read_buildings(scenario, maps.area, _things(scenario), allowed)
     near, beyond = _near(_map_obstacles(scenario, buildings), maps.no_fly, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
-    drawn = _drawn(scenario, terrain)
-    raised = raise_obstacles(near, Ground(terrain))
+    frame, ground, tables = scenario.frame, Ground(terrain), enumerate(scenario.obstacles)
+    drawn = tuple(table.build(table.name or f"{table.kind} {i}", frame, ground) for i, table in tables)
+    raised = raise_obstacles(near, ground)
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
     zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, UNLIMITED_HEIGHT))
@@ -333,11 +333,6 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
             hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
             place="terrain",
         )
-
-
-def _drawn(scenario: Site, terrain: Terrain) -> tuple[Obstacle, ...]:
-    frame, ground = scenario.frame, Ground(terrain)
-    return tuple(o.build(o.name or f"{o.kind} {i}", frame, ground) for i, o in enumerate(scenario.obstacles))
 
 
 def _up(scenario: Site, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:

@@ -188,7 +188,7 @@ class VehicleSection(Section):
         return copied
 
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
-        """Return the vehicle with this autopilot; parameters are converted or dropped."""
+        """Convert the parameters to this autopilot's, or drop them."""
         if autopilot is self.autopilot:
             return self
         parameters, words = translated(self.parameters, self.autopilot, autopilot)
