@@ -134,8 +134,7 @@ class Airspace:
         if not self.obstacles:
             return least
         spots = shapely.points(points[:, :2])
-        nearest = self._index.query_nearest(spots, all_matches=False)
-        for body, which in _grouped(nearest):
+        for body, which in _grouped(self._index.query_nearest(spots, all_matches=False)):
             least[which] = self.obstacles[body].distance(points[which])
         for body, which in _grouped(self._index.query(spots, "dwithin", np.maximum(least, 0.0))):
             least[which] = np.minimum(least[which], self.obstacles[body].distance(points[which]))
