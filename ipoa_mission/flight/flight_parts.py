@@ -57,11 +57,7 @@ def split_by_battery(mission: Mission, scenario: Scenario) -> tuple[Mission, ...
 
 
 def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
-    """Return the forecasts of the parts.
-
-    Raises:
-        BadInput, NotEnoughBattery, MissionError: as `split_by_battery`.
-    """
+    """Return the forecasts of the parts; raise errors as `split_by_battery`."""
     budget = budget_of(whole)
     if budget is None or budget.battery is None:
         words = "expected a battery, and an airframe or a learned vehicle, to split a mission"

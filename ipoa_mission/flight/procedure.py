@@ -49,8 +49,6 @@ def without_progress(stage: Stage) -> AbstractContextManager[Progress]:
 
 @dataclass(frozen=True)
 class ProcedureOptions:
-    """The options of `fly_mission`."""
-
     first: int = 0
     anyway: bool = False
     ignore: Iterable[str] = ()
@@ -151,9 +149,6 @@ def fly_mission(
         set_params: write differing parameters of the mission.
         stages: shows each stage's progress.
         remark: called with notes as they arise.
-
-    Returns:
-        The record of the flight.
 
     Raises:
         NotReady: it is armed already, has no position, or cannot be armed.
