@@ -126,16 +126,11 @@ def command() -> Any:
     return line
 
 
-def _take_shell(words: list[str]) -> None:
-    """Let `--show-completion fish` name the shell; without a name use the calling shell."""
-    for asked, shell in pairwise(words):
-        if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
-            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a name
-
-
 def main() -> None:
     output.replace_unencodable()
-    _take_shell(sys.argv[1:])
+    for asked, shell in pairwise(sys.argv[1:]):
+        if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
+            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a shell's name
     try:
         run_interruptible(lambda: command()(prog_name="ipoa-mission"))
     except MissionError as error:

@@ -149,8 +149,7 @@ def _no_mission(log: Path) -> str:
 
 
 def _useless(rows: list[_Row], log: Path) -> str:
-    flown = [row for row in rows if row.flight.in_mission]
-    if flown:
+    if any(row.flight.in_mission for row in rows):
         return _no_mission(log)
     return f"nothing in it was flown in {rows[0].flight.autopilot.firmware_name}'s mission mode"
 
@@ -254,7 +253,9 @@ def _print_compared(compared: "ComparedFlight", title: str) -> None:
         for leg in comparison.legs
     ]
     print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
-    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(compared)}")
+    flown = _seconds(comparison.flown_total_s)
+    how = f"{flown} s" if flown else f"not completed: {compared.record.why_not}"
+    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {how}")
     if math.isfinite(comparison.route_error):
         print_lines(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
     if compared.parameters:
@@ -277,11 +278,6 @@ def _cells(row: _Row) -> tuple[str, ...]:
 
 def _seconds(value: float) -> str:
     return f"{value:.1f}" if math.isfinite(value) else ""
-
-
-def _flown(compared: "ComparedFlight") -> str:
-    total = compared.comparison.flown_total_s
-    return f"{total:.1f} s" if math.isfinite(total) else f"not completed: {compared.record.why_not}"
 
 
 def _known(value: float) -> float | None:

@@ -82,8 +82,7 @@ def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
     for bar in bars:
         print_lines(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
     print_lines("", LEGEND)
-    unclear = [str(row) for row in rows if not row.clear]
-    print_lines(*(unclear or ["every contingency is clear"]))
+    print_lines(*([str(row) for row in rows if not row.clear] or ["every contingency is clear"]))
 
 
 def bar_of(rows: Sequence[ContingencyRow]) -> str:

@@ -57,12 +57,11 @@ def print_flown_json(flown: FlownJob, written: Sequence[Path], hint: str = "") -
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
-    lands = [round(share, 4) for share in now.lands]
     return {
         "time_s": round(now.time, 2),
         "left": now.left,
         "planned": round(now.planned, 4),
-        "lands_with": lands,
+        "lands_with": [round(share, 4) for share in now.lands],
         "reserve": now.reserve,
     }
 

@@ -121,8 +121,6 @@ class ContingencyOptions(WorldOptions):
 
 @dataclass
 class FileOutput:
-    """Files of a plan: their folder, with a report or not, and whether others may be overwritten."""
-
     folder: OutOption = Path()
     report: ReportOption = False
     force: ForceOption = False

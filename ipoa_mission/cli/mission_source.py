@@ -47,8 +47,6 @@ class Job:
 
 @dataclass(frozen=True)
 class FlownJob:
-    """A job as flown, remarks, and the flight."""
-
     job: Job
     remarks: tuple[str, ...]
     record: FlightRecord

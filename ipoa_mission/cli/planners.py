@@ -23,8 +23,6 @@ FlyJob: TypeAlias = "Callable[[Job, Path], FlownJob]"
 
 @dataclass(frozen=True)
 class PlanOptions:
-    """Options of `plan` and `fly`, also for a planner."""
-
     search: SearchOptions
     flown_by: FlownByOptions
     ignore: IgnoreOption = None
@@ -48,9 +46,7 @@ class Planner(Protocol):
     instead: ClassVar[str]  # the same, in words
     about: ClassVar[str]  # for the help of `plan`
 
-    def scenario(self, path: Path | None) -> "Scenario | None":
-        """Return the scenario of these options, or None."""
-
+    def scenario(self, path: Path | None) -> "Scenario | None": ...
     def accepts(self, scenario: "Scenario") -> bool: ...
     def plan(self, scenario: "Scenario", asked: PlanOptions) -> None: ...
     def fly(self, scenario: "Scenario", asked: FlyOptions, fly_job: FlyJob) -> None: ...
@@ -95,7 +91,6 @@ def grouped(verb: Callable[..., None]) -> Callable[..., None]:
 
 
 def _expanded(group: Any) -> Iterator[inspect.Parameter]:
-    """Yield the options of a group, and of the groups in it."""
     for parameter in inspect.signature(group).parameters.values():
         yield from _expanded(parameter.annotation) if is_dataclass(parameter.annotation) else (parameter,)
 

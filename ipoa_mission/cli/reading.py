@@ -1,4 +1,4 @@
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -41,7 +41,8 @@ def read_requested(
     if len(with_this_version) == 1:
         (otherwise,) = with_this_version
     read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
-    findings = read.findings if world is None else (*read.findings, *_two_readers(world))
+    maps = {} if world is None else {section.file: section for section in world.maps}
+    findings = (*read.findings, *(finding for section in maps.values() for finding in section.differences()))
     mission, remarks = read.mission, tuple(finding.message for finding in findings)
     remarks += taken_for(read)
     if flown_by.version is not None:
@@ -59,11 +60,6 @@ def read_requested(
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     remarks += flown_by.parameter_remarks
     return RequestedMission(mission.with_parameters(flown_by.parameters), findings, remarks, read.planned)
-
-
-def _two_readers(world: "Scenario") -> Iterator[Finding]:
-    for section in {each.file: each for each in world.maps}.values():
-        yield from section.differences()
 
 
 def taken_for(read: "MissionFile") -> tuple[str, ...]:

@@ -32,8 +32,6 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class RealVehicle:
-    """Flies missions on the vehicle of a link."""
-
     source: Path
     asked: FlyOptions
 
@@ -82,7 +80,6 @@ class RealVehicle:
 
 
 def _begun_at_item(job: Job, item: int) -> Job:
-    """Return the job from another item than the first."""
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
     if item == 1:
         return job
