@@ -205,7 +205,8 @@ def _begin(departure: Departure) -> Dialogue[None]:
     if departure.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
-            yield from until(lambda: _is_above(state, departure.climb - LIMITS.climbed_below), LIMITS.climb_s)
+            least = departure.climb - LIMITS.climbed_below
+            yield from until(lambda: state.position is not None and state.position.height > least, LIMITS.climb_s)
         state.current = None  # count only reports after the arming
         yield from until(lambda: state.current is not None, LIMITS.retry_s)
         expect_unchanged(departure.onboard_lists)
@@ -229,10 +230,6 @@ def _set_first(departure: Departure) -> Dialogue[None]:
 def _has_position(state: VehicleState) -> bool:
     at = state.position
     return at is not None and (at.latitude_deg, at.longitude_deg) != (0.0, 0.0)
-
-
-def _is_above(state: VehicleState, height: float) -> bool:
-    return state.position is not None and state.position.height > height
 
 
 def _order(action: str, number: int, *params: float) -> Dialogue[None]:

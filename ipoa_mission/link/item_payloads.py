@@ -108,8 +108,7 @@ def first_difference(
     is_same[payloads] = _same(packed[payloads], got)
     # ArduPilot's home is recognized by index 0
     compared = [n for n in range(len(sent)) if n == 0 or not is_same[n]]
-    others = as_items([stored[n] for n in compared])
-    difference = compare([sent[n] for n in compared], others, autopilot)
+    difference = compare([sent[n] for n in compared], as_items([stored[n] for n in compared]), autopilot)
     if difference is None or difference.seq is None:
         return difference
     first = first_number(sent, autopilot)

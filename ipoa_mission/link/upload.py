@@ -216,9 +216,8 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     try:
         stored = yield from observed(read_list(job.kind), reports.note)
     except (Cancelled, TimeUp, NoAnswer) as aborted:
-        words = f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(aborted)(
-            words,
+            f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent",
             hint="it was verified, but since then not confirmed, or another one was reported",
             list_on_vehicle="unknown",
         ) from None

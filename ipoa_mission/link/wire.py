@@ -22,8 +22,6 @@ GLOBAL_FRAMES = frozenset({*PLAIN_FRAME, *PLAIN_FRAME.values()})
 
 @dataclass(frozen=True)
 class MessageLayout:
-    """A message's name, and the conversions to and from its fields."""
-
     name: str
     kind: type[m.Message]
     write: Callable[[Any], Fields]
