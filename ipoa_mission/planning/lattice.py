@@ -161,8 +161,7 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
 
 def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
     """Return up to `most` distinct routes (k, 3), cheapest first; thin obstacles are missed without `looking`."""
-    stops = problem.task.places
-    legs = [_leg_routes(lattice, problem, ends, most, looking) for ends in pairwise(stops)]
+    legs = [_leg_routes(lattice, problem, ends, most, looking) for ends in pairwise(problem.task.places)]
     if not all(legs):
         return []
     cheapest = [leg[0] for leg in legs]
@@ -288,7 +287,9 @@ def _leg_routes(
     for node in [target, *_passages(through, there, lattice)]:
         way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
         points = np.vstack([start, lattice.places[way], goal])
-        course = _even(points)
+        traveled = arc_lengths(points)
+        even_lengths = np.linspace(0, traveled[-1], 24)
+        course = np.column_stack([np.interp(even_lengths, traveled, points[:, k]) for k in range(3)])
         if all(np.linalg.norm(course - other, axis=1).max() > 4 * lattice.spacing[0] for other in even):
             routes.append(points)
             even.append(course)
@@ -328,11 +329,6 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
     while before[way[-1]] >= 0:
         way.append(int(before[way[-1]]))
     return way
-
-
-def _even(points: Points) -> Points:
-    traveled = arc_lengths(points)
-    return np.column_stack([np.interp(np.linspace(0, traveled[-1], 24), traveled, points[:, k]) for k in range(3)])
 
 
 def _turns(way: Points, tolerance: float) -> int:

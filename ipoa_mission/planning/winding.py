@@ -76,8 +76,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
     """
     lifted, rules, longest = way.copy(), problem.rules, 0.0
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
-    stops = [0, *corners(way, problem.task.places[1:-1]), len(way) - 1]
-    for first, last in pairwise(stops):
+    for first, last in pairwise([0, *corners(way, problem.task.places[1:-1]), len(way) - 1]):
         along, height = traveled[first : last + 1] - traveled[first], way[first : last + 1, 2]
         climb, descent = LOOPS.lift_slope_share * rules.climb * along, LOOPS.lift_slope_share * rules.descent * along
         after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
@@ -104,8 +103,7 @@ def _without_detours(way: Points, problem: PreparedProblem) -> Points:
 
 
 def _runs(way: Points) -> list[tuple[int, int]]:
-    step = np.diff(way[:, 2])
-    up = np.sign(step)
+    up = np.sign(np.diff(way[:, 2]))
     for i in range(1, len(up)):
         up[i] = up[i] or up[i - 1]
     edges = [0, *(np.nonzero(up[:-1] * up[1:] < 0)[0] + 1).tolist(), len(up)]
@@ -149,8 +147,7 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedPr
     around = np.empty((len(shapes), LOOPS.levels, shapes.shape[1], 3))
     around[..., :2] = spots[:, None, :2] + shapes[:, None]
     around[..., 2] = spots[:, None, 2]
-    slack = problem.survey(around.reshape(-1, 3))[0]
-    return np.asarray(slack.reshape(len(shapes), -1).min(axis=1))
+    return np.asarray(problem.survey(around.reshape(-1, 3))[0].reshape(len(shapes), -1).min(axis=1))
 
 
 def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np.float64]:

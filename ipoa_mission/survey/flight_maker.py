@@ -131,7 +131,6 @@ def _joined_by_start(task: SurveyTask, starts: Points) -> Tour:
 
 
 def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, tuple[Sortie, ...]]:
-    """Return the best tour, and its flights."""
     section = make.task.section
     if section.starts is not None:
         return _from_starts(tours, make, np.array(section.starts))
@@ -156,7 +155,6 @@ def split_into_flights(tours: Sequence[Tour], make: FlightMaker) -> tuple[Tour, 
 
 
 def _lines_of_one_flight(tour: Tour, make: FlightMaker) -> float:
-    """Estimate how many lines one battery flies."""
     if make.task.scenario.vehicle.battery is None or len(tour.swaths) == 1:
         return make.max_lines
     try:

@@ -27,8 +27,7 @@ class FreeSpace:
     @classmethod
     def of(cls, shape: Any) -> "FreeSpace":
         inner = shape.buffer(-INSET, join_style="mitre")
-        rings = _rings(shape)
-        edges = [np.column_stack([ring[:-1], ring[1:]]) for ring in rings]
+        edges = [np.column_stack([ring[:-1], ring[1:]]) for ring in _rings(shape)]
         bends = np.concatenate([np.empty((0, 6)), *map(_bends, _rings(inner))])
         return cls(
             shape,

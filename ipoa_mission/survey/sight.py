@@ -105,8 +105,7 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
 def _is_level(area: Area, scenario: Scenario) -> bool:
     west, south, east, north = shapely.bounds(area.shape).tolist()
     grid = np.meshgrid(np.linspace(west, east, num=40), np.linspace(south, north, num=40))
-    ground = scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))
-    return bool(np.ptp(ground) < 0.05)  # [m]
+    return bool(np.ptp(scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))) < 0.05)  # [m]
 
 
 def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:

@@ -87,10 +87,6 @@ class Survey:
             *(f"hint: {words}" for words in (*hints, *_more_flights(self.plan))),
         )
 
-    def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
-        of_flights, own = {*_messages_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
-        return (*own, *(words for words in self.notes if words not in of_flights))
-
     @property
     def total_s(self) -> float:
         return sum(forecast.estimate.total_s for forecast in self.flights)
@@ -143,9 +139,11 @@ class Survey:
         if len(self.flights) > 1:
             pages.append(Path(folder) / f"{self.name}.html")
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
+        of_flights = {*_messages_of_flights(self.plan, _repairs)}
+        of_all = [words for words in self.notes if words not in of_flights]
         for name, flight in zip(self.names, self.plan.flights, strict=True):
             pages.append(Path(folder) / f"{name}.html")
-            notes = PageNotes(flight.findings, self._notes_of(flight), panel)
+            notes = PageNotes(flight.findings, (*_repairs(flight), *of_all), panel)
             write_atomically(pages[-1], report_html(flight.forecast, notes))
         return tuple(pages)
 
@@ -245,7 +243,6 @@ def plan_survey(
 
 
 def _rest(whole: SurveyPlan, scenario: Scenario, flown: Sequence[Flown], seed: int) -> tuple[SurveyPlan, list[str]]:
-    """Return the plan of what logs left, and remarks."""
     from ipoa_mission import read_flights  # imports all of the link
 
     pairs = [log if isinstance(log, tuple) else (log, None) for log in flown]
