@@ -90,8 +90,7 @@ class ConformanceMonitor:
         self._detour: Points | None = None
 
     def local(self, at: Geodetic, height: float) -> Vector:
-        home = self._forecast.mission.home
-        up = home.altitude + height if self._counts_from_home else at.altitude
+        up = self._forecast.mission.home.altitude + height if self._counts_from_home else at.altitude
         return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:

@@ -58,8 +58,7 @@ def rings_in(polygon: Any) -> Iterator[tuple[Path, Any]]:
     for n, part in enumerate(polygon if depth > 2 else ()):
         if depth == 3:
             yield ("survey", "polygon", n), part
-        for m, ring in enumerate(part if depth == 4 else ()):
-            yield ("survey", "polygon", n, m), ring
+        yield from ((("survey", "polygon", n, m), ring) for m, ring in enumerate(part if depth == 4 else ()))
 
 
 def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: LocalFrame) -> None:

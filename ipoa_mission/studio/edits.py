@@ -238,7 +238,7 @@ def _moved(thing: Placed, place: LngLat) -> Placed:
 
 
 def _with_value(item: Item, change: PutItem, mission: Mission) -> Item:
-    """Return the item with one value changed; a change of frame keeps its height if known."""
+    """Keep the height, if known, when the frame changes."""
     value = math.nan if change.value is None else change.value
     if change.what in ("command", "frame"):
         if not (value.is_integer() and 0 <= value <= 65535):

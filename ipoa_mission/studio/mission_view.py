@@ -111,14 +111,13 @@ def mission_answer(
 def _item(seq: int, item: Item, mission: Mission, part: range | None) -> MissionItem:
     placed = item.command in mission.autopilot.firmware(mission.firmware_version).placed
     on_it = placed and (item.latitude_deg, item.longitude_deg) != (0.0, 0.0)
-    place = (round(item.longitude_deg, 7), round(item.latitude_deg, 7)) if on_it else None
     return MissionItem(
         seq=seq,
         command=item.command,
         words=item_words(item),
         frame=item.frame,
         values=tuple(map(_known, values_of(item))),
-        place=place,
+        place=(round(item.longitude_deg, 7), round(item.latitude_deg, 7)) if on_it else None,
         up=_known(mission.altitude_above_home(item)) if placed else None,
         part_of=None if part is None else (part.start, part.stop - 1),
     )

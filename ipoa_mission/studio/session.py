@@ -281,7 +281,7 @@ class Session:
     async def _ask(
         self, process: Process, order: dict[str, Any], send: Callable[[dict[str, Any]], None] | None = None
     ) -> bool:
-        """Have a worker do a job and send its answers; return whether there was no error."""
+        """Return whether the answers had no error."""
         document, kinds = self.document, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:

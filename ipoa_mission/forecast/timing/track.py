@@ -117,8 +117,7 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     mean = np.full(smoothed, 1 / smoothed)
     speeds = [np.gradient(axis, step_s) for axis in level.T]
     gains = [np.convolve(np.gradient(speed, step_s), mean, "same") for speed in speeds]
-    cross = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0])
-    across = cross / np.maximum(np.hypot(*speeds), 0.5)
+    across = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0]) / np.maximum(np.hypot(*speeds), 0.5)
     return times, _greatest_near(across, round(reach_s / step_s))
 
 
