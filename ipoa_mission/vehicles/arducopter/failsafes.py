@@ -140,7 +140,7 @@ def _of_battery(rule: FailsafeRule, battery: str) -> FailsafeRule:
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
-    """Return the failsafe of a rule, with FS_OPTIONS: bit 0 and 1 continue a mission, bit 3 a landing."""
+    """Apply FS_OPTIONS: bit 0 and 1 continue a mission, bit 3 a landing."""
     action = _with_a_path(rule, rule.action(parameters, series), parameters)
     landing, continues = action, replace(GOES_ON, words="by FS_OPTIONS")
     if action.contingency is not Contingency.CONTINUE and rule.cause != Cause.BY_HAND:

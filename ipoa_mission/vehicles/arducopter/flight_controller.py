@@ -71,7 +71,6 @@ class ArduCopterController:
         return return_home(self._copter, self._now.goal_of_return(self._copter.place, self._parameters))
 
     def climb(self, height: float) -> None:
-        """Take off in GUIDED to a height above home [m]."""
         self._take_off(height, self._stay)
 
     @property

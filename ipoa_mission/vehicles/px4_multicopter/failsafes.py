@@ -98,7 +98,7 @@ def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
-    """Return the failsafe of a rule; exceptions continue a mission (bit 0) or, since 1.18, a return (bit 1)."""
+    """Apply exceptions: they continue a mission (bit 0) or, since 1.18, a return (bit 1)."""
     action = _delayed(rule, rule.action(parameters, series), parameters)
     if rule.parameter == "NAV_RCL_ACT" and parameters.get("COM_RC_IN_MODE") == 4.0:  # no radio control
         action = replace(GOES_ON, words="not checked: COM_RC_IN_MODE is 4")

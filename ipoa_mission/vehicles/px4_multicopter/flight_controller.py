@@ -62,14 +62,12 @@ class Px4Controller:
         self._begin_behind(self._now.current - 1)
 
     def climb(self, height: float) -> None:
-        """Climb to a height above home [m], and stay."""
         here, limits = self._over_home(), self._limits
         top = self._here = here._replace(up=height)
         rise = take_off(top, limits) if self._now.landed else leg(here, top, None, limits, limits.cruise)
         self._carry_out([rise, *stay(top, limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly to a place and stay; NaN: last place, present height, usual speed."""
         if math.isnan(east) and math.isnan(up):
             self._brake()
             return

@@ -265,7 +265,8 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
                 since, before = first_seen.get(seq, (time, item))
                 first_seen[seq] = since, _joined(before, item)
         for seq, (time, item) in first_seen.items():
-            total = _total(result, time)
+            at = int(np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right"))
+            total = int(result["seq_total"][min(max(at, 0), len(result["seq_total"]) - 1)])
             if seq < total:
                 yield time, Begun(seq, total, item)
 
@@ -287,11 +288,6 @@ def _item(topic: Any, n: int) -> Item:
         return Item(command, Frame.MISSION, (hold, radius, third, math.nan))
     frame = Frame.GLOBAL_RELATIVE_ALT if topic["altitude_is_relative"][n] else Frame.GLOBAL
     return Item(command, frame, (hold, radius, third, math.degrees(yaw)), latitude, longitude, altitude)
-
-
-def _total(result: Any, time: float) -> int:
-    at = np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right")
-    return int(result["seq_total"][min(max(int(at), 0), len(result["seq_total"]) - 1)])
 
 
 FORMAT = LogFormat(".ulg", read_ulog, "PX4 logs only the items that the flight reached, and these are not all")
