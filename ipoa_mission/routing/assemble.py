@@ -14,7 +14,7 @@ from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
 
-HALVINGS = 6  # before a mode gives up
+HALVINGS = 5  # before a mode gives up
 NARROW = 2  # halvings
 TURNED_LATE = 2.5  # acceptance radius of PX4 in slower flight [m]
 
@@ -47,34 +47,39 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the route of one mode that keeps the required clearance.
 
     Raises:
-        NoRoute: no tried route does; `tried` holds the widest and a narrow one.
+        NoRoute: no tried route does.
     """
-    if mode == "fastest":
-        return fastest_route(plan, scenario) or choose_route(plan, scenario, "corridor")
-    choose, width = _chooser(plan, scenario, mode)
-    tried = list[Attempt]()
-    for _ in range(HALVINGS):
-        tried.append(attempt := choose(width))
-        if attempt.proof.is_proved and attempt.quick_prediction.keeps_limits:
-            return attempt
-        width /= 2
+    attempt = narrowed_route(plan, scenario, mode)
+    if _keeps_limits(attempt):
+        return attempt
     proof = attempt.proof
     why = "flights would come too close too often" if proof.is_proved else proof.words()
     hint = "plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing"
-    refused = NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
-    refused.tried = tried[0].route, tried[NARROW].route
-    raise refused
+    raise NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
 
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """Return the best quick route, or the best of all if it lacks less than `promising` [m]."""
+    """Return the best route of the scenario's mode, or a quick try if that lacks more than `promising` [m]."""
     quick = _first_guaranteed(_near_routes(plan, scenario))
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
-    whole = _first_guaranteed(_routes(plan, scenario))
+    whole = narrowed_route(plan, scenario, scenario.route.mode)
     if whole.rivals and not whole.is_acceptable:
         return next((rival for rival in whole.rivals if rival.is_acceptable), whole)
     return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
+
+
+def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
+    """Return the widest route of a mode that keeps the limits, or the narrowest."""
+    if mode == "fastest":
+        return fastest_route(plan, scenario)
+    choose, width = _chooser(plan, scenario, mode)
+    attempts = (choose(width / 2**halvings) for halvings in range(HALVINGS))
+    return next(filter(_keeps_limits, attempts), None) or choose(width / 2**HALVINGS)
+
+
+def _keeps_limits(attempt: Attempt) -> bool:
+    return attempt.proof.is_proved and attempt.quick_prediction.keeps_limits
 
 
 def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
@@ -86,30 +91,16 @@ def _first_guaranteed(attempts: Iterable[Attempt]) -> Attempt:
     return max(seen, key=lambda attempt: attempt.slack)
 
 
-def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    """Yield the scenario's mode, then other modes."""
-    modes = [scenario.route.mode]
-    if modes == ["fastest"]:
-        modes += ["corridor", "even"]
-    while modes:
-        mode = modes.pop(0)
-        try:
-            yield choose_route(plan, scenario, mode)
-        except NoRoute as error:
-            yield from (Attempt(plan, route, scenario) for route in error.tried)
-            if mode == "fastest":
-                modes.remove("corridor")  # the fallback of `fastest`
-
-
-def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
+def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
+    """Yield quick tries, the widest first."""
     mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
-    wide, narrow = choose(width), choose(width / 2**NARROW)
-    if mode != "fastest":
-        return wide, narrow
-    takes_radius = scenario.vehicle.autopilot.guidance.takes_radius
-    late = (replace(narrow, route=replace(narrow.route, radius=TURNED_LATE)),) if takes_radius else ()
-    return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
+    yield choose(width)
+    yield (narrow := choose(width / 2**NARROW))
+    if mode == "fastest":
+        if scenario.vehicle.autopilot.guidance.takes_radius:
+            yield replace(narrow, route=replace(narrow.route, radius=TURNED_LATE))
+        yield choose(width / 2 ** (2 * NARROW))
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
@@ -123,7 +114,7 @@ def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float
     via = scenario.via_points
 
     def choose(width: float) -> Attempt:
-        points = corridor(plan.curve, width, via=via) if mode == "corridor" else every(plan.curve, width, via)
+        points = corridor(plan.curve, width, via=via)[0] if mode == "corridor" else every(plan.curve, width, via)
         return Attempt(plan, Route(push_clear(points, scenario), spline=mode == "spline"), scenario)
 
     return choose, scenario.route.tolerance if mode == "corridor" else scenario.route.spacing

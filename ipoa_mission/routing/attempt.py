@@ -17,7 +17,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
 from ipoa_mission.routing.planned_returns import choose_returns
-from ipoa_mission.routing.resample import lateral_deviation
+from ipoa_mission.routing.resample import strays
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
@@ -96,6 +96,15 @@ class Attempt:
         return prove(points, self.scenario, stray, spare=0.0)
 
     @cached_property
+    def is_fit(self) -> bool:
+        """Return whether the quick prediction keeps near the curve, and all limits."""
+        quick = self.quick_prediction
+        most_overrun = 0.5  # beyond the goal [m]
+        if quick.overrun > most_overrun or strays(quick.path, self.plan.curve, self.scenario.route.tolerance):
+            return False
+        return self.proof.is_proved and quick.keeps_limits
+
+    @cached_property
     def prediction(self) -> "RoutePrediction":
         return _predict(self, self.draft, noise_free=False)
 
@@ -111,6 +120,7 @@ class RoutePrediction:
     """The flight of an attempt by the time model, from over the start to the last waypoint.
 
     It ends where the vehicle could stop, `overrun` [m] beyond the goal. `late`: 90 % quantile of the duration [s].
+    `reached`: times of the waypoints (k,) [s].
     """
 
     attempt: Attempt
@@ -119,14 +129,11 @@ class RoutePrediction:
     overrun: float
     late: float
     missed: float
+    reached: Vector
 
     @cached_property
     def path(self) -> Points:
         return thinned(self.track.points)
-
-    @cached_property
-    def deviation(self) -> float:
-        return lateral_deviation(self.path, self.attempt.plan.curve)
 
     @property
     def slack(self) -> float:
@@ -141,7 +148,7 @@ class RoutePrediction:
 
 def _predict(attempt: Attempt, forecast: Forecast, noise_free: bool) -> RoutePrediction:
     prediction, mission = forecast.predicted(noise_free, fast=True), forecast.mission_as_read
-    first, *_, last = items_of_waypoints(attempt.route)
+    first, *_, last = items = list(items_of_waypoints(attempt.route))
     begin, end = float(prediction.done[first]), float(prediction.done[last])
     track = prediction.track.local()
     during = track.between(begin, end)
@@ -153,7 +160,8 @@ def _predict(attempt: Attempt, forecast: Forecast, noise_free: bool) -> RoutePre
     braking = 2 * float(np.linalg.norm(stand - path[-1])) / max(speed, 1e-3)
     until = Track(np.append(times, times[-1] + braking), np.vstack([path, stand]), np.append(during.speeds, 0.0))
     missed = sum(risk.share for risk in prediction.missed[first + 1 : last + 1])
-    return RoutePrediction(attempt, end - begin, until, overrun, float(prediction.high[last]) - begin, missed)
+    late = float(prediction.high[last]) - begin
+    return RoutePrediction(attempt, end - begin, until, overrun, late, missed, prediction.done[items])
 
 
 def _motion(track: Track, end: float) -> Vector:

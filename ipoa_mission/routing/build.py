@@ -106,7 +106,8 @@ def _waypoint_of(route: Route, n: int, at: tuple[Geodetic, float], usual: Waypoi
             return waypoint(place, height, 1.0, usual.radius)
         return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
-    return waypoint(place, height, usual.hold, usual.radius if via.any() or route.radius == 0.0 else route.radius)
+    radius = float(np.broadcast_to(route.radius, len(route.points))[n])
+    return waypoint(place, height, usual.hold, usual.radius if via.any() or radius == 0.0 else radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

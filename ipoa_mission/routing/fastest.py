@@ -7,16 +7,13 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from ipoa_mission.forecast.deviation.kept_limits import clearance_task
-from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.timing.estimate import kinematics
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import VISITED
-from ipoa_mission.routing.obstacle_growth import GROWTH_FACTOR, GROWTH_MARGIN, initial_growth
+from ipoa_mission.routing.composed import composed_route
 from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, lefts, stations, through
 from ipoa_mission.routing.route import Route, push_clear
 from ipoa_mission.scenario import Scenario
@@ -97,7 +94,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
         width = share * scenario.route.tolerance
         beside = (-GRID.aside_share * width, 0.0, GRID.aside_share * width)
         for asides in (beside, ON_THE_CURVE) if share == 1.0 else (beside,):
-            points = corridor(curve, width, asides, scenario.via_points)
+            points = corridor(curve, width, asides, scenario.via_points)[0]
             if points.tobytes() in drawn:
                 continue
             drawn.add(points.tobytes())
@@ -139,30 +136,24 @@ class RouteSearch:
     least_gain_s: float = 0.1
     equal_share: float = 0.005  # of the time, of equally quick routes
     most_delayed: float = 1.02  # of the time without noise, of a route that noise may make the quickest
-    most_overrun: float = 0.5  # [m]
-    tight_places: float = 0.5  # if no route fits without margins
-    repaired_routes: int = 6
-    repairs: int = 3
-    least_repairable: float = -0.6  # slack [m]
 
 
 SEARCH = RouteSearch()
 
 
-def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
+def fastest_route(plan: Plan, scenario: Scenario) -> Attempt:
     """Return the quickest route within `route.tolerance` and every limit.
 
     Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
-    too_near = list[Attempt]()
-    quickest = (
-        _quickest(drawn, scenario, too_near)
-        or _quickest(drawn, with_margins(clearance_task(scenario), SEARCH.tight_places), too_near)
-        or _repaired(too_near)
-    )
-    if not quickest:
-        return None
+    quickest = _quickest(drawn, scenario)
+    most = SEARCH.most_behind * min(attempt.quick_prediction.seconds for attempt in drawn)
+    if not quickest or quickest[0].quick_prediction.seconds > most:
+        composed = composed_route(plan, scenario)
+        if not composed.is_fit and not quickest:
+            return composed
+        quickest += [composed] if composed.is_fit else []
     improved = sorted(
         dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.quick_prediction.seconds
     )
@@ -182,11 +173,8 @@ def _best_of_equal(attempts: list[Attempt]) -> Attempt:
     return equal[min(ranks)[-1]]
 
 
-def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt]) -> list[Attempt]:
-    """Return the quickest valid routes with different numbers of waypoints, few of them moved.
-
-    Adds routes that only come too near to `too_near`.
-    """
+def _quickest(drawn: list[Attempt], scenario: Scenario) -> list[Attempt]:
+    """Return the quickest valid routes with different numbers of waypoints, few of them moved."""
     waiting = [(attempt.quick_prediction.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
     cleared, fit = dict[bytes, Points](), dict[tuple[int, bool], Attempt]()
@@ -199,63 +187,20 @@ def _quickest(drawn: list[Attempt], enlarged: PathTask, too_near: list[Attempt])
         if kind in fit:
             continue
         if is_clear:
-            if not _is_near_curve(attempt):
-                continue
-            if attempt.quick_prediction.keeps_limits:
+            if attempt.is_fit:
                 fit[kind] = attempt
-            else:
-                too_near.append(attempt)
             continue
         if place not in cleared:
-            cleared[place] = push_clear(points, enlarged)
+            cleared[place] = push_clear(points, scenario)
         if leg_lengths(cleared[place]).min() >= NEAREST:
             clear = attempt if (cleared[place] == points).all() else attempt.along(cleared[place])
             heappush(waiting, (clear.quick_prediction.seconds, n, True, clear))
     return list(fit.values())
 
 
-def _repaired(too_near: list[Attempt]) -> list[Attempt]:
-    """Return an almost clear route, moved until its flights keep the limits."""
-    for attempt in sorted(too_near, key=lambda attempt: attempt.quick_prediction.seconds)[-SEARCH.repaired_routes :]:
-        growth = initial_growth(attempt.scenario)
-        for _ in range(SEARCH.repairs):
-            if attempt.slack < SEARCH.least_repairable:
-                break
-            growth = growth.more(attempt, attempt.scenario)
-            shifted = _at_kept_height(attempt)
-            points = push_clear(shifted, growth.enlarge(attempt.scenario, attempt.scenario, gaps=True))
-            if leg_lengths(points).min() < NEAREST or (points == attempt.route.points).all():
-                break
-            attempt = attempt.along(points)
-            if _is_fit(attempt):
-                return [attempt]
-    return []
-
-
-def _at_kept_height(attempt: Attempt) -> Points:
-    """Return the waypoints, moved vertically if a limit of height is broken."""
-    points, broken = attempt.route.points.copy(), attempt.guarantee.forbidding
-    up = max((-kept.slack for kept in broken if kept.limit == "ground"), default=0.0)
-    down = max((-kept.slack for kept in broken if kept.limit == "ceiling" or kept.to == "the upper bound"), default=0.0)
-    shift = up - down
-    points[_free(points, attempt.scenario.via_points), 2] += shift * GROWTH_FACTOR + np.sign(shift) * GROWTH_MARGIN
-    return points
-
-
-def _is_fit(attempt: Attempt) -> bool:
-    return _is_near_curve(attempt) and attempt.quick_prediction.keeps_limits
-
-
-def _is_near_curve(attempt: Attempt) -> bool:
-    prediction = attempt.quick_prediction
-    return (
-        prediction.overrun <= SEARCH.most_overrun
-        and prediction.deviation <= attempt.scenario.route.tolerance
-        and attempt.proof.is_proved
-    )
-
-
 def _improve(attempt: Attempt) -> Attempt:
+    if np.ndim(attempt.route.radius):
+        return attempt
     scenario, tried = attempt.scenario, set[bytes]()
     trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:
@@ -264,8 +209,9 @@ def _improve(attempt: Attempt) -> Attempt:
         while len(tried) < trials and in_vain < min(SEARCH.patience, len(changes)):
             candidate = attempt.along(changes[at % len(changes)])
             tried.add(candidate.route.points.tobytes())
-            if candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.least_gain_s and _is_fit(
-                candidate
+            if (
+                candidate.quick_prediction.seconds < attempt.quick_prediction.seconds - SEARCH.least_gain_s
+                and candidate.is_fit
             ):
                 attempt, in_vain = candidate, 0
                 changes = [*_changes(attempt.route.points, step, scenario.via_points, tried)]

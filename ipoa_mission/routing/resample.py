@@ -4,9 +4,12 @@ import math
 from functools import lru_cache
 
 import numpy as np
+import shapely
+from numpy.typing import NDArray
 
 from ipoa_mission.forecast.timing.cubic import values as cubic_values
-from ipoa_mission.geometry import Points, arc_lengths
+from ipoa_mission.forecast.timing.track import thinned
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
 SAMPLES = 240  # of corridor waypoints
@@ -33,15 +36,17 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
 
 def corridor(
     curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE, via: Points = NO_PLACES
-) -> Points:
-    """Return the fewest waypoints (k, 3) whose straight legs stay within `tolerance` [m] of the curve.
+) -> tuple[Points, Vector]:
+    """Return the fewest waypoints (k, 3) with legs within `tolerance` [m] of the curve, and their stations (k,).
 
     They are offset by `asides` [m, to the left]. A shortest path over all pairs (Imai and Iri 1986), with the least sum
     of squared deviations.
     """
     from ipoa_mission.routing._corridor import fewest_legs
 
-    samples, stops = through(_spots(curve, tolerance, SAMPLES // len(asides)), via)
+    samples = _spots(curve, tolerance, SAMPLES // len(asides))
+    traveled = arc_lengths(samples)
+    samples, stops = through(samples, via)
     spots = samples[:, None, :] + np.asarray(asides)[:, None] * lefts(samples)[:, None, :]  # (n, sides, 3)
     spots[[0, *stops, -1]] = samples[[0, *stops, -1], None, :]
     n = len(samples)
@@ -50,7 +55,8 @@ def corridor(
     chosen = [(n - 1, 0)]
     while chosen[-1][0] > 0:
         chosen.append(tuple(before[chosen[-1]].tolist()))
-    return np.array([spots[spot] for spot in reversed(chosen)])
+    chosen.reverse()
+    return np.array([spots[spot] for spot in chosen]), traveled[[n for n, _ in chosen]]
 
 
 def _spots(curve: Spline, tolerance: float, most: int) -> Points:
@@ -60,14 +66,19 @@ def _spots(curve: Spline, tolerance: float, most: int) -> Points:
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
 
 
-def lateral_deviation(path: Points, curve: Spline) -> float:
-    """Return the symmetric Hausdorff distance of straight legs and a curve, seen from above [m]."""
-    from ipoa_mission.routing._corridor import farthest
+def strays(path: Points, curve: Spline, most: float) -> bool:
+    """Return whether path (n, 3) and curve are anywhere farther than `most` [m] apart, seen from above."""
+    steps = shapely.get_coordinates(shapely.segmentize(shapely.LineString(path[:, :2]), COMPARING_STEP))
+    samples, line = curve_samples(curve)
+    return bool(is_far(steps, line, most).any() or is_far(samples, path, most).any())
 
-    steps, samples = (points * (1.0, 1.0, 0.0) for points in (_steps(path), _dense(curve)))
-    spacing = curve.length / (len(samples) - 1)
-    away = max(farthest(steps, samples), farthest(samples, steps))
-    return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))
+
+def is_far(points: Points, line: Points, most: float) -> NDArray[np.bool_]:
+    """Return which points (n, 2 or 3) are farther than `most` [m] from a line (k, 2 or 3), seen from above."""
+    legs = shapely.linestrings(np.stack([line[:-1, :2], line[1:, :2]], axis=1))
+    far = np.ones(len(points), dtype=bool)
+    far[shapely.STRtree(legs).query(shapely.points(points[:, :2]), "dwithin", most)[0]] = False
+    return far
 
 
 def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
@@ -81,15 +92,11 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
     return samples, stops
 
 
-def _steps(path: Points) -> Points:
-    traveled = arc_lengths(path)
-    stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / COMPARING_STEP) + 1))
-    return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
-
-
 @lru_cache(maxsize=8)
-def _dense(curve: Spline) -> Points:
-    return curve.sample(int(np.clip(curve.length / COMPARING_STEP, 200, 2000)))
+def curve_samples(curve: Spline) -> tuple[Points, Points]:
+    """Return places on a curve (n, 3), and a thinner line along it."""
+    samples = curve.sample(2 + int(curve.length / COMPARING_STEP))
+    return samples, thinned(samples)
 
 
 def lefts(samples: Points) -> Points:

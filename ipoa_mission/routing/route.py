@@ -16,9 +16,7 @@ SLOPE_STEP = 1e-3  # [m]
 
 
 class NoRoute(MissionError):
-    """No choice of waypoints keeps the required clearance; `tried` are some."""
-
-    tried: "tuple[Route, ...]" = ()
+    """No choice of waypoints keeps the required clearance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,13 +24,14 @@ class Route:
     """Waypoints (k, 3), flown in straight legs, or with `spline` in one curve (ArduPilot).
 
     A spline ends in a straight leg, or with `brakes_on_curve` in a curve of `braking_length`. `radius` is PX4's
-    acceptance radius [m]; 0: its parameter. The `slow` legs, from 0, are flown at `slow_speed` [m/s].
+    acceptance radius [m] of all waypoints, or of each (k,); 0: its parameter. The `slow` legs, from 0, are flown at
+    `slow_speed` [m/s].
     """
 
     points: Points
     spline: bool = False
     brakes_on_curve: bool = False
-    radius: float = 0.0
+    radius: Vector | float = 0.0
     slow: frozenset[int] = frozenset()
     slow_speed: float = 0.0
     slow_reason: str = ""
@@ -52,9 +51,7 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
     Each breach pushes the ends of its leg by the missing distance, weighted by nearness.
     """
     moved = waypoints.copy()
-    if not _broken(moved, task):
-        return moved
-    moved_legs = set(range(len(moved) - 1))  # since their last proof
+    moved_legs = set(_broken_legs(moved, task))  # since their last proof
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
             if leg not in moved_legs:
@@ -69,6 +66,15 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
         if not moved_legs:
             break
     return moved
+
+
+def _broken_legs(waypoints: Points, task: PathTask, first: int = 0) -> list[int]:
+    if not _broken(waypoints, task):
+        return []
+    if len(waypoints) == 2:
+        return [first]
+    middle = len(waypoints) // 2
+    return _broken_legs(waypoints[: middle + 1], task, first) + _broken_legs(waypoints[middle:], task, first + middle)
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:

@@ -18,7 +18,7 @@ from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, closure
 from ipoa_mission.planning.planner import move_aside, plan_path
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import best_route, expect_mode
+from ipoa_mission.routing.assemble import best_route, expect_mode, narrowed_route
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.obstacle_growth import ObstacleGrowth, approximation_growth, initial_growth
@@ -243,8 +243,10 @@ def _move_until_safe(plan: Plan, margins: _Margins, scenario: Scenario) -> tuple
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        promising = max(EFFORT.hopeless_slack, best.slack + EFFORT.least_gain)
-        latest = best_route(replace(latest.plan, curve=moved), scenario, promising)
+        latest = best_route(replace(latest.plan, curve=moved), scenario, EFFORT.hopeless_slack)
         in_vain = 0 if latest.slack > best.slack + EFFORT.least_gain else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
+    if not best.is_guaranteed and best.slack >= EFFORT.hopeless_slack and scenario.route.mode == "fastest":
+        slow = (narrowed_route(best.plan, scenario, mode) for mode in ("corridor", "even"))
+        best = next((attempt for attempt in slow if attempt.is_guaranteed), best)
     return best, best.quick_prediction.seconds / first.quick_prediction.seconds

@@ -127,7 +127,7 @@ def _clear_transit(begin: Vector, end: Vector, scenario: Scenario, growth: Mappi
             return around
     curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
     for _ in range(5):
-        points = push_clear(corridor(curve, width), task)
+        points = push_clear(corridor(curve, width)[0], task)
         if (proof := prove(points, task, spare=0.0)).is_proved:
             return points
         width /= 2

@@ -21,6 +21,7 @@ from ipoa_mission.planning.proof import prove, prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.assemble import choose_route
 from ipoa_mission.routing.build import build_mission, draft_mission
+from ipoa_mission.routing.resample import strays
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_built_in as fly_here
@@ -82,7 +83,7 @@ def test_fastest_mode_is_listed_first_and_no_slower_than_flown(autopilot: Autopi
     assert 1.0 <= flown.seconds / least_time(curve.sample(500), limits).seconds <= RATIO[autopilot]
     assert chosen["even"].prediction.seconds > 1.5 * flown.seconds  # dense straight waypoints make the vehicle crawl
     assert flown.seconds <= BEST_FLOWN[autopilot]
-    assert flown.deviation <= WITHIN
+    assert not strays(flown.path, curve, WITHIN)
     assert flown.keeps_limits
     assert prove(chosen["fastest"].route.points, scenario).is_proved
 
@@ -109,7 +110,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
     required = scenario.vehicle.radius + scenario.safety_distance
     legs = np.linspace(flown.path[:-1], flown.path[1:], 8).reshape(-1, 3)[:, None, :2]
     assert np.linalg.norm(legs - centers[None], axis=2).min() - 2.0 > required - 0.05
-    assert flown.deviation <= WITHIN
+    assert not strays(flown.path, curve, WITHIN)
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))

@@ -125,8 +125,13 @@ def deviation_bound_holds(flown: Pieces, task: ClearanceTask) -> bool:
             pairs = proximity_risks(flown, airspace, law, required)
             if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
-    path = thinned(flown.points)
-    return not any(_breaks(check) for check in limits_kept(path, task.path, _bound(law, chance)))
+    return not broken_limits(flown.points, task)
+
+
+def broken_limits(path: Points, task: ClearanceTask) -> list[Check]:
+    """Return the limits of height and place that flights along the path (n, 3) break, each at its worst place."""
+    checks = limits_kept(thinned(path), task.path, _bound(task.law, task.chance))
+    return [check for check in checks if _breaks(check)]
 
 
 def _least_clearance(airspace: Airspace, stretches: list[Points], required: float) -> Clearance:

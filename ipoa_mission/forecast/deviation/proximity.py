@@ -77,6 +77,16 @@ class ProximityRisks:
         columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "widening", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
+    def likeliest_passings(self, clearance: float, chance: float) -> Numbers:
+        """Return the passings that are likeliest nearer than `clearance` [m]; all others sum up to `chance`."""
+        each = self._each(clearance)
+        order = np.argsort(-each, kind="stable")
+        passing = np.stack([self.seconds // self.law.memory, self.obstacle])[:, order]
+        _, first = np.unique(passing, axis=1, return_index=True)
+        first.sort()
+        rest = each[order[first]][::-1].cumsum()[::-1]
+        return np.asarray(order[first[rest > chance]])
+
     def chance(self, clearance: float) -> float:
         """Return an upper bound of the probability that a flight is nearer than `clearance` [m]."""
         if len(self.piece) == 0:
