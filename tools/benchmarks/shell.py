@@ -26,7 +26,13 @@ VERBS = {
     "--help": ["--help"],
     "show": ["show", "missions/campus.plan"],
     "estimate": ["estimate", "missions/campus.plan"],
-    "check --contingencies": ["check", "missions/campus.plan", "--scenario", "missions/campus.toml", "--contingencies"],
+    "check --endings": [
+        "check",
+        "missions/campus.plan",
+        "--scenario",
+        "missions/campus.toml",
+        "--endings",
+    ],  # of 0.3 on
     **{f"plan {name}": ["plan", f"missions/{name}.toml", "--out", "planned", "--force"] for name in SCENARIOS},
 }
 
