@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector
@@ -46,11 +47,13 @@ class Route:
 
 
 def push_clear(waypoints: Points, task: PathTask) -> Points:
-    """Move waypoints (k, 3) aside where a leg keeps too little clearance; the ends stay.
+    """Move waypoints (k, 3) aside where a leg keeps too little clearance; ends and given places stay.
 
     Each breach pushes the ends of its leg by the missing distance, weighted by nearness.
     """
     moved = waypoints.copy()
+    is_free = ~(waypoints[:, None] == task.places).all(axis=2).any(axis=1)
+    is_free[[0, -1]] = False
     moved_legs = set(_broken_legs(moved, task))  # since their last proof
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
@@ -59,7 +62,7 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
             moved_legs.remove(leg)
             ends = moved[leg : leg + 2].copy()
             for check in _broken(ends, task):
-                _push(moved, leg, check, task.airspace)
+                _push(moved[leg : leg + 2], is_free[leg : leg + 2], check, task.airspace)
             first, last = (moved[leg : leg + 2] != ends).any(axis=1)
             moved_legs |= {leg - 1, leg} if first else set()
             moved_legs |= {leg, leg + 1} if last else set()
@@ -83,15 +86,15 @@ def _broken(legs: Points, task: PathTask) -> list[Check]:
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 
-def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None:
-    place = np.array(check.nearest.place)
-    ahead = waypoints[leg + 1] - waypoints[leg]
-    share = float(np.clip((place - waypoints[leg]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
-    weights = np.array([1 - share, share]) * [leg > 0, leg + 1 < len(waypoints) - 1]
+def _push(ends: Points, is_free: NDArray[np.bool_], check: Check, airspace: Airspace) -> None:
+    """Move the free ones of a leg's ends (2, 3) in place."""
+    place, ahead = np.array(check.nearest.place), ends[1] - ends[0]
+    share = float(np.clip((place - ends[0]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
+    weights = np.array([1 - share, share]) * is_free
     if not weights.any():
         return
     push = (OVERSHOOT - check.slack) * _outwards(place, check.limit, airspace)
-    waypoints[leg : leg + 2] += weights[:, None] / (weights @ [1 - share, share]) * push
+    ends += weights[:, None] / (weights @ [1 - share, share]) * push
 
 
 def _outwards(place: Vector, limit: str, airspace: Airspace) -> Vector:
