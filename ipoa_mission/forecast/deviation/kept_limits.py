@@ -1,6 +1,6 @@
 """Compute what the deviation bound leaves of ground, ceiling and bounds.
 
-Near a place nearer to a limit than the bound, the predicted path must keep the limit.
+Near a place within the bound of a limit, the predicted path counts.
 """
 
 import math
@@ -96,7 +96,7 @@ NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
-    """Return the bound exceeded with at most this probability on a straight flight."""
+    """Return the bound that a straight flight exceeds at each limit with at most this probability."""
     lateral = 0.25  # of the probability; the rest is for the heights
     heights = (1 - lateral) * chance
     return DeviationBound(law.lateral(lateral * chance), law.lowest.distance(heights), law.highest.distance(heights))
