@@ -16,7 +16,7 @@ from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 
-FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
+FLOWN = list(csv.DictReader((Path(__file__).parents[1] / "data" / "braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
 BESIDE = {"ardupilot": 0.3, "px4": 3.2}  # [m]
 

@@ -23,7 +23,7 @@ SIDES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 def traces(autopilot: Autopilot) -> list[tuple[bool, np.ndarray]]:
     """For each flight: is it judged; second, bend, east, north, up (n, 5)."""
     by_name: dict[str, tuple[bool, list[list[float]]]] = {}
-    for row in csv.DictReader((Path(__file__).parent / "traces.csv").read_text().splitlines()):
+    for row in csv.DictReader((Path(__file__).parents[1] / "data" / "traces.csv").read_text().splitlines()):
         if row["autopilot"] == autopilot.name:
             numbers = [float(row[name]) for name in ("second", "across", "east", "north", "up")]
             by_name.setdefault(row["flight"], (row["judged"] == "1", []))[1].append(numbers)

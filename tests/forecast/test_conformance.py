@@ -27,7 +27,7 @@ from tests.forecast.test_items_flown import read as read_items
 from tests.recorded_flights import FLIGHTS, IN_WIND, LANDINGS, read_flight
 
 HERE = Path(__file__).resolve().parent
-AWAY = HERE / "flyaway"
+AWAY = HERE.parent / "data" / "flyaway"
 LOGS = HERE.parents[1] / "missions" / "logs"
 HOME = Geodetic(47.4, 8.5, 400.0)
 RECORDED = [

@@ -26,7 +26,7 @@ from ipoa_mission.world.terrain import Flat
 from tests.quick_search import search_quickly
 from tests.refused import refuses
 
-PASSES = list(csv.DictReader((Path(__file__).parent / "passes.csv").read_text().splitlines()))
+PASSES = list(csv.DictReader((Path(__file__).parents[1] / "data" / "passes.csv").read_text().splitlines()))
 SIDES = ("east", "north", "west", "south")
 AIR = Bounds((-500.0, -500.0, -10.0), (500.0, 500.0, 200.0))
 

@@ -17,7 +17,7 @@ from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 from tests.refused import refuses
 
-AWAY = Path(__file__).parent / "flyaway" / "h6_rally-px4.plan"
+AWAY = Path(__file__).parents[1] / "data" / "flyaway" / "h6_rally-px4.plan"
 FLIGHTS = sorted((Path(__file__).parents[1] / "data" / "flights_118").iterdir())
 VERSION = Version(1, 18, 0, "beta")
 

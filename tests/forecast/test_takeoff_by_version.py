@@ -1,6 +1,6 @@
 """Take-offs of ArduCopter 4.8.0-dev (master of 21 March 2026), each flown once; nothing was fitted.
 
-takeoffs-4.8.csv: height, climb speed and end of the take-off, for the 25 missions of docs/lab/flown.md.
+tests/data/takeoffs-4.8.csv: height, climb speed and end of the take-off, for the 25 missions of docs/lab/flown.md.
 """
 
 import csv
@@ -14,7 +14,8 @@ from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 
-ROWS = list(csv.DictReader(Path(__file__).with_name("takeoffs-4.8.csv").read_text(encoding="utf-8").splitlines()))
+TAKEOFFS = Path(__file__).parents[1] / "data" / "takeoffs-4.8.csv"
+ROWS = list(csv.DictReader(TAKEOFFS.read_text(encoding="utf-8").splitlines()))
 HOME, THERE = Geodetic(46.9232, 10.5127, 1050.0), Geodetic(46.9242, 10.5127, 1050.0)
 
 
