@@ -182,7 +182,7 @@ def test_a_vehicle_is_known_before_its_flight_is() -> None:
     assert rooms - GROUND == {"autopilot", "vehicles"}
 
 
-def test_nothing_imports_a_plug_in() -> None:
+def test_plug_ins_are_not_imported() -> None:
     """A plug-in can be taken out by deleting its folder and its lines among the entry points.
 
     Without the survey there is no studio.

@@ -21,7 +21,7 @@ def test_no_change_of_many_is_lost_without_a_word() -> None:
     assert [(suffix, change) for suffix, change, outcome, _ in tries(1500, 40) if outcome == "lost"] == []
 
 
-def test_what_became_of_a_change_is_told(tmp_path: Path) -> None:
+def test_outcome_of_a_change_is_told(tmp_path: Path) -> None:
     """A reader of a file's first word, which names a second one only if "odd"."""
 
     def read(path: Path) -> Reading:

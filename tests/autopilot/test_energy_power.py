@@ -26,7 +26,7 @@ def test_hover_is_the_ideal_power_over_figure_of_merit_and_drive(airframe: Power
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.5, 3.0, 10.0, 25.0])
-def test_without_tilt_the_induced_speed_is_that_of_zeng_xu_and_zhang(speed: float) -> None:
+def test_induced_speed_without_tilt_is_that_of_zeng_xu_and_zhang(speed: float) -> None:
     """Eq. (12): v = v0 sqrt(sqrt(1 + V^4 / 4 v0^4) - V^2 / 2 v0^2)."""
     v0 = 5.3
     expected = v0 * np.sqrt(np.sqrt(1 + speed**4 / (4 * v0**4)) - speed**2 / (2 * v0**2))
@@ -35,7 +35,7 @@ def test_without_tilt_the_induced_speed_is_that_of_zeng_xu_and_zhang(speed: floa
 
 
 @pytest.mark.parametrize("climb", [0.0, 1.0, 4.0, 12.0])
-def test_in_a_climb_the_induced_speed_is_the_axial_solution(climb: float) -> None:
+def test_induced_speed_in_a_climb_is_the_axial_solution(climb: float) -> None:
     """Leishman, section 2.10: v / v0 = -w / 2 v0 + sqrt((w / 2 v0)^2 + 1)."""
     v0, unit = 5.3, np.ones(1)
     expected = v0 * (-climb / (2 * v0) + np.sqrt((climb / (2 * v0)) ** 2 + 1))
@@ -63,7 +63,7 @@ def test_power_falls_and_then_rises_with_speed(airframe: PowerModel) -> None:
     assert drawn[cheapest] < 0.95 * drawn[0]
 
 
-def test_at_high_speed_it_is_the_drag_that_costs() -> None:
+def test_drag_costs_most_power_at_high_speed() -> None:
     """Doubling a high speed takes nearly eight times the power above that of the blades and the avionics."""
     bare = PowerModel(mass_kg=0.2, disc_area=0.342, drag_area=0.09, figure_of_merit=1 / KAPPA, avionics_w=0.0)
     assert at(bare, 40.0) / at(bare, 20.0) == pytest.approx(8, rel=0.05)

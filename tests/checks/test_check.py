@@ -178,7 +178,7 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
 
 
 @pytest.mark.parametrize("case", FOUND)
-def test_what_is_wrong_is_found_at_its_item(case: str) -> None:
+def test_faults_are_found_at_their_item(case: str) -> None:
     mission, findings = FOUND[case]
     assert codes_of(check_mission(mission)) == findings
 
@@ -203,7 +203,7 @@ LIMITS = [
 
 
 @pytest.mark.parametrize(("autopilot", "fill", "most", "expected"), LIMITS)
-def test_what_is_over_the_limit_is_an_error_and_what_is_at_it_is_not(
+def test_values_over_the_limit_are_errors_and_values_at_it_are_not(
     autopilot: Autopilot, fill: Callable[[Mission, int], Mission], most: int, expected: str
 ) -> None:
     empty = flight(UP, AWAY, DOWN, autopilot=autopilot)
@@ -240,7 +240,7 @@ def test_every_recorded_mission_is_found_without_fault() -> None:
 
 
 @given(mission=missions())
-def test_whatever_a_file_can_hold_is_checked_without_falling_over(mission: Mission) -> None:
+def test_any_file_content_is_checked_without_an_exception(mission: Mission) -> None:
     findings = check_mission(mission)
     order = [finding.severity is Severity.WARNING for finding in findings]
     assert order == sorted(order), "errors come first"

@@ -56,7 +56,7 @@ def flight_in(scenario: Scenario) -> Forecast:
 
 @pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize(("body", "clears"), [(HALL, 50.0), (BALL, 40.0)], ids=["hall", "balloon"])
-def test_what_stands_in_the_way_home_is_named_with_a_height_that_clears_it(
+def test_obstacles_of_the_return_are_named_with_a_height_that_clears_them(
     autopilot: Autopilot, body: str, clears: float
 ) -> None:
     scenario = nominal(scene(autopilot, body))

@@ -52,7 +52,7 @@ def warnings_of(
         (PX4, 7.5, "1.1", "0.7", "MPC_LAND_ALT1 = 18 and MPC_LAND_ALT2 = 13"),  # half way between 5 and 10 m
     ],
 )
-def test_on_higher_ground_it_touches_down_at_the_speed_of_its_descent(
+def test_touchdown_on_higher_ground_has_the_speed_of_the_descent(
     autopilot: Autopilot, height: float, speed: str, slow: str, remedy: str
 ) -> None:
     ((message, hint),) = warnings_of(slope(height, autopilot))
@@ -65,12 +65,12 @@ def test_on_higher_ground_it_touches_down_at_the_speed_of_its_descent(
 
 
 @pytest.mark.parametrize(("autopilot", "height"), [(ARDUPILOT, 9.0), (PX4, 4.0), (PX4, 0.0), (ARDUPILOT, -4.0)])
-def test_where_it_slows_down_in_time_nothing_is_said(autopilot: Autopilot, height: float) -> None:
+def test_landing_that_slows_down_in_time_has_no_finding(autopilot: Autopilot, height: float) -> None:
     assert warnings_of(slope(height, autopilot)) == []
 
 
 @pytest.mark.parametrize(("autopilot", "words"), [(ARDUPILOT, "50 m are flown at 0.5"), (PX4, "45 m are flown at 0.7")])
-def test_on_lower_ground_the_landing_is_long(autopilot: Autopilot, words: str) -> None:
+def test_landing_on_lower_ground_is_long(autopilot: Autopilot, words: str) -> None:
     ((message, _),) = warnings_of(slope(-40.0, autopilot))
     assert "the ground is 40.0 m below home: without a rangefinder the last " + words in message
 

@@ -85,7 +85,7 @@ def test_plan_refuses_it(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
     assert 'take = "tagged" excludes it' in caught.value.hint
 
 
-def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_features_passed_over_are_a_remark_of_every_plan(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
     search_quickly(monkeypatch.setattr)
     flight = plan_flight(read(20.0), seed=0)
     assert "m.geojson: 1 passed over, an area untagged: thing" in flight.remarks

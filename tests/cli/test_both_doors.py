@@ -126,7 +126,7 @@ def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["sitl"])
-def test_what_is_given_goes_before_what_the_mission_carries(run: Run, slow: Path) -> None:
+def test_options_go_before_values_of_the_mission(run: Run, slow: Path) -> None:
     flight = planned(slow)
     flight.write()
     by_command = json.loads(run("estimate slow.plan --param MPC_LAND_SPEED=0.7 --json").out)["total_s"]

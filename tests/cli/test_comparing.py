@@ -160,7 +160,7 @@ def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
         ("{logs}/twice-ardupilot.bin --picture both.svg", "--picture: needs --flight N"),
     ],
 )
-def test_what_does_not_go_together_is_bad_input(
+def test_incompatible_inputs_are_bad_input(
     run: Run, px4_mission: Path, tmp_path: Path, words: str, expected: str
 ) -> None:
     plan = tmp_path / "sitl.plan"

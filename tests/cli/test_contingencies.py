@@ -50,7 +50,7 @@ def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: 
     assert 1 <= bar.count(sign) <= 2
 
 
-def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
+def test_unknown_contingencies_are_not_called_clear(run: Run) -> None:
     output = run(f"show {SITL} --param RTL_TYPE=1 --contingencies").out
     assert re.search(rf"^rtl   \?{{{CELLS}}}  goal unknown$", output, re.MULTILINE)
     assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in output

@@ -72,7 +72,7 @@ def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, auto
     assert (result["completed"], result["in_air"]) == (False, True)
 
 
-def test_what_is_for_a_vehicle_is_refused_without_one(run: Run) -> None:
+def test_vehicle_options_are_refused_without_a_vehicle(run: Run) -> None:
     ended = run(f"fly {SITL} --on-deviation rtl")
     assert (ended.code, "--on-deviation: needs --link" in ended.err) == (2, True)
     ended = run(f"fly {SITL} --link udpin:127.0.0.1:0 --loss 0.1")

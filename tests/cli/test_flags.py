@@ -133,7 +133,7 @@ def test_an_export_in_a_scenario_ends_on_its_ground(run: Run) -> None:
     assert float(end.split(",")[2]) - world.home.altitude_amsl == pytest.approx(goal, abs=0.05)
 
 
-def test_nothing_is_written_over_without_force(run: Run) -> None:
+def test_files_are_not_overwritten_without_force(run: Run) -> None:
     Path("x.kml").write_text("mine")
     Path("v.plan").write_text("mine")
     Path("p.svg").write_text("mine")
@@ -191,7 +191,7 @@ def test_a_written_file_is_as_readable_as_the_user_s_other_files(tmp_path: Path,
     assert stat.S_IMODE((tmp_path / "a").stat().st_mode) == mode
 
 
-def test_what_a_symbolic_link_leads_to_is_written_and_the_link_stays(tmp_path: Path) -> None:
+def test_target_of_a_symbolic_link_is_written_and_the_link_stays(tmp_path: Path) -> None:
     (tmp_path / "elsewhere").mkdir()
     (tmp_path / "elsewhere" / "a").write_text("before")
     (tmp_path / "a").symlink_to(tmp_path / "elsewhere" / "a")

@@ -117,7 +117,7 @@ TAKEN = [
 
 
 @pytest.mark.parametrize(("name", "autopilot", "word"), TAKEN)
-def test_what_the_firmware_takes_is_read_and_warned_of(
+def test_items_that_the_firmware_takes_are_read_with_a_warning(
     samples: Path, name: str, autopilot: Autopilot | None, word: str
 ) -> None:
     file = read_mission_file(samples / name, autopilot)
@@ -141,7 +141,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "expected"), REFUSED)
-def test_what_the_format_refuses_is_refused_in_words(samples: Path, run: Run, name: str, expected: str) -> None:
+def test_content_that_the_format_refuses_is_refused_in_words(samples: Path, run: Run, name: str, expected: str) -> None:
     ended = run(f"check '{samples / name}' --autopilot ardupilot")
     assert ended.code == 2
     assert expected in " ".join(ended.err.split())

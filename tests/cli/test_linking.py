@@ -101,7 +101,7 @@ def test_fly_over_a_link_keeps_the_log_of_an_earlier_flight(
     assert Path("out/sitl.tlog").read_bytes() == b"the flight of yesterday"
 
 
-def test_where_nobody_is_reached_no_folder_and_no_log_is_left(run: Run, mission: Path) -> None:
+def test_link_without_a_vehicle_leaves_no_folder_and_no_log(run: Run, mission: Path) -> None:
     (log := mission.with_name("sitl-upload.tlog")).write_bytes(b"yesterday")
     fly = json.loads((ended := run(f"fly {mission} --out far/out --link tcp:127.0.0.1:9 --json")).out)
     assert (ended.code, "written" in fly, Path("far").exists()) == (1, False, False)

@@ -57,7 +57,7 @@ def test_a_scenario_is_begun_from_it_and_an_area_of_it_is_surveyed(run: Run, fil
 
 @pytest.mark.parametrize(("file", "library"), [("town.parquet", "pyarrow"), ("town.osm.pbf", "osmium")])
 @pytest.mark.parametrize("words", ["plan town.toml", "plan --survey FILE", "new begun.toml --buildings FILE"])
-def test_without_its_library_nothing_is_written(
+def test_missing_library_leaves_nothing_written(
     run: Run, monkeypatch: pytest.MonkeyPatch, file: str, library: str, words: str
 ) -> None:
     Path(file).write_bytes(b"PAR1")

@@ -32,13 +32,13 @@ def test_another_autopilot_there_has_none_of_the_parameters() -> None:
     assert (here.autopilot, here.parameters) == (Autopilot.PX4, {})
 
 
-def test_without_a_scenario_it_stands_in_zurich_on_level_ground() -> None:
+def test_mock_without_a_scenario_is_in_zurich_on_level_ground() -> None:
     here = mock_setup(None, None, None, {})
     assert (here.autopilot, here.home, here.conditions.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
     assert mock_setup(None, (1.0, 2.0, 3.0), None, {}).home == Geodetic(1.0, 2.0, 3.0)
 
 
-def test_what_contradicts_itself_is_bad_input() -> None:
+def test_contradictory_options_are_bad_input() -> None:
     with refuses("option-conflict", "--home"):
         mock_setup(MISSIONS / "campus.toml", (1.0, 2.0, 3.0), None, {})
     with refuses("bad-input", "--home"):

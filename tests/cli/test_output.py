@@ -320,7 +320,7 @@ def test_names_in_files_do_not_reach_the_terminal_as_commands(run: Run, missions
     assert "\x1b" not in ended.err
 
 
-def test_without_a_terminal_what_is_waited_for_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+def test_output_without_a_terminal_names_a_wait_once(capsys: pytest.CaptureFixture[str]) -> None:
     with progress_bar("waiting until it is ready", is_waiting=True) as show:
         for words in ("", "PreArm: GPS 1: Bad fix\x1b[2J", "PreArm: Battery 1 low"):
             show(0.0, words)

@@ -60,7 +60,7 @@ def test_a_name_that_neither_has_is_told_with_the_nearest(run: Run, mission: Pat
         "compare {m} {logs}/sitl-px4.tlog",
     ],
 )
-def test_what_a_file_of_parameters_has_besides_is_in_the_json(run: Run, mission: Path, words: str) -> None:
+def test_remarks_of_a_parameter_file_are_in_the_json(run: Run, mission: Path, words: str) -> None:
     Path("all.params").write_text("QWXZ 5\n")
     command = words.format(m=mission, s=mission.with_suffix(".toml"), logs=LOGS)
     ended = run(f"{command} --param-file all.params --json")
@@ -133,7 +133,7 @@ def test_the_api_refuses_what_no_model_knows(mission: Path) -> None:
 
 
 @pytest.mark.parametrize("log", sorted(LOGS.glob("*.bin")) + sorted(LOGS.glob("*.ulg")), ids=lambda path: path.name)
-def test_what_the_real_ones_log_is_their_own(log: Path) -> None:
+def test_parameters_of_real_logs_are_their_own(log: Path) -> None:
     flown = read_flights(log)
     for flight in flown.flights:
         assert len(flight.parameters) > 20

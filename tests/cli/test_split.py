@@ -65,7 +65,7 @@ def test_a_plan_beyond_its_battery_is_refused_and_split_writes_its_parts(
     assert "rows.json" not in run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out
 
 
-def test_what_one_battery_holds_is_written_as_without_split_with_its_page(run: Run, tmp_path: Path) -> None:
+def test_flight_of_one_battery_is_written_as_without_split(run: Run, tmp_path: Path) -> None:
     scenario = tmp_path / "rows.toml"
     near = "\n".join(line for line in SCENARIO.splitlines() if not line.startswith("via"))
     scenario.write_text(near, encoding="utf-8")

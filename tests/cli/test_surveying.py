@@ -66,7 +66,7 @@ def test_an_area_goes_before_the_goal_of_a_scenario(run: Run, tmp_path: Path) ->
     assert json.loads(ended.out)["survey"]["photos"] > 0
 
 
-def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
+def test_faulty_survey_is_bad_input(run: Run, tmp_path: Path) -> None:
     (tmp_path / "area.geojson").write_text(json.dumps(AREA))
     (tmp_path / "field.toml").write_text(SCENARIO.replace('camera = "Sony A6000 16mm"', 'camera = "box"'))
     for command, words in (
@@ -124,7 +124,7 @@ class Terminal(StringIO):
         return True
 
 
-def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
+def test_next_flight_begins_when_the_battery_is_changed(
     run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     small = SCENARIO.replace("120", "40").replace("gsd_cm = 2.0", "gsd_cm = 0.5\nflights = 3")
@@ -181,7 +181,7 @@ def test_an_error_names_the_area_as_typed_and_a_line_needs_a_width(run: Run, tmp
     assert (ended.code, json.loads(ended.out)["survey"]["lines"]) == (0, 2)
 
 
-def test_whoever_closes_the_pipe_ends_nothing(tmp_path: Path) -> None:
+def test_closed_pipe_is_no_error(tmp_path: Path) -> None:
     words = f"{sys.executable} -m ipoa_mission schema | head -n 1; echo ${{PIPESTATUS[0]}}"
     done = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300)
     assert done.stdout.splitlines()[-1] == "0"

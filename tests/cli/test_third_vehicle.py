@@ -310,7 +310,7 @@ def test_a_third_vehicle_goes_the_whole_way(toy: Autopilot, tmp_path: Path, run:
     assert len(flown["items"]) == len(estimated["items"])
 
 
-def test_it_is_gone_again() -> None:
+def test_third_vehicle_is_gone_again() -> None:
     assert "toy" not in map(str, registered())
 
 

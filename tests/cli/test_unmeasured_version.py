@@ -99,7 +99,7 @@ def test_all_measured_versions_are_flown_without_a_word(autopilot: Autopilot) ->
         assert not any("measured" in remark for remark in upload_mission(aboard(autopilot, version), plain(autopilot)))
 
 
-def test_nothing_is_planned_for_it() -> None:
+def test_unmeasured_version_is_not_planned_for() -> None:
     for planned in (
         plan_flight,
         lambda world: plan_survey(FIELD, scenario=world, line_spacing=15.0, height_above_ground=70.0),

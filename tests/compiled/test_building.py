@@ -48,7 +48,7 @@ def test_a_source_distribution_holds_what_git_knows_and_nothing_else(clone: Path
     assert {"tools/machine_code/build_hook.py", "tools/machine_code/compile.py", "missions/campus.toml"} <= files
 
 
-def test_without_a_c_compiler_the_build_asks_for_one_that_pip_can_install(clone: Path) -> None:
+def test_build_without_a_c_compiler_asks_for_one_from_pip(clone: Path) -> None:
     assert "ziglang" in built(clone, "get_requires_for_build_wheel()", PATH="")
     if shutil.which("cc"):
         assert "ziglang" not in built(clone, "get_requires_for_build_wheel()")
@@ -102,7 +102,7 @@ def test_wheel_without_machine_code_is_pure_and_requires_numba(clone: Path) -> N
     assert not [file for file in files if "kernels-" in file]
 
 
-def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
+def test_compiled_kernels_serve_other_copies_of_the_same_sources(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from ipoa_mission.compiled import library
@@ -142,7 +142,7 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     assert not (tmp_path / "third" / library.file_name("x86-64")).exists()
 
 
-def test_what_makes_machine_code_tells_of_itself_and_writes_nothing(
+def test_tool_for_machine_code_shows_its_usage_and_writes_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from tools.machine_code import __main__ as maker

@@ -86,7 +86,7 @@ def test_other_sources_are_not_what_was_compiled(tmp_path: Path, monkeypatch: py
     assert len({before, digest, library.sources_digest()}) == 3
 
 
-def test_without_machine_code_and_numba_the_error_names_the_way_out() -> None:
+def test_error_without_machine_code_and_numba_names_the_remedy() -> None:
     code = """
 import sys
 sys.modules["numba"] = None

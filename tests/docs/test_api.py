@@ -112,7 +112,7 @@ def test_the_page_names_all_that_is_public() -> None:
 
 
 @pytest.mark.parametrize("name", [*ipoa_mission.__all__])
-def test_what_a_public_docstring_raises_can_be_caught_by_its_public_name(name: str) -> None:
+def test_errors_of_public_docstrings_have_public_names(name: str) -> None:
     public = getattr(ipoa_mission, name)
     members = [public, *(vars(public).values() if isinstance(public, type) else ())]
     for docstring in filter(None, (getattr(member, "__doc__", None) for member in members)):

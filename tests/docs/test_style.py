@@ -72,7 +72,7 @@ def test_a_length_is_in_meters() -> None:
     assert not lengths
 
 
-def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None:
+def test_pages_beside_the_lab_records_have_a_greatest_length() -> None:
     aside = {"lab", "reproduction", "reproduction.md"}
     pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not aside & set(page.parts)]
     assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 35_000

@@ -46,7 +46,7 @@ SET = {"FENCE_ENABLE": 1.0, "FENCE_ACTION": 1.0, "FENCE_RADIUS": 150.0, "FENCE_A
         (PX4, {"GF_ACTION": 1.0, "GF_MAX_HOR_DIST": 1.0, "GF_MAX_VER_DIST": 1.0}, None),
     ],
 )
-def test_which_limits_are_in_force(
+def test_limits_in_force_follow_the_own_fence(
     autopilot: Autopilot, values: Parameters, expected: tuple[float, ...] | None
 ) -> None:
     assert limits(autopilot.own_fence(values)) == expected
@@ -116,7 +116,7 @@ def test_the_way_home_counts_with_its_height() -> None:
         (PX4, {"GF_MAX_HOR_DIST": 150.0}, {"GF_MAX_HOR_DIST": 300.0}),
     ],
 )
-def test_nothing_is_sent_to_a_vehicle_whose_own_fence_is_too_narrow(
+def test_vehicle_with_too_narrow_a_fence_is_sent_nothing(
     autopilot: Autopilot, own: Parameters, wide: Parameters
 ) -> None:
     flight = mission(autopilot, 200.0, 30.0)

@@ -54,7 +54,7 @@ def shares(probabilities: np.ndarray) -> list[float]:
     return [float((probabilities <= chance).mean()) for chance in (0.5, 0.1, 0.01)]
 
 
-def test_of_short_px4_flights_as_many_fall_short_as_are_said_to() -> None:
+def test_short_px4_flights_fall_short_as_often_as_predicted() -> None:
     probabilities = chances(Autopilot.PX4, (False,), LONG)
     half, ninety, most = shares(probabilities)
     assert len(probabilities) >= 100
@@ -66,7 +66,7 @@ def test_of_short_px4_flights_as_many_fall_short_as_are_said_to() -> None:
 @pytest.mark.parametrize("autopilot", list(registered()))
 @pytest.mark.parametrize("judged", [False, True])
 @pytest.mark.parametrize(("shortest", "longest"), [(0.0, LONG), (LONG, np.inf)])
-def test_of_no_group_more_fall_short_than_are_said_to(
+def test_groups_of_flights_fall_short_no_more_often_than_predicted(
     autopilot: Autopilot, judged: bool, shortest: float, longest: float
 ) -> None:
     """Four sides a flight."""

@@ -232,7 +232,7 @@ def test_a_wait_until_a_time_of_day_is_not_late() -> None:
     assert flown(monitor, *((20.0 + t, 0.0, 0.0, 20.0, 1) for t in range(300))) == []
 
 
-def test_where_nobody_knows_the_flight_there_is_no_monitor() -> None:
+def test_unknown_flight_has_no_monitor() -> None:
     endless = mission(Item(177, 2, (1.0, -1.0, 0.0, 0.0), 0.0, 0.0, 0.0), land(HOME))
     with pytest.raises(MissionError):
         ConformanceMonitor(Forecast(endless))

@@ -128,7 +128,7 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
 
 @settings(max_examples=examples(20))
 @given(share=st.floats(0.0, 1.0), contingency=st.sampled_from([Contingency.RTL, Contingency.LAND, Contingency.HOLD]))
-def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
+def test_clear_contingencies_keep_their_distance_by_another_geometry(
     campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], share: float, contingency: Contingency
 ) -> None:
     times = campus.paths.stops(contingency).times
@@ -256,7 +256,7 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     assert seeing.paths.at(Contingency.RTL, np.array([20.0])).possible.sum() == samples.possible.sum() + 1
 
 
-def test_who_waits_for_ever_lands_at_no_time() -> None:
+def test_endless_hold_has_no_landing_time() -> None:
     for contingencies in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
         rows = Contingencies(contingencies).rows(Contingency.RTL)
         assert all(row.duration_s is None and row.why_untimed for row in rows)

@@ -41,7 +41,7 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
 
 
 @pytest.mark.parametrize(("late", "share"), some(2, [(-5.0, 0.1), (5.0, 0.9), (0.0, 0.45), (5.0, 0.1), (-5.0, 0.9)]))
-def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
+def test_contingencies_begin_at_the_place_of_a_late_vehicle(forecast: Forecast, late: float, share: float) -> None:
     contingencies, now = Contingencies(forecast), ContingenciesNow(forecast)
     begin, end = contingencies.in_air
     time = begin + share * (end - begin)
@@ -57,7 +57,7 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
         assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
 
 
-def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
+def test_duration_is_given_also_where_it_jumps() -> None:
     """A few seconds later the flight climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)

@@ -69,7 +69,7 @@ def test_a_half_circle_to_the_right_bulges_to_the_left_of_its_chord() -> None:
 
 
 @pytest.mark.parametrize("degrees", [90, -180, 270])
-def test_it_is_timed_on_its_circle(degrees: int) -> None:
+def test_arc_is_timed_on_its_circle(degrees: int) -> None:
     flown = mission(degrees)
     prediction = estimate(flown)
     (leg,) = (leg for leg in flown_legs(flown, FRAME) if leg.seq == 3)

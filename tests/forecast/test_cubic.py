@@ -6,7 +6,7 @@ from ipoa_mission.forecast.timing.cubic import derivatives, values
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 50, 3000])
-def test_it_is_scipy_s(count: int) -> None:
+def test_cubic_is_that_of_scipy(count: int) -> None:
     chance = np.random.default_rng(count)
     knots = np.cumsum(chance.uniform(0.05, 3.0, count))
     points = np.cumsum(chance.normal(size=(count, 3)), axis=0)

@@ -114,7 +114,7 @@ def test_a_bend_widens_the_deviation_bound() -> None:
 
 
 @pytest.mark.parametrize("obstacle", [wall(4.0), Sphere("balloon", (8.0, 9.0, 26.0), 5.0)])
-def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle) -> None:
+def test_kept_clearance_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle) -> None:
     """Drawn flights move to one side as a whole."""
     course, world = straight(obstacle)
     rng = np.random.default_rng(7)
@@ -171,7 +171,7 @@ def test_height_over_steep_ground_is_limited_by_the_given_places() -> None:
     )
 
 
-def test_where_there_is_no_path_none_with_more_room_is_sought(
+def test_missing_path_ends_the_search_for_more_room(
     scenario_of: Callable[[], Scenario], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """These poles leave no gap: the path without room is left, to name the reason."""

@@ -77,7 +77,7 @@ def test_items_come_to_the_whole_and_the_share_left_falls() -> None:
     assert budget().items[0].left is None
 
 
-def test_what_was_learned_is_surer_than_an_airframe() -> None:
+def test_learned_power_is_surer_than_that_of_an_airframe() -> None:
     known, reckoned = budget().used.between, budget(learned=False).used.between
     assert known.low < known.likely < known.high
     assert known.high / known.low < 1.25

@@ -70,7 +70,7 @@ def test_px4_is_right_within_one_and_a_half_per_cent_as_often_as_not() -> None:
 
 
 @pytest.mark.parametrize("flight", [f for f in PX4 if f not in REPEATED], ids=lambda f: f.name)
-def test_what_px4_flew_once_lies_within_four_per_cent_or_the_interval(flight: Recorded) -> None:
+def test_single_px4_flights_lie_within_four_per_cent_or_the_interval(flight: Recorded) -> None:
     """On dense waypoints one flight differs from the next by 3 to 8 s."""
     last = next(item for item in estimated(flight).items if item.seq == flight.last)
     flown = float(flight.spans.mean())

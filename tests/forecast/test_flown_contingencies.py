@@ -77,7 +77,7 @@ def test_enough_was_flown(autopilot: str) -> None:
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
-def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
+def test_flights_nearer_than_required_were_predicted(autopilot: str) -> None:
     unforetold = [(row["mission"], row["second"]) for row, clear, kept in by_obstacles(autopilot) if clear and not kept]
     assert unforetold == []
 

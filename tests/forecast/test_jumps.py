@@ -176,7 +176,7 @@ FOUND = {
 
 
 @pytest.mark.parametrize(("items", "wanted"), FOUND.values(), ids=FOUND)
-def test_what_a_jump_can_be_wrong_in(items: tuple[Item, ...], wanted: list[str]) -> None:
+def test_faults_of_jumps_are_found(items: tuple[Item, ...], wanted: list[str]) -> None:
     assert codes_of(check_mission(mission(*items))) == wanted
 
 

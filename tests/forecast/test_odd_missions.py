@@ -111,9 +111,7 @@ def test_a_loiter_to_a_height_over_terrain_may_be_passed_over(frame: Frame) -> N
     ],
     ids=["a place twice", "no speed", "no jump", "no hold", "a jump written out"],
 )
-def test_what_asks_for_nothing_costs_nothing(
-    autopilot: Autopilot, odd: tuple[Item, ...], plain: tuple[Item, ...]
-) -> None:
+def test_empty_commands_take_no_time(autopilot: Autopilot, odd: tuple[Item, ...], plain: tuple[Item, ...]) -> None:
     assert predicted(autopilot, *odd).total_s == pytest.approx(predicted(autopilot, *plain).total_s, abs=1.0)
 
 
@@ -137,7 +135,7 @@ def test_long_simple_things_take_what_one_reckons_and_a_little_more(
 
 
 @BOTH
-def test_without_a_take_off_the_vehicle_flies_already_and_that_is_said(autopilot: Autopilot) -> None:
+def test_mission_without_a_takeoff_begins_in_flight_with_a_remark(autopilot: Autopilot) -> None:
     there, legs = to(0, 0), (to(0, 90), to(90, 90))
     climbing, flying = predicted(autopilot, there, *legs), predicted(autopilot, there, *legs, first=())
     assert any("no take-off" in remark for remark in flying.remarks)

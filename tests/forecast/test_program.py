@@ -57,7 +57,7 @@ def test_a_loop_without_a_place_ends() -> None:
     assert program.onward(0) is None
 
 
-def test_what_an_item_leaves_open_is_where_the_vehicle_is() -> None:
+def test_omitted_places_are_those_of_the_vehicle() -> None:
     hold = replace(waypoint(HERE, 0.0), command=Command.NAV_LOITER_TIME)
     program = Program((hold,), LocalFrame(HOME), Autopilot.ARDUPILOT)
     assert program.place(0, (1.0, 2.0, 3.0)) == (1.0, 2.0, 3.0)

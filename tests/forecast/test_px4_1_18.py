@@ -53,7 +53,7 @@ def test_the_true_track_is_within_what_a_flight_in_a_hundred_exceeds(folder: Pat
     assert beside.max() < 2.5
 
 
-def test_without_a_hold_it_flies_away_and_the_model_says_so() -> None:
+def test_flyaway_without_a_hold_is_predicted() -> None:
     away = read_mission(AWAY, Autopilot.PX4)
     with refuses("unreachable"):
         Forecast(replace(away, firmware_version=VERSION), None).predicted(noise_free=True)

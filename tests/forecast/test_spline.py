@@ -85,7 +85,7 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
 
 
 @pytest.mark.parametrize("end", some(2, ["long curve", "short curve", "straight"]))
-def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str) -> None:
+def test_place_after_a_spline_is_that_of_the_model(end: str) -> None:
     """On a curve it brakes by half of its acceleration and within the last leg only: a short one is overrun."""
     _, scenario = zigzag((-40.0, -80.0), is_spline=True)
     east = {"straight": (30, 60, 90, 120), "long curve": (30, 60, 90, 150), "short curve": (30, 60, 90, 110)}[end]

@@ -37,7 +37,7 @@ def test_jerk_costs_half_its_ramp_at_either_end() -> None:
     assert more == pytest.approx(2 * (by_hand - (12.0 / 2.5) / 2), abs=0.05)
 
 
-def test_on_a_circle_the_bend_sets_the_speed() -> None:
+def test_bend_of_a_circle_sets_the_speed() -> None:
     angle = np.linspace(0, 6 * math.pi, 600)
     circle = np.column_stack([20 * np.cos(angle), 20 * np.sin(angle), np.full(600, 30.0)])
     fastest = least_time(circle, PLAIN)

@@ -186,7 +186,7 @@ def test_splines_are_quicker_on_arducopter_and_straight_on_px4() -> None:
 
 
 @BOTH
-def test_what_a_model_does_not_know_is_said(autopilot: Autopilot) -> None:
+def test_unmodeled_commands_are_remarked(autopilot: Autopilot) -> None:
     odd = Item(Command.NAV_ALTITUDE_WAIT, Frame.MISSION)
     there = place(0, 40)
     terrain = Item(

@@ -119,7 +119,7 @@ def test_the_user_s_patience_ends_the_waiting_with_the_vehicle_s_reason(autopilo
         (PX4, "high throttle"),
     ],
 )
-def test_what_waiting_does_not_mend_ends_at_once_with_the_vehicle_s_reason(autopilot: Autopilot, hinders: str) -> None:
+def test_lasting_refusal_ends_at_once_with_the_vehicle_s_reason(autopilot: Autopilot, hinders: str) -> None:
     booting = Booting(autopilot, hinders, placed_s=1e9)
     with met(booting) as vehicle:
         with pytest.raises((NotReady, CommandRefused)) as refused:

@@ -120,7 +120,7 @@ def test_a_serial_line_that_is_pulled_out_is_a_link_that_is_down(
         "tcp:127.0.0.1:0",
     ],
 )
-def test_whatever_cannot_be_opened_is_said_in_words(url: str) -> None:
+def test_channels_that_cannot_be_opened_are_refused_in_words(url: str) -> None:
     with refuses("link-not-opened", kind=LinkDown):
         open_channel(url)
 

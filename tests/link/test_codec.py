@@ -129,7 +129,7 @@ def test_frames_have_their_own_scale(frame: int, value: float, sent: int) -> Non
 
 
 @pytest.mark.parametrize("value", [215.0, -215.0, 1e305, math.inf, -math.inf])
-def test_what_does_not_fit_is_an_error_and_not_clamped(value: float) -> None:
+def test_values_out_of_range_are_errors_and_not_clamped(value: float) -> None:
     with refuses("bad-input", "coordinate"):
         wire.coordinate(value, 3)
 

@@ -112,7 +112,7 @@ def test_one_that_deviates_flies_on_if_only_a_report_was_chosen(family: Autopilo
 
 
 @pytest.mark.parametrize("family", registered())
-def test_who_watches_on_may_order_it_to_go_on(family: Autopilot) -> None:
+def test_watcher_may_order_the_mission_to_go_on(family: Autopilot) -> None:
     vehicle, _ = begun(family, elsewhere(family))
     vehicle.conformance.ends_held = False
     hold_times = list[float]()
@@ -131,7 +131,7 @@ def test_who_watches_on_may_order_it_to_go_on(family: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_when_the_users_time_is_up_the_watching_ends_in_the_air(family: Autopilot) -> None:
+def test_watching_ends_in_the_air_when_the_user_s_time_is_up(family: Autopilot) -> None:
     vehicle, commands = begun(family)
     vehicle.give_up_after(25.0)
     with refuses("time-up") as ended:

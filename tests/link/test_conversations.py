@@ -108,7 +108,7 @@ def test_a_late_duplicate_of_an_earlier_request_stays_unanswered() -> None:
     [Request(2), Request(9), Request(0, MissionType.FENCE), Ack(0, MissionType.FENCE), Ack(0), Ack(5, 2), BEAT],
     ids=str,
 )
-def test_what_does_not_belong_changes_nothing(stray: Message) -> None:
+def test_foreign_messages_change_nothing(stray: Message) -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0))
     _ = talk.sent
     assert talk.hear(stray).sent == []
@@ -181,7 +181,7 @@ def test_an_error_is_forgiven_if_the_vehicle_goes_on_asking() -> None:
 
 
 @pytest.mark.parametrize("doubtful", [Result.ERROR, Result.INVALID_SEQUENCE])
-def test_what_follows_a_doubtful_end_is_for_the_read_back_to_settle(doubtful: int) -> None:
+def test_doubtful_end_is_settled_by_the_read_back(doubtful: int) -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Request(1), Request(2), Ack(doubtful)).wait(FAR)
     assert talk.exchange.result == doubtful
 
@@ -319,7 +319,7 @@ def test_clearing_in_silence_is_an_error() -> None:
 
 @pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("kind", [MissionType.MISSION])
-def test_what_one_end_offers_the_other_has(autopilot: Autopilot, kind: int) -> None:
+def test_lists_offered_by_one_end_arrive_at_the_other(autopilot: Autopilot, kind: int) -> None:
     vehicle = Vehicle(autopilot)
     air = Air(vehicle, [Fate(), Fate(2, 0.05), Fate(0), Fate(1, 0.4)])
     assert air.hold(offer(items_of(autopilot, 40), kind)) in (Result.ACCEPTED, Result.ERROR, None)

@@ -53,7 +53,7 @@ def test_exchanged_coordinates_are_named() -> None:
     assert swap_hint(Geodetic(47.4, 8.5, 0.0), Geodetic(-30.0, 100.0, 0.0), "goal") == ""
 
 
-def test_nothing_is_solid_in_a_zone() -> None:
+def test_zone_is_not_solid() -> None:
     assert not bare(RoundZone).solid
 
 
@@ -87,7 +87,7 @@ def looked(made: Any) -> list[Any]:
     return list(made.seen)
 
 
-def test_what_is_not_flown_in_the_mission_is_not_compared() -> None:
+def test_places_outside_the_mission_mode_are_not_compared() -> None:
     assert looked(conformance(in_air=False, mode=1)) == []
     assert looked(conformance(in_air=True, mode=3)) == ["interrupted"]
     ordered = conformance(in_air=True, mode=1, under_way=True)

@@ -57,7 +57,7 @@ def test_text_goes_there_and_back_as_pymavlink_has_it() -> None:
 
 
 @pytest.mark.usefixtures("_as_before")
-def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
+def test_dialects_that_are_none_or_contradict_ours_are_bad_input() -> None:
     with refuses("unknown-dialect", "dialect", "'martian'", kind=BadInput) as refused:
         definitions.add_dialect("martian")
     assert "common" in (refused.value.hint or "")
@@ -71,6 +71,6 @@ def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
         definitions.dialect_of(65_000)
 
 
-def test_what_a_command_s_params_mean_is_told_where_it_is_known() -> None:
+def test_known_params_of_commands_are_explained() -> None:
     assert definitions.params_in_words(177) == {1: "Sequence number", 2: "Repeat count"}
     assert definitions.params_in_words(64_999) == {}

@@ -72,7 +72,7 @@ def test_one_that_does_not_become_ready_is_an_error_with_its_own_reason() -> Non
     assert late.value.hint == "the vehicle is disarmed, in STABILIZE"
 
 
-def test_what_waiting_does_not_mend_is_not_waited_for() -> None:
+def test_lasting_refusals_are_not_waited_for() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.ready_s = 1e9
     vehicle.refuses[RUN_PREARM_CHECKS] = (4, "PreArm: Hardware safety switch")
@@ -135,7 +135,7 @@ def test_an_arming_that_is_refused_for_what_passes_may_be_tried_again(autopilot:
 
 
 @pytest.mark.parametrize(("tries", "passes_s"), [(1, 0.0), (3, 20.0)])
-def test_it_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> None:
+def test_arming_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     vehicle.refuses[ARM] = (4, "Arm: Need Position Estimate")
@@ -146,7 +146,7 @@ def test_it_is_tried_again_while_there_is_time(tries: int, passes_s: float) -> N
     assert vehicle.now >= until_s
 
 
-def test_what_was_refused_late_and_is_armed_all_the_same_is_begun() -> None:
+def test_armed_vehicle_begins_despite_a_late_refusal() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     answer = vehicle.answer
@@ -163,7 +163,7 @@ def test_what_was_refused_late_and_is_armed_all_the_same_is_begun() -> None:
 
 
 @pytest.mark.parametrize("mav_type", [1, 10, 12, 20])
-def test_what_is_no_multicopter_is_neither_prepared_nor_armed(mav_type: int) -> None:
+def test_other_vehicles_are_neither_prepared_nor_armed(mav_type: int) -> None:
     vehicle = Scripted(ARDUPILOT)
     told_by = vehicle.stream
 

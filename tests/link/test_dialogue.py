@@ -73,7 +73,7 @@ def test_a_busy_vehicle_on_a_fast_link_keeps_the_specified_timeout() -> None:
     assert SPECIFIED.alive_retries < len(times) < 30  # quickly at first, then at the specification's pace
 
 
-def test_who_is_heard_at_all_gets_more_patience() -> None:
+def test_vehicle_that_is_heard_gets_more_patience() -> None:
     exchange = Exchange(asking(), 0.0, Patience(adapt=False))
     second = 0
     while exchange.deadline < (SPECIFIED.alive_retries + 1) * SPECIFIED.answer_s - 0.01:
@@ -106,7 +106,7 @@ def test_a_finished_exchange_hears_and_says_nothing_more() -> None:
     assert exchange.outgoing() == []
 
 
-def test_what_is_told_is_not_repeated() -> None:
+def test_reported_progress_is_not_repeated() -> None:
     def telling() -> Dialogue[None]:
         yield Tell(Count(1))
 

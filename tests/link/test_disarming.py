@@ -15,7 +15,7 @@ from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted
 from tests.refused import refuses
 
 
-def test_what_is_refused_after_the_arming_disarms_a_vehicle_on_the_ground() -> None:
+def test_refusal_after_the_arming_disarms_a_vehicle_on_the_ground() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     vehicle.refuses[START] = (4, "Mode change to AUTO failed: requires position")
@@ -37,7 +37,7 @@ def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
 
 
 @pytest.mark.parametrize("landed", [None, 2, 3, 4], ids=["untold", "in the air", "taking off", "landing"])
-def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | None) -> None:
+def test_failure_does_not_disarm_a_vehicle_perhaps_in_the_air(landed: int | None) -> None:
     """A plane taken for a copter was ordered to disarm five seconds after its take-off."""
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)

@@ -56,7 +56,7 @@ def moved(vehicle: Vehicle, seconds: float) -> float:
 
 
 @pytest.mark.parametrize("name", ["campus.plan", "sitl.plan"])
-def test_it_stops_goes_on_and_comes_home(name: str) -> None:
+def test_vehicle_pauses_resumes_and_returns(name: str) -> None:
     mission, vehicle = flying(name)
     with vehicle:
         later(vehicle, 25.0)

@@ -108,7 +108,7 @@ def test_interrupt_at_any_instruction_leaves_a_whole_mission(family: Autopilot, 
     assert outcomes == {True, False}
 
 
-def test_what_was_cancelled_between_two_lists_says_what_became_of_both() -> None:
+def test_cancellation_between_two_lists_names_the_state_of_both() -> None:
     line, mock, _ = aboard(PX4)
     vehicle = meet(line)
     listed = mock.vehicle.load_list

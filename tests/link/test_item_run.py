@@ -37,7 +37,7 @@ def said_by(codec: Codec, message: Message, to: Target = US) -> bytes:
     return codec.encode(message, to, NOW)
 
 
-def test_what_is_said_in_a_row_is_what_the_codec_says() -> None:
+def test_items_sent_in_a_row_are_those_of_the_codec() -> None:
     row, plain, vehicle = Codec(*US), Codec(*US), Codec(*VEHICLE)
     frames = ItemFrames(sent(), row, VEHICLE)
     for seq in range(1, 5):
@@ -45,7 +45,7 @@ def test_what_is_said_in_a_row_is_what_the_codec_says() -> None:
         assert frames.reply(NOW) == plain.encode(ItemAt(seq, ITEMS[seq]), VEHICLE, NOW)
 
 
-def test_what_is_asked_in_a_row_is_what_the_codec_asks() -> None:
+def test_requests_in_a_row_are_those_of_the_codec() -> None:
     row, plain, vehicle = Codec(*US), Codec(*US), Codec(*VEHICLE)
     kept: list[bytes] = []
     frames = ItemFrames(ItemsRead(MissionType.MISSION, len(ITEMS), at=0, keep=kept.append), row, VEHICLE)
@@ -80,7 +80,7 @@ def test_anything_else_is_left_to_the_dialogue(frame: bytes) -> None:
     assert frames.take(said_by(Codec(*VEHICLE), Request(2)))
 
 
-def test_with_a_key_only_signed_frames_count_and_each_once() -> None:
+def test_only_signed_frames_count_with_a_key_and_each_once() -> None:
     frames = ItemFrames(run := sent(at=1), Codec(*US, Signer(KEY)), VEHICLE)
     vehicle = Codec(*VEHICLE, Signer(KEY))
     second = said_by(vehicle, Request(2))

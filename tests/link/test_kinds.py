@@ -89,7 +89,7 @@ def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
 
 
 @pytest.mark.parametrize(("firmware", "mav_type"), OTHERS)
-def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmware: int, mav_type: int) -> None:
+def test_other_kinds_are_refused_by_name_and_sent_only_heartbeats(firmware: int, mav_type: int) -> None:
     line, channel = line_to(firmware, mav_type)
     with refuses("not-flown", "", "vehicle 1", str(VehicleKind(firmware, mav_type))):
         meet(line)
@@ -98,7 +98,7 @@ def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmwa
 
 @pytest.mark.parametrize("verb", CHANGES)
 @pytest.mark.parametrize(("firmware", "mav_type"), [(3, 1), (12, 20), (0, 2)])
-def test_it_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str) -> None:
+def test_other_kinds_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str) -> None:
     line, channel = line_to(firmware, mav_type)
     vehicle = meet(line, options=ConnectionOptions(fast=False, reading=True))
     vehicle.download_items(0)

@@ -61,7 +61,7 @@ def test_both_spellings_of_a_connection_are_understood(url: str, address: Addres
         *(f"udpin:127.0.0.1:{'9' * 5000}", f"serial:/dev/ttyS0:{'9' * 5000}"),
     ],
 )
-def test_what_is_no_connection_is_said_with_an_example(url: str) -> None:
+def test_wrong_connections_are_refused_with_an_example(url: str) -> None:
     with refuses("bad-input", "link"):
         parse_address(url)
 

@@ -42,7 +42,7 @@ def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
         assert not line.reopens
 
 
-def test_what_is_no_connection_is_bad_input() -> None:
+def test_wrong_connections_are_bad_input() -> None:
     with refuses("bad-input", "connect"):
         MavutilChannel(object())
     with refuses("backend-cannot", kind=BadInput):
@@ -59,7 +59,7 @@ def test_messages_of_pymavlinks_are_said_and_heard() -> None:
     assert vehicle.firmware_version() == vehicle.version_heard != None  # noqa: E711  # asked, and then heard
 
 
-def test_of_two_vehicles_on_a_link_only_the_one_that_is_asked_is_heard() -> None:
+def test_only_the_requested_of_two_vehicles_on_a_link_is_heard() -> None:
     vehicle = meet(line_on(Net(one=station(), other=station(Autopilot.ARDUPILOT, 2))), 2)
     heard: list[Message] = []
     vehicle.overhearing = heard.append

@@ -77,7 +77,7 @@ def test_a_mission_goes_as_one_file_and_not_item_by_item() -> None:
     assert stages[-1] == (1.0, "100 of 100")
 
 
-def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:
+def test_mission_file_is_several_times_as_quick_at_200_ms() -> None:
     took = {}
     for fast in (True, False):
         vehicle, _ = aboard(Faults(delay_s=0.2), fast=fast)
@@ -88,14 +88,14 @@ def test_on_a_link_of_200_ms_it_is_several_times_as_quick() -> None:
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_it_is_exact_over_a_bad_radio(seed: int) -> None:
+def test_mission_file_is_exact_over_a_bad_radio(seed: int) -> None:
     vehicle, mock = aboard(Faults(loss=0.3, duplicate=0.1, delay_s=0.3, reorder=0.1), seed)
     sent = items_of(ARDUPILOT, 60)
     vehicle.upload_items(sent, MissionType.MISSION)
     assert compare(sent, mock.transfers.listed(0), ARDUPILOT) is None
 
 
-def test_what_the_vehicle_does_not_like_is_told_by_the_ordinary_way() -> None:
+def test_refusal_of_a_mission_file_names_the_item() -> None:
     vehicle, _ = aboard(Faults())
     bad = replace(items_of(ARDUPILOT, 5)[4], latitude_deg=95.0)
     with refuses("mission-refused", "", "item 4", "INVALID_PARAM5_X"):
@@ -301,7 +301,7 @@ def test_a_file_reads_back_as_it_was_packed(items: list[Item]) -> None:
 
 @settings(max_examples=examples(100))
 @given(st.binary(max_size=120), st.booleans())
-def test_what_is_no_mission_file_is_an_error(data: bytes, like: bool) -> None:
+def test_wrong_mission_file_is_an_error(data: bytes, like: bool) -> None:
     file = b"\x3d\x76" + data if like else data
     if len(file) >= 10 and file[:2] == b"\x3d\x76" and len(file) == 10 + 38 * int.from_bytes(file[8:10], "little"):
         assert len(unpack_mission(file)) == file[8]

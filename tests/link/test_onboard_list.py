@@ -122,7 +122,7 @@ def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot
 
 
 @pytest.mark.parametrize("family", registered())
-def test_what_nobody_touches_is_flown_to_the_end(family: Autopilot) -> None:
+def test_untouched_list_is_flown_to_the_end(family: Autopilot) -> None:
     vehicle = vehicle_of(family)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
@@ -283,7 +283,7 @@ def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> Onboard
         (onboard_list(ARDUPILOT), Current(0), ""),  # an old one tells neither
     ],
 )
-def test_what_it_says_of_another_mission(onboard: OnboardList, current: Current, words: str) -> None:
+def test_another_mission_on_the_vehicle_is_named(onboard: OnboardList, current: Current, words: str) -> None:
     onboard.note(current)
     assert onboard.changed == words
     assert onboard.is_confirmed_by(current) is (current.mission_id == 77)

@@ -271,7 +271,7 @@ def test_a_vehicle_that_was_restarted_or_tells_another_version_is_another(monkey
         flight.lose(5.0)
 
 
-def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_system_ids_are_named_until_the_vehicle_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
     flight, others = Flight(PX4, monkeypatch), list[Heard]()
     flight.at_loss = lambda: others.append(flight.replaced_by(Mock(PX4, HOME), 7))
     with refuses("link-lost", "", "300", "vehicle 7", kind=NoAnswer):

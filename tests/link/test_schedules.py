@@ -82,7 +82,7 @@ def test_a_mission_replaced_by_another_station_is_an_error_unless_unheard(
 
 @settings(UNHURRIED, max_examples=examples(150))
 @given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(1, 6), st.floats(0.0, 3.0))
-def test_what_a_cancelled_upload_leaves_is_what_it_says(
+def test_cancelled_upload_leaves_the_list_that_it_names(
     fates: list[Fate], autopilot: Autopilot, old: int, new: int, moment: float
 ) -> None:
     vehicle = Vehicle(autopilot)

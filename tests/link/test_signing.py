@@ -47,7 +47,7 @@ def test_a_mission_goes_over_a_signed_link() -> None:
 
 @pytest.mark.parametrize(("theirs", "words"), [(None, "it does not sign"), (bytes(32), "another key")])
 @pytest.mark.parametrize("system", [None, 1])
-def test_whoever_does_not_sign_with_our_key_is_named(theirs: bytes | None, words: str, system: int | None) -> None:
+def test_vehicles_without_our_key_are_named(theirs: bytes | None, words: str, system: int | None) -> None:
     line = signed_pair(KEY, theirs)
     with refuses("signs-otherwise", "", "vehicle 1", words):
         meet(line, system)

@@ -54,11 +54,13 @@ def words(autopilot: Autopilot, values: Parameters) -> str:
         (PX4, {"COM_DL_LOSS_T": 20}, ""),
     ],
 )
-def test_it_is_told_by_the_values_that_the_vehicle_has(autopilot: Autopilot, values: Parameters, expected: str) -> None:
+def test_station_loss_is_told_by_the_vehicle_s_parameters(
+    autopilot: Autopilot, values: Parameters, expected: str
+) -> None:
     assert words(autopilot, values) == expected
 
 
-def test_nothing_is_told_where_nobody_knows() -> None:
+def test_unknown_action_is_not_told() -> None:
     unknown: Any = SimpleNamespace(station_loss=None)
     assert words(unknown, {}) == ""
     unknown = SimpleNamespace(station_loss=PX4.station_loss, failsafes=lambda values, version: ())

@@ -100,7 +100,7 @@ def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None
     assert (stored_count(net, "one"), stored_count(net, "other")) == (0, 0)
 
 
-def test_whoever_insists_speaks_to_the_first_of_two_and_to_nobody_else(caplog: pytest.LogCaptureFixture) -> None:
+def test_forced_link_speaks_only_to_the_first_of_two(caplog: pytest.LogCaptureFixture) -> None:
     net = Net(one=station(), other=station())
     line = line_on(net)
     vehicle = meet(line, options=ConnectionOptions(anyway=True))
@@ -177,7 +177,7 @@ def test_forty_made_up_stations_do_not_come_between(family: Autopilot) -> None:
 
 
 @pytest.mark.parametrize("forged", [Ack(Result.DENIED), Ack(Result.ACCEPTED), Count(3)])
-def test_what_a_stranger_says_in_the_vehicle_s_name_is_not_heard(forged: Message) -> None:
+def test_messages_of_a_stranger_in_the_vehicle_s_name_are_not_heard(forged: Message) -> None:
     net = Net(one=station())
     vehicle = meet(line_on(net))
     net.strangers.append(saying(forged, [VEHICLE]))
@@ -225,7 +225,7 @@ def test_a_transfer_by_another_station_with_our_ids_does_not_break_ours(family: 
 
 
 @pytest.mark.parametrize("family", registered())
-def test_whoever_comes_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
+def test_station_after_a_transfer_of_the_same_ids_is_served(family: Autopilot) -> None:
     single = station(family)
 
     def answers(message: Message, peer: Peer, now: float) -> list[Peer | None]:

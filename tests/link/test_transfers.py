@@ -71,7 +71,7 @@ def test_a_mission_that_goes_as_a_file(written: bool) -> None:
     assert [item.latitude_deg for item in items] == pytest.approx([item.latitude_deg for item in OLD])
 
 
-def test_before_the_first_telemetry_the_clock_goes_as_fast_as_then() -> None:
+def test_clock_before_the_first_telemetry_is_as_fast_as_after() -> None:
     known_at = np.arange(10.0, 14.0, 0.1)
     known = 100.0 + 8.0 * (known_at - 10.0)
     stamps = np.array([9.5, 10.0, 10.05, 14.0])

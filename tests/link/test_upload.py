@@ -100,7 +100,7 @@ def test_a_transfer_that_broke_off_begins_anew(autopilot: Autopilot) -> None:
     assert compare(sent, vehicle.holds(), autopilot) is None
 
 
-def test_what_reads_back_differently_is_an_error_that_names_it() -> None:
+def test_difference_of_the_read_back_is_an_error_that_names_it() -> None:
     items = items_of(PX4, 1)
     changed = items_of(PX4, 2)[1]
     offered = {

@@ -92,7 +92,7 @@ def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
         vehicle.expect_on_ground()
 
 
-def test_what_is_under_way_ends_when_it_has_been_given_its_time() -> None:
+def test_running_order_ends_after_its_time() -> None:
     slow = Faults(delay_s=0.2)
     line = Line(Loopback(Station(Mock(Autopilot.PX4, HOME)), BadPipe(slow, 0), BadPipe(slow, 1)), Codec(245, 190))
     vehicle = meet(line)
@@ -127,7 +127,7 @@ def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: py
         vehicle.download()
 
 
-def test_whatever_ends_the_search_for_a_vehicle_closes_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_every_end_of_the_search_for_a_vehicle_closes_the_line(monkeypatch: pytest.MonkeyPatch) -> None:
     class Open(Line):
         is_closed = False
 
@@ -205,7 +205,7 @@ def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
         Loopback(Silent()).receive(math.inf)
 
 
-def test_as_many_processes_sign_at_once_as_have_a_link_id(tmp_path: Path) -> None:
+def test_every_process_with_a_link_id_can_sign_at_once(tmp_path: Path) -> None:
     signers = [persistent_signer(bytes(32), tmp_path / "stamp") for _ in range(MAX_SIGNERS)]
     assert len({signer.link_id for signer in signers}) == MAX_SIGNERS
     with refuses("too-large", "stamp", f"{MAX_SIGNERS}"):

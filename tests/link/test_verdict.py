@@ -85,7 +85,7 @@ def test_a_mission_replaced_before_the_verdict_is_an_error(
         ((Current(0, 1, 2, 2, 5),), 2),
     ],
 )
-def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message, ...], readings: int) -> None:
+def test_messages_before_the_upload_are_no_replacement(words: tuple[Message, ...], readings: int) -> None:
     script = judged(*words) | {
         ItemAt: [[Ack(0, 0, 77)]],
         RequestList: [[Count(1)]] * 2,
@@ -127,7 +127,7 @@ def test_verdict_on_another_mission_then_silence_is_not_verified() -> None:
         lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2), readings=1))
 
 
-def test_what_an_event_says_has_its_numbers_in_it() -> None:
+def test_words_of_an_event_have_its_numbers() -> None:
     assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: at least 3.0 m is required"
     number, arguments = mission_event("unsup_cmd", 2, 400)
     assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"

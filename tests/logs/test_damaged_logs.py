@@ -43,7 +43,7 @@ Spoil = Callable[[bytes], bytes]
         ("sitl-ardupilot.tlog", lambda data: data[:8000], "the log ends in flight: the rest of the flight is unknown"),
     ],
 )
-def test_what_a_log_lost_is_said(tmp_path: Path, name: str, spoil: Spoil, words: str) -> None:
+def test_losses_of_a_log_are_remarked(tmp_path: Path, name: str, spoil: Spoil, words: str) -> None:
     whole = (LOGS / name).read_bytes()
     path = tmp_path / name
     path.write_bytes(spoil(whole))

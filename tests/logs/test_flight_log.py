@@ -76,7 +76,7 @@ def test_the_path_is_where_it_was(name: str, flown: Flown, tmp_path: Path) -> No
     assert speed[cruising] == pytest.approx(5.0, abs=0.02)
 
 
-def test_without_an_estimate_of_velocity_positions_tell_it(flown: Flown, tmp_path: Path) -> None:
+def test_velocity_without_an_estimate_is_that_of_positions(flown: Flown, tmp_path: Path) -> None:
     path = tmp_path / "old.bin"
     write_dataflash(flown, path)
     path.write_bytes(path.read_bytes().replace(b"XKF1", b"XKFX"))
@@ -106,7 +106,7 @@ def test_a_log_of_another_mode_is_no_flight_of_the_mission(flown: Flown, tmp_pat
 @pytest.mark.parametrize(
     "content", [b"", b"hello", bytes(5000), b"\xa3\x95\x80" * 400, b"ULog\x01\x12\x35\x01" + bytes(30)]
 )
-def test_what_is_no_log_is_refused_in_words(suffix: str, content: bytes, tmp_path: Path) -> None:
+def test_files_that_are_no_log_are_refused_in_words(suffix: str, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / f"broken.{suffix}"
     path.write_bytes(content)
     with pytest.raises(MissionError) as refused:
@@ -168,7 +168,7 @@ def test_a_log_that_begins_armed_has_a_flight_only_if_arming_opened_it(
 
 
 @pytest.mark.parametrize("name", ["sitl-ardupilot.bin", "sitl-px4.tlog"])
-def test_where_it_was_in_its_mission_mode_is_part_of_where_it_was(name: str) -> None:
+def test_places_in_the_mission_mode_are_part_of_all_places(name: str) -> None:
     (flight, *_) = read_flights(Path(__file__).parent / name).flights
     whole, in_mission = flight.record().path, flight.flown_in_mission()
     assert 0.5 * len(whole) < len(in_mission) <= len(whole)

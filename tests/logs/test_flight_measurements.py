@@ -94,7 +94,7 @@ def test_powers_that_differ_too_much_or_are_one_tell_no_hover_power() -> None:
     )
 
 
-def test_what_a_log_does_not_tell_is_named() -> None:
+def test_missing_measurements_of_a_log_are_named() -> None:
     mission = recorded(PX4)[0].mission
     flights, _, _, _ = flights_in(HERE / "other_vehicle-0.ulg", lambda _: mission)
     assert "no current sensor" in flights[0].measured.reasons["hover_power"]
@@ -140,7 +140,7 @@ def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> 
     assert "energy" not in CliRunner().invoke(app, ["estimate", str(plan)]).output
 
 
-def test_where_times_get_no_better_only_the_power_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_the_power_is_written_if_times_get_no_better(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = LearnedVehicle(ARDUPILOT, drag=Learned(0.5, 0.4, 0.6), hover_power=Learned(266.0, 260.0, 272.0))
     monkeypatch.setattr("ipoa_mission.learn.fit.fit", lambda *_: vehicle)
     monkeypatch.setattr("ipoa_mission.learn.fit.fit", lambda *_: vehicle)

@@ -75,7 +75,9 @@ def column(topic: str, name: str, value: float) -> Break:
         (column("vehicle_status", "vehicle_type", 2.0), ("other-vehicle", "sitl-px4.ulg")),
     ],
 )
-def test_what_a_px4_log_lacks_is_named(monkeypatch: pytest.MonkeyPatch, spoil: Break, words: tuple[str, ...]) -> None:
+def test_missing_topics_of_a_px4_log_are_named(
+    monkeypatch: pytest.MonkeyPatch, spoil: Break, words: tuple[str, ...]
+) -> None:
     spoiled(monkeypatch, spoil)
     with refuses(*words):
         read_flights(LOG)
@@ -95,7 +97,7 @@ def test_local_positions_without_a_reference_are_no_places(monkeypatch: pytest.M
         read_flights(LOG)
 
 
-def test_without_home_velocity_and_results_there_are_still_places(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_places_remain_without_home_velocity_and_results(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = read_flights(LOG).flights[0].record().path
     spoiled(monkeypatch, without("home_position", "vehicle_local_position", "mission_result"))
     bare = ulog.read_ulog(LOG)

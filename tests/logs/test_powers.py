@@ -63,7 +63,7 @@ def forecast(row: dict[str, str], wind: Wind | None = None) -> Interval:
 
 
 @pytest.mark.parametrize("row", FLOWN[1::3], ids=lambda row: f"{row['mission']}-{row['wind_m_s']}@{row['from_deg']}")
-def test_after_one_flight_the_energy_of_others_in_wind_is_foretold(row: dict[str, str]) -> None:
+def test_energy_of_flights_in_wind_is_predicted_after_one_flight(row: dict[str, str]) -> None:
     measured, predicted = float(row["measured_wh"]), forecast(row)
     assert predicted.likely == pytest.approx(measured, rel=0.03)
     assert predicted.low < measured < predicted.high

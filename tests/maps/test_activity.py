@@ -46,7 +46,7 @@ def test_a_zone_is_active_at_its_times(period: dict[str, Any], time: str, expect
 
 
 @pytest.mark.parametrize("text", ["null", "[]", "3", "[3]", '{"a": 1}', "[" * 5000, '[{"schedule": [7]}]'])
-def test_what_tells_no_times_is_no_period(text: str) -> None:
+def test_text_without_times_is_no_period(text: str) -> None:
     assert periods_of({"limitedApplicability": text}) is None
 
 

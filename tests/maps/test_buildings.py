@@ -126,7 +126,7 @@ def test_only_what_stands_in_the_way_is_taken(write_map: WriteMap, frame: LocalF
     assert len(stand(path, frame, BuildingRules(take="all"))) == 8  # the park is flat
 
 
-def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square: Square, at: At) -> None:
+def test_assumptions_are_remarked(write_map: WriteMap, frame: LocalFrame, square: Square, at: At) -> None:
     bow = {"type": "Polygon", "coordinates": [[at(0, 0), at(40, 20), at(40, 0), at(0, 20), at(0, 0)]]}
     path = write_map(
         (square(0, 0), {"building": "yes"}),

@@ -230,7 +230,7 @@ def test_a_three_dimensional_crs_marks_its_heights_as_ellipsoidal(write_model: W
     assert "above the ellipsoid" in remarks[0]
 
 
-def test_without_a_grid_of_the_geoid_that_is_said(write_model: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_geoid_grid_is_remarked(write_model: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ipoa_mission.maps.geoid.GRIDS", ("no_such_grid.tif",))
     path = write_model()
     with pytest.raises(BadInput) as caught:
@@ -275,7 +275,7 @@ def test_too_fine_a_grid_is_refused(write_model: Write) -> None:
         read(write_model(), spacing=0.01)
 
 
-def test_what_is_no_elevation_model_is_refused(write_model: Write, tmp_path: Path) -> None:
+def test_files_that_are_no_elevation_model_are_refused(write_model: Write, tmp_path: Path) -> None:
     text = tmp_path / "text.tif"
     text.write_text("no raster", encoding="utf-8")
     with refuses("damaged-file", "text.tif"):

@@ -233,14 +233,14 @@ def test_nonsense_without_end_is_an_error_at_once(tmp_path: Path, name: str) -> 
     assert refused.value.place.startswith(str(tmp_path))
 
 
-def test_what_a_kml_fetches_from_elsewhere_is_a_feature_without_a_shape(tmp_path: Path) -> None:
+def test_network_links_of_a_kml_are_features_without_a_shape(tmp_path: Path) -> None:
     link = "<NetworkLink><name>more</name><Link><href>http://example.org/zones.kml</href></Link></NetworkLink>"
     (tmp_path / "a.kml").write_text(f"<kml><Document>{link}<Placemark>{SPOT}</Placemark></Document></kml>")
     more, _ = read_features(tmp_path / "a.kml")
     assert (more.name, more.shape.is_empty) == ("more", True)
 
 
-def test_what_people_draw_is_not_too_deep(tmp_path: Path) -> None:
+def test_depth_of_ordinary_files_is_allowed(tmp_path: Path) -> None:
     (tmp_path / "a.geojson").write_text(collections(16))
     (tmp_path / "a.kml").write_text(placemark(nested("<MultiGeometry>", SPOT, "</MultiGeometry>", 16)))
     assert len(read_features(tmp_path / "a.geojson")) == len(read_features(tmp_path / "a.kml")) == 1

@@ -56,7 +56,7 @@ def test_a_length_is_read_in_meters(text: str, expected: float) -> None:
 
 
 @pytest.mark.parametrize("text", NO_LENGTHS)
-def test_what_is_no_length_is_refused_with_its_place(text: str) -> None:
+def test_wrong_lengths_are_refused_with_their_place(text: str) -> None:
     with pytest.raises(BadInput) as caught:
         meters(text, "map.geojson: features[3].properties.height")
     assert str(caught.value) == (
@@ -87,7 +87,7 @@ def test_another_property_may_hold_the_height() -> None:
 
 
 @pytest.mark.parametrize("text", ["0", "0 m", "-5", "tall", ""])
-def test_what_is_no_height_is_told_and_left_out(text: str) -> None:
+def test_wrong_heights_are_remarked_and_left_out(text: str) -> None:
     skipped: list[tuple[str, str]] = []
     tags = {"height": text, "building:levels": "4", "roof:height": "?", "roof:levels": "1"}
     assert height_of(tags, "height", 3.0, lambda *odd: skipped.append(odd)) == 15.0
@@ -98,7 +98,7 @@ def test_what_is_no_height_is_told_and_left_out(text: str) -> None:
     ("tags", "expected"),
     [({"min_height": "6 m"}, 6.0), ({"building:min_level": "2"}, 6.0), ({"min_height": "-2"}, 0.0), ({}, 0.0)],
 )
-def test_what_bridges_a_street_begins_above_it(tags: dict[str, str], expected: float) -> None:
+def test_bridges_begin_above_their_street(tags: dict[str, str], expected: float) -> None:
     assert foot_of(tags, 3.0, fail) == expected
 
 

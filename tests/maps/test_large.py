@@ -69,7 +69,7 @@ def generated(seed: int, at: At) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("seed", some(10, range(240)))
-def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
+def test_near_and_counted_features_are_those_of_the_whole_map(
     seed: int, tmp_path: Path, frame: LocalFrame, at: At, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "map.geojson"
@@ -105,7 +105,7 @@ def _doubtful(things: tuple[PassedOver, ...], nearby: Callable[[Any], bool]) -> 
     ]
 
 
-def test_what_is_wrong_far_away_is_told_too(tmp_path: Path, frame: LocalFrame, at: At) -> None:
+def test_faults_far_away_are_remarked_too(tmp_path: Path, frame: LocalFrame, at: At) -> None:
     features = [
         {"type": "Feature", "properties": {"building": "yes"}, "geometry": {"type": "Point", "coordinates": at(n, 0)}}
         for n in range(0, 9000, 300)

@@ -66,7 +66,7 @@ def test_things_have_the_shapes_that_gdal_finds(town: Path) -> None:
     assert ours["30"].area == pytest.approx(0.004 * 0.003 - 0.001 * 0.001)
 
 
-def test_what_lacks_a_corner_is_told(town: Path) -> None:
+def test_shapes_that_lack_a_corner_are_remarked(town: Path) -> None:
     frame = LocalFrame(Geodetic(47.0, 8.0, 400.0))
     buildings = search_buildings(town, BuildingRules(), frame)
     assert sorted(round(thing.height, 1) for thing in buildings.obstacles) == [9.0, 12.0, 14.5, 30.0]

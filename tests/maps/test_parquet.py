@@ -118,7 +118,7 @@ def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
 
 
 @pytest.mark.parametrize("geo", [ABOUT, COVERED], ids=["without boxes", "with boxes"])
-def test_what_is_wanted_does_not_depend_on_what_the_file_says_of_its_boxes(write: Write, geo: Any) -> None:
+def test_selected_features_do_not_depend_on_the_file_s_boxes(write: Write, geo: Any) -> None:
     wide = shapely.box(7.0, 46.0, 9.0, 48.0)
     places = [house(0), house(30_000), wide, None, house(0, 30_000), house(500)]
     around = MapWindow.of(HOME, HERE)
@@ -180,7 +180,7 @@ def spoiled(**about: Any) -> dict[str, Any]:
         (spoiled(crs={"type": "GeographicCRS"}), "crs: expected a coordinate system as PROJ's JSON has it"),
     ],
 )
-def test_what_the_file_says_of_itself_must_make_sense(write: Write, geo: Any, words: str) -> None:
+def test_metadata_of_the_file_must_make_sense(write: Write, geo: Any, words: str) -> None:
     path = write(ROWS[:1], [house(0)], geo)
     with pytest.raises(BadInput) as caught:
         read_features(path)
@@ -208,7 +208,7 @@ def test_tags_that_are_no_pairs_are_none(write: Write) -> None:
     assert "tags" not in feature.tags
 
 
-def test_what_is_cut_off_empty_or_something_else_is_refused(write: Write) -> None:
+def test_truncated_empty_and_other_files_are_refused(write: Write) -> None:
     path = write(ROWS, [house(50.0 * n) for n in range(6)])
     whole = path.read_bytes()
     for content, code in {
@@ -232,7 +232,7 @@ def test_a_scenario_begins_from_it_and_is_planned_over(write: Write, tmp_path: P
     assert len(scenario.airspace.obstacles) == 25
 
 
-def test_without_the_library_the_extra_is_named(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_library_is_an_error_that_names_the_extra(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(ROWS[:1], [house(0)])
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
     with refuses("package-missing", kind=BadInput) as caught:

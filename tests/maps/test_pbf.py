@@ -61,7 +61,7 @@ def make(tmp_path: Path) -> Make:
     return made
 
 
-def test_it_is_read_as_the_xml_it_was_made_from(make: Make) -> None:
+def test_pbf_is_read_as_the_xml_that_it_was_made_from(make: Make) -> None:
     binary = make(COUNTRY)
     by_id = {each.tags["@id"]: (each.tags, each.shape.wkb) for each in read_features(binary)}
     assert by_id == {each.tags["@id"]: (each.tags, each.shape.wkb) for each in read_features(binary.with_suffix(""))}
@@ -127,7 +127,7 @@ def test_a_flight_beside_all_that_a_map_has_is_none_of_its_mistakes(make: Make) 
     assert search_buildings(binary, BuildingRules(), away, HERE).elsewhere == 6
 
 
-def test_what_is_cut_off_or_something_else_is_refused(make: Make) -> None:
+def test_truncated_and_other_files_are_refused(make: Make) -> None:
     binary = make(COUNTRY)
     whole = binary.read_bytes()
     for content, code in {
@@ -146,7 +146,7 @@ def test_a_file_without_things_is_refused(make: Make) -> None:
         read_features(make(f'<osm version="0.6">{node(1, (47.0, 8.0))}</osm>'))
 
 
-def test_what_lies_nowhere_and_an_area_that_does_not_close_have_no_shape(make: Make) -> None:
+def test_nodes_without_place_and_open_areas_have_no_shape(make: Make) -> None:
     open_one = RELATION.replace('<member type="way" ref="21" role="outer"/>', "")
     binary = make(TOWN.replace(RELATION, open_one).replace("</osm>", way_xml(14, [5], building="yes") + "</osm>"))
     empty = {
@@ -162,7 +162,7 @@ def test_a_large_file_is_refused_with_what_cuts_it_out(make: Make, monkeypatch: 
     assert "osmium extract --strategy smart --bbox 7.98,46.98,8.02,47.02 --output" in str(caught.value.hint)
 
 
-def test_without_the_library_the_extra_is_named(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_library_is_an_error_that_names_the_extra(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
     binary = make(TOWN)
     monkeypatch.setitem(sys.modules, "osmium", None)
     with refuses("package-missing", "", "osmium", kind=BadInput) as caught:

@@ -165,7 +165,7 @@ def test_one_house_is_the_same_in_every_spelling(tmp_path: Path, frame: LocalFra
     assert not any(thing.may_be_obstacle for thing in maps.passed_over)
 
 
-def test_what_overpass_left_out_is_named(tmp_path: Path, frame: LocalFrame) -> None:
+def test_omissions_of_overpass_are_named(tmp_path: Path, frame: LocalFrame) -> None:
     path = tmp_path / "town.json"
     remark = 'runtime error: Query timed out in "query" at line 3 after 25 seconds.'
     path.write_text(json.dumps(overpass(geometry=lat_lon()) | {"remark": remark}))

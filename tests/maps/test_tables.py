@@ -101,7 +101,7 @@ def test_another_kmz_is_refused(tmp_path: Path, make: Callable[[Path], Path], wo
     assert str(caught.value).endswith(words)
 
 
-def test_what_is_no_archive_is_no_kmz(tmp_path: Path) -> None:
+def test_kmz_must_be_an_archive(tmp_path: Path) -> None:
     (tmp_path / "map.kmz").write_text(PLACEMARK)
     with refuses("wrong-format", "map.kmz"):
         read_features(tmp_path / "map.kmz")

@@ -50,7 +50,7 @@ def near(path: Path, frame: LocalFrame = HOME) -> tuple[set[str], set[str], MapW
 
 @pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:2056", "EPSG:3857"])
 @pytest.mark.parametrize("suffix", DRIVERS)
-def test_what_is_near_is_read_and_the_rest_is_counted(tmp_path: Path, suffix: str, crs: str) -> None:
+def test_near_features_are_read_and_the_rest_are_counted(tmp_path: Path, suffix: str, crs: str) -> None:
     read, there, around = near(houses(tmp_path / f"map{suffix}", crs))
     assert read == there
     assert 20 < len(read) < ROWS / 10

@@ -81,7 +81,7 @@ def turned(xarray: Any, path: Path, names: tuple[str, str], standards: tuple[str
 COLORADO = Geodetic(40.0, -105.2, 1600.0)
 
 
-def test_on_a_turned_grid_the_nearest_point_counts(xarray: Any, tmp_path: Path) -> None:
+def test_nearest_point_counts_on_a_turned_grid(xarray: Any, tmp_path: Path) -> None:
     for standards in (("eastward_wind", "northward_wind"), ("wind_speed", "wind_from_direction")):
         path = turned(xarray, tmp_path / f"{standards[0]}.nc", ("a10m", "b10m"), standards)
         x, y = Transformer.from_crs("EPSG:4326", LAMBERT, always_xy=True).transform(-105.2, 40.0)

@@ -111,7 +111,7 @@ def test_a_scenario_has_the_wind_of_its_forecast_and_errors_name_the_file(tmp_pa
         parse_scenario(PLACES.replace('"ensemble.nc"', '"ensemble.nc", speed = 3.0'), tmp_path / "here.toml")
 
 
-def test_what_a_forecast_holds_and_is_not_read_is_named_by_its_scenario(tmp_path: Path) -> None:
+def test_unread_parts_of_a_forecast_are_named_by_its_scenario(tmp_path: Path) -> None:
     data = forecast([10.0, 100.0]).rename(height="z")
     alone = data.ua.isel(z=0, drop=True) * 5.0
     units = {name: {**data[name].attrs, "units": "m s-1"} for name in ("ua", "va")}

@@ -126,7 +126,7 @@ def test_no_rope_sticks_out_of_its_walls(
     assert len(walls) <= max(span.length // 20, 1)
 
 
-def test_on_level_ground_a_span_is_one_wall() -> None:
+def test_span_over_level_ground_is_one_wall() -> None:
     (wall,) = raise_span("line", shapely.LineString([(0, 0), (0, 300)]), 8.0, 40.0, LEVEL)
     assert wall.bounds.tolist() == [[-8.0, -8.0, 0.0], [8.0, 308.0, 40.0]]
 
@@ -139,7 +139,7 @@ def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at:
     assert len(raise_obstacles(buildings.obstacles, LEVEL)) == 3
 
 
-def test_of_a_line_that_stays_in_one_place_no_span_stands() -> None:
+def test_repeated_points_of_a_line_make_no_span() -> None:
     there, here = (3.0, 4.0), (9.0, 4.0)
     assert [*spans(shapely.LineString([there, there]))] == []
     assert [*spans(shapely.LineString([there, there, here, here]))] == [shapely.LineString([there, here])]

@@ -47,7 +47,7 @@ def test_a_survey_is_written_as_it_was_read() -> None:
     assert repr(read(plan_text(mission)).items) == repr(mission.items)
 
 
-def test_what_stands_before_it_moves_its_numbers() -> None:
+def test_items_before_a_complex_item_move_its_numbers() -> None:
     mission = read(document(AHEAD | {"type": "SimpleItem"}, survey(), BEHIND))
     more = replace(
         mission, items=(mission.items[0], Item(Command.NAV_DELAY, 2, (5.0, 0.0, 0.0, 0.0)), *mission.items[1:])

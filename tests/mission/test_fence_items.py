@@ -48,7 +48,7 @@ def test_a_polygon_of_no_vertices_is_an_error(number: float) -> None:
         fence_from_wire([Item(5001, 0, (number, 0.0, 0.0, 0.0))] * 3)
 
 
-def test_what_is_no_fence_is_an_error() -> None:
+def test_wrong_fences_are_errors() -> None:
     with refuses("not-a-mission-item", "fence item 1", "NAV_WAYPOINT"):
         fence_from_wire([Item(16, 3)])
     with refuses("not-a-mission-item", "rally item 1", "NAV_WAYPOINT"):

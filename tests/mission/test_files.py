@@ -14,7 +14,7 @@ MISSION = Mission(HOME, (takeoff(HOME, 10.0), Item(20, 2)), Autopilot.PX4)
 
 
 @pytest.mark.parametrize("suffix", [".plan", ".waypoints"])
-def test_what_is_written_is_read_whatever_it_is_called(suffix: str, tmp_path: Path) -> None:
+def test_written_missions_are_read_under_any_name(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a{suffix}"
     write_mission(MISSION, path)
     assert same(read_mission(path), MISSION)

@@ -70,7 +70,7 @@ def test_nan_becomes_0_only_where_ardupilot_refuses_it() -> None:
 
 
 @BOTH
-def test_what_comes_back_from_the_wire_is_the_mission_again(autopilot: Autopilot) -> None:
+def test_mission_read_back_from_the_wire_is_the_same(autopilot: Autopilot) -> None:
     mission = replace(FLIGHT, autopilot=autopilot)
     back = from_wire(to_wire(mission), autopilot, HOME)
     assert (back.home, len(back.items)) == (HOME, 5)
@@ -134,7 +134,7 @@ MEASURED = {
 
 
 @pytest.mark.parametrize("row", MEASURED)
-def test_what_an_autopilot_is_known_to_change_is_no_difference(row: str) -> None:
+def test_known_changes_of_an_autopilot_are_no_difference(row: str) -> None:
     autopilot, sent, got = MEASURED[row]
     head = to_wire(Mission(HOME, (), autopilot))
     assert compare((*head, sent), (*head, got), autopilot) is None
@@ -206,7 +206,7 @@ def known_items(draw: st.DrawFn, autopilot: Autopilot) -> Item:
 
 @BOTH
 @given(data=st.data())
-def test_what_is_stored_never_differs_from_what_was_sent(autopilot: Autopilot, data: st.DataObject) -> None:
+def test_stored_items_never_differ_from_sent_ones(autopilot: Autopilot, data: st.DataObject) -> None:
     mission = Mission(HOME, tuple(data.draw(st.lists(known_items(autopilot), max_size=4))), autopilot)
     sent = to_wire(mission)
     stored = as_stored(sent, autopilot)

@@ -34,7 +34,7 @@ def test_only_the_line_of_what_was_moved_differs(name: str) -> None:
     assert sum(old != new for old, new in zip(before, after, strict=True)) == 1
 
 
-def test_what_nobody_here_reads_stays(tmp_path: Path) -> None:
+def test_unread_parts_stay(tmp_path: Path) -> None:
     document = json.loads((MISSIONS / "sitl.plan").read_text())
     document["mission"] |= {"cruiseSpeed": 15, "theirs": {"a": [1, None]}}
     document["geoFence"]["breachReturn"] = [47.0, 8.0, 20]

@@ -34,7 +34,7 @@ def test_an_odd_file_is_read_and_check_says_what_is_odd(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SAID)
-def test_what_was_not_changed_is_written_as_it_was(name: str, tmp_path: Path) -> None:
+def test_unchanged_parts_are_written_as_they_were(name: str, tmp_path: Path) -> None:
     file = read(name)
     write_mission(file.mission, tmp_path / name, read_from=file)
     assert (tmp_path / name).read_bytes() == (ODD / name).read_bytes()

@@ -115,7 +115,7 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
         ("# only words\n", {}, ["parameters: the file has none: the file"]),
     ],
 )
-def test_what_a_parameter_file_says_twice_or_oddly_is_named(
+def test_repeated_and_odd_parameters_are_named(
     tmp_path: Path, text: str, parameters: dict[str, float], words: list[str]
 ) -> None:
     path = tmp_path / "a.params"
@@ -147,7 +147,7 @@ def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
         st.from_regex(r"[A-Z][A-Z0-9_]{0,15}", fullmatch=True), st.floats(-SINGLE_MAX, SINGLE_MAX, allow_nan=False)
     )
 )
-def test_what_is_written_beside_a_mission_comes_back(
+def test_parameters_written_beside_a_mission_come_back(
     tmp_path_factory: pytest.TempPathFactory, values: dict[str, float]
 ) -> None:
     path = tmp_path_factory.mktemp("parameters") / "a.plan"

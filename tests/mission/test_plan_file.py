@@ -32,14 +32,14 @@ def written(mission: Mission, folder: Path) -> dict[str, Any]:
 
 
 @given(mission=missions())
-def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
+def test_written_mission_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "round.plan"
     write_mission(mission, path)
     assert same(read_mission_file(path).mission, mission)
 
 
 @given(mission=missions())
-def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Mission, tmp_path_factory: Any) -> None:
+def test_written_plans_keep_the_rules_of_qgroundcontrol_s_loader(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "rules.plan"
     write_mission(mission, path)
     text = path.read_text()
@@ -162,7 +162,7 @@ def test_the_autopilot_that_is_asked_for_goes_before_that_of_the_file() -> None:
     assert read_mission_file(FILES / "corridor.plan", Autopilot.PX4).mission.autopilot is Autopilot.PX4
 
 
-def test_what_other_programs_leave_out_is_not_needed(tmp_path: Path) -> None:
+def test_keys_that_other_programs_omit_are_not_needed(tmp_path: Path) -> None:
     plan = written(Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, 10.0))), tmp_path)
     del plan["groundStation"], plan["geoFence"], plan["rallyPoints"], plan["mission"]["version"]
     for item in plan["mission"]["items"]:

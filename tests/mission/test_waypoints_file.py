@@ -23,7 +23,7 @@ FLIGHT = Mission(HOME, (takeoff(HOME, 40.0), change_speed(15.0), waypoint(Geodet
 
 
 @given(mission=missions(frames=(0, 3), fences=False))
-def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
+def test_written_mission_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "round.waypoints"
     assume((mission.home.latitude_deg, mission.home.longitude_deg) != (0.0, 0.0))  # which stands for no place
     takes_off = any(item.command in TAKEOFFS for item in mission.items)
@@ -76,7 +76,7 @@ def test_nan_stays_for_px4_which_would_turn_north_and_is_0_for_ardupilot(tmp_pat
     assert "nan" not in path.read_text()
 
 
-def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
+def test_lost_parts_are_remarked(tmp_path: Path) -> None:
     mission = replace(FLIGHT, fence=(FenceCircle((39.1, 121.8), 100.0),), rally=(HOME,))
     assert write_mission(mission, tmp_path / "fence.waypoints") == (
         "the geofence cannot be held by a .waypoints file",
@@ -116,7 +116,7 @@ def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
     ],
     ids=["CRLF", "blank lines", "spaces", "byte order mark", "comment", "no last line end"],
 )
-def test_what_other_programs_write_is_read(change: Any, tmp_path: Path) -> None:
+def test_files_of_other_programs_are_read(change: Any, tmp_path: Path) -> None:
     path = tmp_path / "lenient.waypoints"
     write_mission(FLIGHT, path)
     path.write_bytes(change(path.read_text()).encode())

@@ -52,7 +52,7 @@ def test_terrain_heights_are_ardupilots(tmp_path: Path) -> None:
     assert by_items(tmp_path / "colleague.waypoints").mission.autopilot is ARDUPILOT
 
 
-def test_what_is_said_or_lies_beside_it_goes_before(tmp_path: Path) -> None:
+def test_options_and_neighboring_files_go_before(tmp_path: Path) -> None:
     path = tmp_path / "colleague.waypoints"
     write_mission(Mission(HOME, zeroed(UP, AWAY, DOWN), ARDUPILOT).with_parameters({"RTL_ALT": 3000.0}), path)
     read = read_mission_file(path)

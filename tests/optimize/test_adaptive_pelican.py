@@ -22,7 +22,7 @@ def rosenbrock(x: Candidates) -> Costs:
 
 @settings(max_examples=examples(15))
 @given(st.integers(40, 3000), st.integers(1, 12))
-def test_it_spends_its_evaluations_and_not_one_more(evaluations: int, dimension: int) -> None:
+def test_adaptive_pelican_spends_exactly_its_evaluations(evaluations: int, dimension: int) -> None:
     box = Box(np.full(dimension, -1.0), np.full(dimension, 2.0))
     search = AdaptivePelican(evaluations=evaluations)
     found = minimize(lambda x: (x**2).sum(axis=1), box, search, np.random.default_rng(1))

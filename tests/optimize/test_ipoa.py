@@ -68,7 +68,7 @@ def test_no_setting_is_dead(settings: dict[str, object]) -> None:
     assert not np.array_equal(default.x, shorter.x)
 
 
-def test_without_its_four_strategies_it_is_poa() -> None:
+def test_ipoa_without_its_four_strategies_is_poa() -> None:
     bare = IPOA(population=10, iterations=25, chaotic_start=False, inertia=False, levy=False, mutation=False)
     runs = range(100)
     ours = [minimize(bowl, BOX, bare, np.random.default_rng([1, run])).cost for run in runs]

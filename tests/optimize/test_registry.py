@@ -16,7 +16,7 @@ from tests.refused import refuses
 
 
 @pytest.mark.parametrize("name", optimizer_names())
-def test_without_settings_the_defaults_stand(name: str) -> None:
+def test_defaults_hold_without_settings(name: str) -> None:
     assert build_optimizer(name, {}) == optimizer_class(name)()
 
 
@@ -50,7 +50,7 @@ def test_settings_reach_the_optimizer() -> None:
         ),
     ],
 )
-def test_what_is_wrong_is_named_with_what_was_expected(
+def test_wrong_settings_are_named_with_the_expected_ones(
     name: str, settings: dict[str, object], message: tuple[str, ...]
 ) -> None:
     with refuses(*message):

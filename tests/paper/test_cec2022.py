@@ -40,12 +40,12 @@ def test_the_error_at_the_optimum_is_zero(function: str) -> None:
         ("f1", 30, ("bad-input", "dimension", "10", "20", "30")),
     ],
 )
-def test_what_does_not_exist_is_said(function: str, dimension: int, message: tuple[str, ...]) -> None:
+def test_missing_functions_are_named(function: str, dimension: int, message: tuple[str, ...]) -> None:
     with refuses(*message):
         cec2022(function, dimension)
 
 
-def test_without_minionpy_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_minionpy_is_an_error_that_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "minionpy.cec", None)
     with refuses("package-missing") as caught:
         cec2022("f1", 10)

@@ -61,7 +61,7 @@ def test_a_worker_that_is_killed_in_the_middle_loses_nothing(cluster: Any, local
     assert killed
 
 
-def test_where_nobody_listens_it_says_so(unused_port: int) -> None:
+def test_unanswered_address_of_a_cluster_is_an_error(unused_port: int) -> None:
     pytest.importorskip("distributed")
     with (
         refuses("cluster-lost", "", f"tcp://127.0.0.1:{unused_port}"),
@@ -80,7 +80,7 @@ def unused_port() -> int:
 
 
 @pytest.mark.parametrize(("jobs", "address"), [(0, None), (1, "localhost"), (1, "nonsense://x")])
-def test_what_cannot_be_is_bad_input(jobs: int, address: str | None) -> None:
+def test_wrong_jobs_and_addresses_are_bad_input(jobs: int, address: str | None) -> None:
     pytest.importorskip("distributed")
     with pytest.raises(BadInput), open_executor(jobs, address):
         pass

@@ -57,7 +57,7 @@ def test_a_trial_is_a_function_of_itself() -> None:
     assert results([run_trial(TRIALS[0])]) == results([run_trial(TRIALS[0])])
 
 
-def test_what_is_written_is_what_was_measured(tmp_path: Path) -> None:
+def test_written_runs_are_the_measured_ones(tmp_path: Path) -> None:
     rows = measure(TRIALS, tmp_path / "rows.csv", Here())
     assert [row.trial for row in rows] == TRIALS
     read = sorted(read_rows(tmp_path / "rows.csv"), key=lambda row: TRIALS.index(row.trial))
@@ -106,7 +106,7 @@ def test_two_processes_do_not_add_to_the_same_file(tmp_path: Path) -> None:
         assert len(measure(TRIALS, path, Here(breaks_after=0))) == 4
 
 
-def test_what_waits_is_cancelled_when_the_series_is_stopped(tmp_path: Path) -> None:
+def test_waiting_runs_are_cancelled_when_the_series_is_stopped(tmp_path: Path) -> None:
     class Busy(Here):
         def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
             future: Future[Any] = super().submit(fn, *args, **kwargs) if not self.count else Future()

@@ -60,7 +60,7 @@ def test_friedman_is_the_textbook_case() -> None:
     assert result.mean_ranks.sum() == pytest.approx(6)
 
 
-def test_after_friedman_the_control_is_compared_as_in_demsars_example() -> None:
+def test_control_is_compared_after_friedman_as_in_demsar_s_example() -> None:
     """Table 6 and section 3.2.2: C4.5 against its three variants over 14 data sets, z of 2.416, 2.342, 0.512."""
     test = Friedman(np.array([3.143, 2.000, 2.893, 1.964]), 14, 9.28, 0.026)
     itself, m, cf, both = post_hoc(test, 0)

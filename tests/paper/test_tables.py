@@ -166,7 +166,7 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
     ("table_name", "runs", "message"),
     [("table3", None, ("unknown-name", "what", "'table3'")), ("table-3", 0, ("bad-input", "runs"))],
 )
-def test_what_cannot_be_reproduced_is_bad_input(
+def test_tables_that_cannot_be_reproduced_are_bad_input(
     tmp_path: Path, table_name: str, runs: int | None, message: tuple[str, ...]
 ) -> None:
     with refuses(*message):

@@ -230,6 +230,6 @@ def test_no_place_is_looked_up_outside_the_chart(town: Town, spot: tuple[float, 
     assert 0 <= row <= grid.ground.rows - 1
 
 
-def test_nothing_is_compiled_before_a_path_is_planned() -> None:
+def test_kernels_are_not_compiled_before_a_path_is_planned() -> None:
     lines = "import ipoa_mission.planning.planner, sys; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", lines], check=False).returncode == 0

@@ -27,7 +27,7 @@ def walls(gaps: Vector, rng: np.random.Generator) -> list[dict[str, object]]:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario: Make, seed: int) -> None:
+def test_too_narrow_a_gap_is_closed(scenario: Make, seed: int) -> None:
     rng = np.random.default_rng(seed)
     gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
     job = scenario(obstacles=walls(gaps, rng))
@@ -56,7 +56,7 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
     assert closed.width == pytest.approx(2.6)
 
 
-def test_what_can_be_flown_over_closes_nothing(scenario: Make) -> None:
+def test_obstacles_that_can_be_flown_over_close_nothing(scenario: Make) -> None:
     low = [wall | {"height": 97.0} for wall in walls(np.array([0.1]), np.random.default_rng(0))]
     job = scenario(obstacles=low)  # 1.5 m are required, the bounds leave 3
     refuse_closed(prepare(job))

@@ -50,7 +50,7 @@ def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, table
     assert not np.array_equal(one.curve.control, of_other_seed.curve.control)
 
 
-def test_with_nothing_in_the_way_it_flies_straight(scenario: Make) -> None:
+def test_free_way_is_flown_straight(scenario: Make) -> None:
     plan = plan_path(scenario())
     assert plan.curve.length == pytest.approx(100, abs=1e-3)
     assert plan.cost.total == pytest.approx(70, abs=0.02)
@@ -102,7 +102,7 @@ def test_the_papers_planner_searches_once_in_absolute_coordinates(scenario: Make
     assert plan.proof.is_proved
 
 
-def test_with_length_only_it_takes_the_shortest_way(scenario: Make) -> None:
+def test_cost_of_length_only_gives_the_shortest_way(scenario: Make) -> None:
     """Round a mast in the middle: two tangents and an arc."""
     job = scenario(obstacles=[PILLAR | {"north": 0}], cost={"omega": (1, 0, 0)}, vehicle={"radius": 0.5})
     r = 11.5

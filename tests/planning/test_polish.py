@@ -81,7 +81,7 @@ def test_a_part_is_polished_and_the_rest_stays(scenario: Make) -> None:
     assert prepare(job).cost(candidate) < prepare(job).cost(rough)
 
 
-def test_it_never_makes_a_curve_dearer(town: Town) -> None:
+def test_polish_never_raises_the_cost(town: Town) -> None:
     for seed in range(4):
         job = town(seed)
         problem, rng = prepare(job), np.random.default_rng(seed)

@@ -123,7 +123,7 @@ def test_places_at_the_required_height_need_no_zone(scenario: Make) -> None:
     assert scenario().limits.low_zones == ()
 
 
-def test_without_obstacles_there_is_nothing_to_say_about_them(scenario: Make) -> None:
+def test_proof_without_obstacles_does_not_name_them(scenario: Make) -> None:
     proof = prove(np.array([(0.0, 0, 20), (100, 0, 20)]), scenario())
     assert distances_of(proof, "obstacles") == []
     assert proof.clearance.what == "terrain"

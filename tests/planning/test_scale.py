@@ -45,7 +45,7 @@ def test_a_loop_of_millimeters_is_counted() -> None:
 
 
 @pytest.mark.parametrize(("turns", "pulled_to"), [(1, 36.749), (1, 36.72), (1, 34.0), (0, 37.0)])
-def test_where_a_curve_doubles_back_is_counted_once(turns: int, pulled_to: float) -> None:
+def test_reversal_of_a_curve_is_counted_once(turns: int, pulled_to: float) -> None:
     ahead = np.array([0.0, 10.0, 20.0, 30.0, 39.0, pulled_to, 42.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0])
     straight = np.column_stack([ahead, 0.0 * ahead, np.full(13, 30.0)])
     airspace = Airspace(Bounds((-10.0, -50.0, 0.0), (110.0, 50.0, 60.0)), Flat(), ())

@@ -216,7 +216,7 @@ def _within(box: dict[str, float], part: dict[str, float]) -> tuple[float, float
 
 
 @pytest.mark.parametrize("width", [390, 768, 1280])
-def test_nothing_is_wider_than_the_screen(open_page: Callable[..., Any], width: int) -> None:
+def test_page_is_not_wider_than_the_screen(open_page: Callable[..., Any], width: int) -> None:
     page = open_page(width=width)
     assert page.evaluate("document.documentElement.scrollWidth") == width
     small = page.evaluate(
@@ -258,14 +258,14 @@ def _contrast(luminance: float, other_luminance: float) -> float:
     return (high + 0.05) / (low + 0.05)
 
 
-def test_it_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
+def test_report_prints_on_a_few_pages(open_page: Callable[..., Any]) -> None:
     page = open_page()
     paper = page.pdf(format="A4")
     assert paper.startswith(b"%PDF")
     assert 1 <= paper.count(b"/Type /Page\n") <= 4
 
 
-def test_after_a_flight_both_paths_and_times_are_shown(tab: Tab, bowed: Bowed, tmp_path: Path) -> None:
+def test_both_paths_and_times_are_shown_after_a_flight(tab: Tab, bowed: Bowed, tmp_path: Path) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     file = tmp_path / "flown.html"
     write_report(Forecast(mission, scenario), file, None, fly_built_in(mission))

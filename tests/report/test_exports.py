@@ -199,7 +199,7 @@ def test_the_table_knows_the_height_above_a_scenarios_ground() -> None:
     assert mission_table(TERRAIN)[4].height_above_ground == 30.0
 
 
-def test_what_the_columns_do_not_show_is_said_in_words() -> None:
+def test_facts_without_a_column_are_given_in_words() -> None:
     items = (
         Item(177, 2, (3.0, 2.0, 0.0, 0.0)),
         Item(18, 3, (4.0, 0.0, 20.0, 0.0), 39.102, 121.82, 9.0),

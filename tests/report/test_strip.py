@@ -51,13 +51,13 @@ def test_bars_lie_under_the_profile_where_the_vehicle_is_then(forecast: Foreseen
         assert float(width) == pytest.approx(max(100 * (last - first), 0.4), abs=0.1)
 
 
-def test_what_is_not_clear_stands_below_in_words(forecast: Foreseen) -> None:
+def test_unclear_contingencies_are_listed_below_in_words(forecast: Foreseen) -> None:
     unclear = [str(row) for row in Contingencies(forecast("sitl.toml")).all_rows(timed=False) if not row.clear]
     (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', page_of(forecast("sitl.toml")))
     assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
 
 
-def test_where_every_contingency_is_clear_it_says_so(bowed: Bowed) -> None:
+def test_strip_says_that_every_contingency_is_clear(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("sitl.toml")
     text = scenario.model_dump(mode="json") | {"obstacles": []}
     page = page_of(Forecast(mission, Scenario.model_validate(text)))
@@ -79,7 +79,7 @@ def test_only_what_the_vehicle_has_is_drawn(forecast: Foreseen) -> None:
     assert drawn == {"campus.toml": {"rtl", "land", "smart_rtl", "hold"}, "sitl.toml": {"rtl", "land", "hold"}}
 
 
-def test_nothing_is_drawn_of_a_flight_of_which_nothing_is_known(bowed: Bowed) -> None:
+def test_unknown_flight_has_no_strip(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     course = sample_track(timed.track, scenario.airspace)
     assert contingency_strip(Forecast(replace(mission, items=()), scenario), course) == ""

@@ -78,7 +78,7 @@ def flown_path(flight: Flight) -> np.ndarray:
 
 @given(st.integers(0, 2**20), st.sampled_from(WAYS), st.sampled_from([0.99, "nominal"]))
 @settings(max_examples=examples(7))
-def test_what_is_written_passes_the_check_and_keeps_what_is_required(
+def test_written_plans_pass_the_check_and_keep_the_required_distance(
     seed: int, how: tuple[Autopilot, str], confidence: float | str
 ) -> None:
     scene = table(np.random.default_rng(seed), *how, confidence)

@@ -59,7 +59,7 @@ def codes(flight: Flight, scenario: Scenario) -> list[str]:
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: Autopilot) -> None:
+def test_vehicle_that_lands_by_choice_flies_round_obstacles_below(autopilot: Autopilot) -> None:
     asked = over_a_roof(autopilot, LANDS[str(autopilot)])
     landing, returning = (plan_flight(w, seed=0) for w in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
     assert least_of_landings(landing) >= asked.limits.obstacle_distance > least_of_landings(returning)
@@ -88,7 +88,7 @@ def test_a_warning_names_the_failsafe_and_the_value_that_returns_instead() -> No
     assert str(findings[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
 
 
-def test_what_lands_because_it_cannot_return_is_no_choice() -> None:
+def test_landing_for_lack_of_a_return_is_no_choice() -> None:
     """By its defaults ArduCopter lands only where its position is lost."""
     asked = over_a_roof(Autopilot.ARDUPILOT, "", returns="warn")
     assert "land-too-near" not in codes(plan_flight(asked, seed=0), asked)

@@ -32,7 +32,7 @@ def test_a_corridor_needs_no_more_waypoints_than_douglas_and_peucker(curve: Spli
 
 
 @pytest.mark.parametrize("curve", CURVES, ids=lambda c: f"{len(c.control)} control points")
-def test_of_the_fewest_legs_those_are_taken_that_stay_nearest(curve: Spline) -> None:
+def test_fewest_legs_that_stay_nearest_are_taken(curve: Spline) -> None:
     samples = curve.sample(40)
     spots, tolerance = samples[:, None], 2.0
     before = fewest_legs(samples, spots, np.full(40, 39), tolerance)[:, 0, 0]

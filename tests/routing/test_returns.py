@@ -102,7 +102,7 @@ def test_rally_points_are_planned_where_no_altitude_in_the_bounds_helps(autopilo
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
-def test_at_rally_points_on_high_ground_it_slows_down_in_time(autopilot: Autopilot) -> None:
+def test_landing_at_high_rally_points_slows_down_in_time(autopilot: Autopilot) -> None:
     table = scene(autopilot, top=90.0, contingency="rtl").model_dump(mode="json", exclude_unset=True)
     table["goal"]["up"], table["via"] = 45.0, [{"east": 45.0, "north": 58.0, "up": 35.0}]
     table["fence"] = [{"inclusion": False, "polygon": [[20, 12], [20, 40], [55, 40], [55, 12]]}]

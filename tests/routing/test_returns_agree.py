@@ -59,7 +59,7 @@ def scene(seed: int) -> Scenario:
 
 @pytest.mark.parametrize("autopilot", registered())
 @pytest.mark.parametrize("seed", some(2, range(24)))
-def test_what_is_planned_is_clear_by_the_check(
+def test_planned_returns_are_clear_by_the_check(
     seed: int, autopilot: Autopilot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     search_quickly(monkeypatch.setattr)

@@ -94,7 +94,7 @@ def test_a_bend_too_near_at_cruise_speed_is_planned_with_a_slower_stretch(
 
 
 @pytest.mark.parametrize("autopilot", registered())
-def test_what_no_speed_makes_wide_enough_is_refused(autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_gaps_too_narrow_at_any_speed_are_refused(autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, route = bend(autopilot)
     scene["obstacles"][0]["radius"] = 2.0
     found_only(route, monkeypatch)

@@ -82,9 +82,7 @@ def test_a_copter_stops_at_the_end_of_a_curve_before_it_climbs_to_return() -> No
         (Autopilot.PX4, 70.0, 80.0),
     ],
 )
-def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
-    autopilot: Autopilot, height: float, climbs_to: float | None
-) -> None:
+def test_climb_over_the_goal_clears_the_way_home(autopilot: Autopilot, height: float, climbs_to: float | None) -> None:
     scenario = world(autopilot, height)
     flown = mission(scenario)
     last, end = flown.items[-2:]
@@ -96,7 +94,7 @@ def test_it_climbs_over_the_goal_where_the_way_home_would_not_be_clear(
     assert len(list(raise_way_home_remarks(flown))) == (climbs_to is not None)
 
 
-def test_it_does_not_climb_beyond_the_bounds_and_the_check_says_what_helps() -> None:
+def test_climb_stays_in_the_bounds_and_the_check_names_a_remedy() -> None:
     scenario = world(Autopilot.ARDUPILOT, 40.0, highest=42.0)
     flown = mission(scenario)
     assert flown.items[-2].altitude == pytest.approx(20.0, abs=0.01)

@@ -28,7 +28,7 @@ def test_home_is_the_given_one(latitude: float, longitude: float, altitude: floa
     assert remarks == (UNKNOWN_GOAL,)
 
 
-def test_what_is_commented_out_can_be_read_too() -> None:
+def test_commented_keys_can_be_read_too() -> None:
     lines = new_scenario(TARGET, HOME).text.splitlines()
     kept = [line.removeprefix("# ") if i > 1 else line for i, line in enumerate(lines)]
     text = "\n".join(kept).replace('kind = "buildings"', 'kind = "buildings" # ').replace("[[maps]]", "[[unread]]")

@@ -40,7 +40,7 @@ def test_a_profile_sets_only_what_it_says(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_what_the_file_says_itself_wins(name: str) -> None:
+def test_values_of_the_file_go_before_the_profile(name: str) -> None:
     scenario = read(f"profile = '{name}'\nsafety_distance = 0.5\ncost = {{ omega = [0.2, 0.3, 0.5] }}")
     assert scenario.safety_distance == 0.5
     assert scenario.cost.omega == (0.2, 0.3, 0.5)
@@ -83,7 +83,7 @@ AIRFRAME = "mass_kg = 2.4, rotors = 6, rotor_diameter = 0.3"
 MINUTE = TimedPath(np.array([0.0, 60.0]), np.zeros((2, 3)), np.zeros(2))
 
 
-def test_without_an_airframe_no_energy_is_said() -> None:
+def test_energy_needs_an_airframe() -> None:
     assert flight_energy(read(""), MINUTE) is None
 
 

@@ -71,7 +71,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize(("line", "words"), BROKEN.items(), ids=BROKEN.values())
-def test_what_is_wrong_is_named_with_its_place(line: str, words: str) -> None:
+def test_faults_are_named_with_their_place(line: str, words: str) -> None:
     key = line.split(" ")[0]
     text = line + "\n" + "\n".join(row for row in SMALLEST.splitlines() if not row.startswith(key))
     with pytest.raises(BadInput) as caught:
@@ -120,7 +120,7 @@ def test_a_geodetic_start_is_the_same_place_as_its_local_twin() -> None:
     np.testing.assert_allclose(parse_scenario(text, HERE).start_point, [80, -60, 25], atol=1e-3)
 
 
-def test_what_leaves_its_base_out_stands_on_the_ground() -> None:
+def test_obstacles_without_a_base_begin_at_the_ground() -> None:
     text = (
         SMALLEST
         + """

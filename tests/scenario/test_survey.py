@@ -126,13 +126,13 @@ PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
         (PHOTOS | {"line_spacing": 5, "side_overlap": 0.5}, ("bad-input", "survey", "line_spacing", "side_overlap")),
     ],
 )
-def test_what_makes_no_sense_is_told_with_its_place(survey: dict[str, Any], words: tuple[str, ...]) -> None:
+def test_senseless_values_are_named_with_their_place(survey: dict[str, Any], words: tuple[str, ...]) -> None:
     table = {key: value for key, value in survey.items() if value is not None}
     with refuses(*words):
         scenario(table)
 
 
-def test_what_makes_no_sense_in_a_map_is_told_with_its_place(tmp_path: Path) -> None:
+def test_senseless_values_of_a_map_are_named_with_their_place(tmp_path: Path) -> None:
     path = geojson(tmp_path / "bow.geojson", {"type": "Polygon", "coordinates": [degrees(BOW)]})
     over = {"area": str(path), "line_spacing": 20.0, "height_above_ground": 40.0}
     with refuses("invalid-ring", "bow.geojson: features[0].geometry[0][0]"):

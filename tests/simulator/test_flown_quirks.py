@@ -96,7 +96,7 @@ def test_ardupilot_takes_a_mission_then_arms_and_has_a_position_last() -> None:
         assert messages[at + 1] == Text(6 if result == OK else 2, words)
 
 
-def test_what_is_current_before_a_flight_and_after_other_orders() -> None:
+def test_current_item_before_a_flight_and_after_orders_is_as_flown() -> None:
     ardupilot, px4 = Flown(ARDUPILOT, short()), Flown(PX4, short())
     assert (ardupilot.current, px4.current) == (Current(0, 2, 2), Current(0, 2, 2))  # home is not counted
     assert ardupilot.command(224, 2.0, 1.0) == OK

@@ -189,7 +189,7 @@ def test_px4_goes_where_it_is_sent_and_stops_on_the_way() -> None:
         (ARDUPILOT, 1.0, CommandResult.UNSUPPORTED),  # the real one flies there in GUIDED
     ],
 )
-def test_on_the_ground_nobody_goes_anywhere(autopilot: Autopilot, flags: float, result: int) -> None:
+def test_vehicle_on_the_ground_goes_nowhere(autopilot: Autopilot, flags: float, result: int) -> None:
     flown = Flown(autopilot, [])
     flown.command(VehicleCommand.DO_SET_MODE, 1.0, 4.0, 2.0)
     assert flown.command(VehicleCommand.DO_REPOSITION, -1.0, flags, 0.0, NAN, 47.41, 8.51, 450.0) == result

@@ -287,7 +287,7 @@ READ_BACK = [
 
 
 @pytest.mark.parametrize(("autopilot", "item", "field", "kept"), READ_BACK, ids=lambda value: str(value)[:40])
-def test_what_is_read_back_differs_as_measured(autopilot: Autopilot, item: Item, field: str, kept: object) -> None:
+def test_read_back_differs_as_measured(autopilot: Autopilot, item: Item, field: str, kept: object) -> None:
     mock = begun(autopilot, 2, 1)
     mock.hear(ItemAt(1, item))
     mock.hear(RequestList())

@@ -94,7 +94,7 @@ def run(server: Server, channel: Beside, until: float) -> None:
 
 
 @pytest.mark.parametrize("family", registered())
-def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot) -> None:
+def test_sender_of_a_list_has_as_long_as_with_a_real_vehicle(family: Autopilot) -> None:
     channel, autopilot, server = beside(family, 100.0)
     channel.say(Count(3, MissionType.MISSION))
     begun = channel.now()
@@ -108,7 +108,7 @@ def test_whoever_sends_a_list_has_as_long_as_beside_a_real_one(family: Autopilot
 
 
 @pytest.mark.parametrize("family", registered())
-def test_whoever_arms_it_has_as_long_to_begin_as_beside_a_real_one(family: Autopilot) -> None:
+def test_armed_vehicle_waits_as_long_as_a_real_one(family: Autopilot) -> None:
     channel, autopilot, server = beside(family, 100.0)
     channel.say(CommandLong(Command.COMPONENT_ARM_DISARM, (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)))
     begun = channel.now()

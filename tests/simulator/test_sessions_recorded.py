@@ -154,7 +154,7 @@ def first_checksum(recorded: list[Said]) -> int:
 
 
 @pytest.mark.parametrize("name", FLOWN)
-def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> None:
+def test_recorded_session_is_the_same_flight_to_our_client(name: str) -> None:
     autopilot = autopilot_of(name)
     vehicle = meet(Line(Loopback(Playback(recorded_session(name))), Codec(STATION, 190)))
     vehicle._numbers = count(first_checksum(recorded_session(name)), 2)

@@ -76,7 +76,7 @@ def test_a_flight_that_does_not_end_is_not_completed() -> None:
     assert broken.value.outcome == NOT_COMPLETED
 
 
-def test_what_is_refused_is_made_up_for_by_another_scene() -> None:
+def test_refused_scenes_are_replaced_by_others() -> None:
     rows, named = list[Row](), list[str]()
     to_fly = admit.tasks(asked(), rows)
     while (task := next(to_fly)) is not None:
@@ -87,7 +87,7 @@ def test_what_is_refused_is_made_up_for_by_another_scene() -> None:
     assert next(admit.tasks(asked(), rows)) is None
 
 
-def test_what_was_flown_is_not_flown_again() -> None:
+def test_flown_scenes_are_not_flown_again() -> None:
     rows = [replace(GOOD, scene=path.stem) for path in shipped()]
     task = next(admit.tasks(asked(), rows))
     assert task is not None
@@ -109,7 +109,7 @@ def test_what_was_flown_is_not_flown_again() -> None:
         (replace(GOOD, estimated_route_s=103.0), 51, False),
     ],
 )
-def test_what_makes_a_version_measured(bad: Row, count: int, measured: bool) -> None:
+def test_criteria_make_a_version_measured(bad: Row, count: int, measured: bool) -> None:
     rows = [replace(GOOD, flight=n) for n in range(100 - count)] + [bad] * count
     assert admit.verdict(rows, 100)[0] is measured
 

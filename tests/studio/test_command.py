@@ -24,13 +24,13 @@ def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_files_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studio_verb, "LIBRARIES", ("numpy", "no_such_library"))
     with refuses("package-missing", "", "no_such_library"):
         studio_verb.studio(studio_verb.PageOptions(), Path("mission.toml"))
 
 
-def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_studio_without_a_page_and_npm_names_a_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     web = tmp_path / "package" / "studio" / "web"
     web.mkdir(parents=True)
     (tmp_path / "package" / "report" / "assets").mkdir(parents=True)

@@ -83,7 +83,7 @@ def test_one_that_does_not_land_has_no_cost(strips: tuple[ContingencyStrip, ...]
     assert {bar.contingency: bool(bar.costs) for bar in strips[1].bars} == {"rtl": True, "land": True, "hold": False}
 
 
-def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> None:
+def test_unknown_destination_is_told(forecast: Forecast) -> None:
     elsewhere = replace(forecast.mission_as_read, parameters={**forecast.mission_as_read.parameters, "RTL_TYPE": 1.0})
     *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
     bar = strip.bars[0]
@@ -91,7 +91,7 @@ def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> N
     assert "goal unknown: not clear: returns to the mission's landing" in bar.stretches[0].words
 
 
-def test_without_a_world_there_is_no_bar(forecast: Forecast) -> None:
+def test_mission_without_a_world_has_no_bar(forecast: Forecast) -> None:
     (strip,) = strips_of(Forecast(forecast.mission_as_read), 1, 0)
     assert strip.bars == ()
     assert strip.reserve is None

@@ -46,12 +46,12 @@ def test_a_whole_number_in_place_of_a_float_stays_a_float() -> None:
 
 
 @pytest.mark.parametrize("change", [Take(path=("via", 3)), Put(path=("obstacles", 9, "height"), value=1.0)])
-def test_what_is_not_there_cannot_be_changed(change: Change) -> None:
+def test_missing_things_cannot_be_changed(change: Change) -> None:
     with refuses("bad-input"):
         changed(MEADOW.read_text(), [change])
 
 
-def test_what_is_moved_is_moved_as_far_as_the_hand_went() -> None:
+def test_moved_places_move_as_far_as_the_pointer() -> None:
     text, step = MEADOW.read_text(), np.array([7.57, 11.12])
     paths: list[Path_] = [("goal",), ("obstacles", 0), ("obstacles", 1)]
     shifts = [Shift(path=path, taken=(8.5, 47.3), put_down=(8.5001, 47.3001)) for path in paths]
@@ -82,7 +82,7 @@ def test_home_alone_moves_and_the_rest_stays_where_it_is_on_the_map(name: str) -
     )
 
 
-def test_what_is_drawn_is_a_scenario_again() -> None:
+def test_drawn_shapes_are_a_scenario_again() -> None:
     ring = ((8.5002, 47.3001), (8.5003, 47.3001), (8.5003, 47.3002))
     changes: list[Change] = [
         Add(to="obstacles", table={"kind": "prism", "name": '"]\n[evil]', "height": 9.0}, ring=ring),
@@ -133,13 +133,13 @@ def test_a_name_that_no_folder_takes_is_made_one(tmp_path: Path, name: str) -> N
 
 
 @pytest.mark.parametrize("name", ["x.toml", "x.exe", ".geojson", "", "..", "x.html"])
-def test_what_is_no_map_is_not_kept(tmp_path: Path, name: str) -> None:
+def test_files_that_are_no_map_are_not_kept(tmp_path: Path, name: str) -> None:
     with refuses("wrong-suffix"):
         keep(name, b"", tmp_path)
     assert not list(tmp_path.iterdir())
 
 
-def test_what_another_program_wrote_just_the_same_makes_no_edit_stale(tmp_path: Path) -> None:
+def test_equal_text_of_another_program_makes_no_edit_stale(tmp_path: Path) -> None:
     file = tmp_path / "meadow.toml"
     file.write_text(MEADOW.read_text())
     document = Document(file)

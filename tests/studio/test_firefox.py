@@ -93,7 +93,7 @@ def test_firefox_drags_the_goal_draws_a_building_saves_and_flies(address: tuple[
     assert address[1].read_text().count("[[obstacles]]") == 3
 
 
-def test_without_webgl_all_but_the_map_works(address: tuple[str, Path], tmp_path: Path) -> None:
+def test_page_without_webgl_works_but_for_the_map(address: tuple[str, Path], tmp_path: Path) -> None:
     assert FIREFOX is not None
     (tmp_path / "profile").mkdir()
     with firefox(FIREFOX, tmp_path / "profile", None) as page:

@@ -45,7 +45,7 @@ def test_opening_alone_writes_nothing(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
-def test_what_was_not_saved_is_there_again(tmp_path: Path) -> None:
+def test_unsaved_edits_are_there_again(tmp_path: Path) -> None:
     journal = Journal.open(tmp_path / "x.studio", "one")
     journal.write("two", "second")
     journal.mark_saved()
@@ -73,7 +73,7 @@ def test_a_line_that_was_cut_off_costs_no_more_than_itself(tmp_path: Path, broke
     assert reopened(path, "one").text == "two"
 
 
-def test_it_does_not_grow_for_ever(tmp_path: Path) -> None:
+def test_journal_has_a_greatest_size(tmp_path: Path) -> None:
     path = tmp_path / "x.studio"
     journal = Journal.open(path, "0")
     for n in range(1, 2 * EDIT_LIMIT):

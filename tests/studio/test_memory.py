@@ -31,7 +31,7 @@ def test_only_this_user_reads_what_is_kept() -> None:
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"opened": [1, {"path": "/a.toml", "port": "x", "token": "y"}]}'])
-def test_what_makes_no_sense_is_forgotten(text: str) -> None:
+def test_senseless_entries_are_forgotten(text: str) -> None:
     memory.memory_file().parent.mkdir()
     memory.memory_file().write_text(text)
     assert memory.recent() == []

@@ -35,7 +35,7 @@ def edit(talk: Any, seen: int, *changes: dict[str, Any]) -> dict[str, Any]:
     return dict(talk.wait("mission", lambda message: message["revision"] == document["revision"]))
 
 
-def test_it_is_opened_checked_and_timed_without_a_scenario(opened: Studio) -> None:
+def test_mission_is_opened_checked_and_timed_without_a_scenario(opened: Studio) -> None:
     with opened.window() as talk:
         assert talk.wait("document")["of"] == "mission"
         mission = talk.wait("mission")
@@ -71,7 +71,7 @@ def test_items_are_moved_put_in_and_taken_out_and_undone(opened: Studio) -> None
     assert opened.scenario.read_bytes() == before
 
 
-def test_in_a_scenario_s_world_it_is_told_what_it_keeps(opened: Studio) -> None:
+def test_kept_clearance_is_told_in_a_scenario_s_world(opened: Studio) -> None:
     with opened.window() as talk:
         world = talk.wait("mission")["worlds"][0]
         talk.say(kind="set_scenario", scenario=world, autopilot=None)
@@ -104,7 +104,7 @@ def uploaded(talk: Any, speedup: float) -> dict[str, str]:
     return {key: loaded[key] for key in ("vehicle", "mission", "proof")}
 
 
-def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> None:
+def test_mission_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> None:
     world = opened.scenario.with_name("battery.toml")
     world.write_text((MISSIONS / "sitl.toml").read_text() + BATTERY)
     with opened.window() as talk:
@@ -140,7 +140,7 @@ def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> N
     assert landed["flown_s"] > plan["total_s"] + 15.0
 
 
-def test_without_a_scenario_it_flies_and_what_is_not_known_is_said(opened: Studio) -> None:
+def test_mission_flies_without_a_scenario_and_names_unknowns(opened: Studio) -> None:
     with opened.window() as talk:
         talk.wait("document")
         within(talk, None)
@@ -154,7 +154,7 @@ def test_without_a_scenario_it_flies_and_what_is_not_known_is_said(opened: Studi
     assert landed["completed"], landed["why_not"]
 
 
-def test_it_is_saved_as_the_other_format_over_nothing(opened: Studio) -> None:
+def test_mission_is_saved_as_the_other_format_over_nothing(opened: Studio) -> None:
     with opened.window() as talk:
         for name in ("sitl.waypoints", "sitl-2.waypoints"):
             talk.say(kind="save_as", suffix=".waypoints")
@@ -182,7 +182,7 @@ def test_a_change_is_written_as_ground_stations_write_it(change: Any, expected: 
     assert values == expected
 
 
-def test_who_changes_what_is_not_there_is_told_so() -> None:
+def test_changes_of_missing_items_are_refused() -> None:
 
     text = (MISSIONS / "sitl.plan").read_text()
     with refuses("no-such-item", "item 99", kind=BadInput):

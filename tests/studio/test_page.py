@@ -169,7 +169,7 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.get_by_text("✓ Landed").wait_for()
 
 
-def test_it_opens_proved(page: Any) -> None:
+def test_page_opens_proved(page: Any) -> None:
     proved(page)
     assert "required" in page.locator(".verdict").inner_text()
     assert page.locator(".chart .planned").get_attribute("d").startswith("M")
@@ -319,7 +319,7 @@ def test_the_strip_says_what_each_contingency_would_do_at_this_second(page: Any,
     until(page, f"document.querySelector('.strip [data-contingency=land]').ariaValueText === {json.dumps(pointed[5:])}")
 
 
-def test_it_fits_a_telephone(page: Any) -> None:
+def test_page_fits_a_telephone(page: Any) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     proved(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
@@ -327,7 +327,7 @@ def test_it_fits_a_telephone(page: Any) -> None:
     assert page.locator(".bar").bounding_box()["height"] < 100  # its tools are one row, which scrolls
 
 
-def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
+def test_findings_remain_on_paper_and_tools_do_not(page: Any) -> None:
     proved(page)
     page.emulate_media(media="print")
     assert page.locator(".verdict").get_by_text("m required").first.is_visible()
@@ -340,7 +340,7 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+def test_page_has_no_serious_fault_of_accessibility(page: Any, scheme: str) -> None:
     proved(page)
     page.locator(".strip .way").first.wait_for()
     assert serious(page, scheme) == []

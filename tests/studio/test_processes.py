@@ -24,7 +24,7 @@ def run(test: Callable[[Process], Awaitable[None]]) -> None:
     asyncio.run(whole())
 
 
-def test_what_is_asked_is_answered_in_order() -> None:
+def test_requests_are_answered_in_order() -> None:
     async def test(process: Process) -> None:
         heard: list[dict[str, Any]] = []
         asked = [
@@ -45,7 +45,7 @@ def test_a_refusal_is_told_and_the_worker_lives() -> None:
     run(test)
 
 
-def test_what_is_not_wanted_any_more_is_broken_off() -> None:
+def test_obsolete_requests_are_broken_off() -> None:
     async def test(process: Process) -> None:
         begun = asyncio.Event()
         sleeping = asyncio.create_task(process.ask({"job": "sleep"}, lambda answer: begun.set()))
@@ -71,7 +71,7 @@ def test_one_that_dies_is_replaced() -> None:
     run(test)
 
 
-def test_what_is_changed_while_a_plan_is_handed_over_is_not_what_is_loaded(tmp_path: Path) -> None:
+def test_edits_during_the_loading_of_a_plan_are_not_loaded(tmp_path: Path) -> None:
     document: Any = SimpleNamespace(revision=7, path=tmp_path / "meadow.toml")
     orders: list[dict[str, Any]] = []
 

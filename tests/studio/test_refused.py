@@ -79,7 +79,7 @@ def test_an_unclear_return_offers_a_higher_one_a_planned_one_or_none() -> None:
     assert mended.vehicle.parameters == {**scenario.vehicle.parameters, "RTL_ALT": 5000.0}
 
 
-def test_what_was_not_read_can_be_ignored() -> None:
+def test_unread_features_can_be_ignored() -> None:
     scenario = parse_scenario(MEADOW.read_text(), MEADOW).ignoring(["wind-not-measured"])
     error = MissionError("zones.kml: not read: NetworkLink: zones [not-read]")
     error.known = {"codes": ["not-read"]}

@@ -55,7 +55,7 @@ def test_a_drag_is_answered_and_changes_nothing(studio: Studio) -> None:
     assert studio.scenario.read_bytes() == MEADOW.read_bytes()
 
 
-def test_what_makes_no_sense_is_told_to_the_window_that_asked_it(studio: Studio) -> None:
+def test_errors_go_to_the_window_that_asked(studio: Studio) -> None:
     with studio.window() as talk:
         seen = talk.wait("document")["revision"]
         talk.wait("world")
@@ -81,7 +81,7 @@ def test_a_change_of_lists_that_were_numbered_anew_is_refused(studio: Studio) ->
     assert [body["name"] for body in document["scenario"]["obstacles"]] == ["silo"]
 
 
-def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) -> None:
+def test_changes_by_another_program_are_taken_and_can_be_undone(studio: Studio) -> None:
     with studio.window() as talk:
         talk.wait("sketch")
         write_atomically(studio.scenario, studio.scenario.read_text().replace("east = 60.0", "east = 59.0"))

@@ -30,7 +30,7 @@ def opened_at(start: Studio, address: str) -> Studio:
     return Studio(start.client, start.scenario, address.strip("./"))
 
 
-def test_it_opens_what_lies_there_and_nothing_that_it_did_not_tell(start: Studio) -> None:
+def test_start_page_opens_only_listed_files(start: Studio) -> None:
     with start.window() as talk:
         beginning = talk.wait("beginning")
         assert [entry["name"] for entry in beginning["here"]] == ["sitl.plan"]
@@ -90,6 +90,6 @@ def test_a_square_of_mgrs_is_read_as_its_center() -> None:
 
 
 @pytest.mark.parametrize("words", ["", "somewhere", "95, 8", "9GXW+36", "32TMT65695"])
-def test_what_is_no_place_is_refused(words: str) -> None:
+def test_wrong_places_are_refused(words: str) -> None:
     with refuses("bad-input", "place"):
         place_of(words)

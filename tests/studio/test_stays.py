@@ -37,7 +37,7 @@ def test_a_double_click_closes_a_building_and_the_map_stays(page: Any) -> None:
     assert page.evaluate(SEEN) == before
 
 
-def test_it_is_said_that_a_building_is_flown_over(page: Any) -> None:
+def test_flight_over_a_building_is_remarked(page: Any) -> None:
     rewrite(page, scenario_of(page).replace("height = 25.0", "height = 2.0").replace("height = 22.0", "height = 2.0"))
     proved(page)
     page.locator("body").press("Home")

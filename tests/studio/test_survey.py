@@ -128,7 +128,7 @@ def test_a_ring_that_is_written_closed_stays_closed() -> None:
         assert ring[0] != [10, 0]
 
 
-def test_what_would_leave_no_area_is_refused() -> None:
+def test_edits_that_leave_no_area_are_refused() -> None:
     for taken in (*((*FIRST, n) for n in (0,)), ("survey", "polygon", 0)):
         with refuses("invalid-ring"):
             drawn(AddCorner(path=(*FIRST, 1), place=(8.5004, 47.2997)), *[Take(path=(*FIRST, 1))] * 2, Take(path=taken))

@@ -62,7 +62,7 @@ def test_wmts_templates_are_understood() -> None:
         "tiles.zip",
     ],
 )
-def test_what_is_no_source_of_tiles_is_refused(address: str) -> None:
+def test_wrong_sources_of_tiles_are_refused(address: str) -> None:
     with refuses("bad-input"):
         tiles.open_tiles(address)
 

@@ -33,7 +33,7 @@ def square(west: float, south: float, side: float) -> list[tuple[float, float]]:
         ([[SQUARE], [square(50.0, 50.0, 100.0)]], ("ring-misplaced", "field[1]")),
     ],
 )
-def test_what_is_no_area_is_named(parts: list[list[list[tuple[float, float]]]], words: tuple[str, ...]) -> None:
+def test_wrong_areas_are_named(parts: list[list[list[tuple[float, float]]]], words: tuple[str, ...]) -> None:
     with refuses(*words):
         Area.of(parts, "field")
 

@@ -57,7 +57,7 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
 
 
 @pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
-def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
+def test_flight_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
     plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
     track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
     path = track.between(ends[0, 0], ends[-1, 1]).points
@@ -75,7 +75,7 @@ def test_flights_from_start_places_see_the_same_area() -> None:
     assert near.flown.share == pytest.approx(near.coverage.share, abs=0.02)
 
 
-def test_of_the_rest_of_a_survey_nothing_is_told() -> None:
+def test_rest_of_a_survey_has_no_coverage() -> None:
     plan = plan_survey(scenario=scenario(LINES)).plan
     track = plan.flights[0].forecast.expected.track.points
     rest = rest_of(plan, [track[: len(track) // 2]])

@@ -107,7 +107,7 @@ def test_the_same_arguments_give_the_same_tour(which: int) -> None:
     assert first.tobytes() == second.tobytes()
 
 
-def test_what_is_kept_out_of_is_not_entered_and_seen_into() -> None:
+def test_keep_out_areas_are_seen_into_and_not_entered() -> None:
     area, mast = Area.of([[FIELD, POND]]), shapely.Point(90.0, 45.0).buffer(12.0)
     tour = tour_over(area, 10.0, cost=times(), keep_out=mast)
     check_whole(tour)

@@ -24,7 +24,7 @@ def test_the_ends_of_a_line_are_round() -> None:
     assert covered.gaps.area == pytest.approx(2000.0 - covered.seen.area)
 
 
-def test_what_cannot_be_covered_is_not_asked_for() -> None:
+def test_areas_that_cannot_be_covered_are_not_required() -> None:
     house = shapely.box(40.0, -50.0, 60.0, 50.0)
     covered = coverage(AREA, along((0.0, 10.0), (40.0, 10.0), (60.0, 10.0), (100.0, 10.0)), 6.0, house)
     assert covered.share == pytest.approx(6.0 / 20.0)  # also up to 3 m inside of the house
@@ -32,7 +32,7 @@ def test_what_cannot_be_covered_is_not_asked_for() -> None:
 
 
 @pytest.mark.parametrize(("path", "away"), [(((0.0, 10.0), (100.0, 10.0)), 0.0), (((10.0, 10.0), (10.0, 27.0)), 7.0)])
-def test_how_far_a_path_leaves_the_area(path: tuple[tuple[float, float], ...], away: float) -> None:
+def test_path_s_distance_outside_the_area_is_measured(path: tuple[tuple[float, float], ...], away: float) -> None:
     assert coverage(AREA, along(*path), 10.0).outside_m == pytest.approx(away, abs=0.05)
 
 

@@ -176,7 +176,7 @@ def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
     assert np.linalg.norm(where) < 40.0
 
 
-def test_what_is_low_is_flown_over_and_what_is_high_round() -> None:
+def test_low_obstacles_are_flown_over_and_high_ones_round() -> None:
     low = plan_survey(scenario=scenario(LINES, obstacles=[SHED])).plan
     high = plan_survey(scenario=scenario(LINES, obstacles=[TOWER])).plan
     assert low.keep_out is None
@@ -294,7 +294,7 @@ def test_a_corridor_is_followed() -> None:
         ),
     ],
 )
-def test_what_cannot_be_flown_is_refused_with_its_place(
+def test_unflyable_surveys_are_refused_with_their_place(
     tables: dict[str, Any], error: Any, words: tuple[str, ...]
 ) -> None:
     with refuses(*words):

@@ -45,7 +45,7 @@ def test_a_flight_that_is_broken_off_is_gone_on_with(share: float) -> None:
     assert rest.photos < plan.photos
 
 
-def test_what_is_left_between_two_flights_is_one_flight() -> None:
+def test_rest_between_two_flights_is_one_flight() -> None:
     plan = plan_flights(scenario(LINES | {"flights": 3}, obstacles=[TOWER]))
     rest = rest_of(plan, [flown_of(plan, 0), flown_of(plan, 2)])
     second = plan.flights[1].tour.swaths

@@ -37,7 +37,7 @@ def test_a_sketch_has_the_lines_of_the_plan_and_takes_no_longer(photographed: Sc
     assert 0.65 * survey.total_s < sketch.seconds < survey.total_s  # without take-off and ways from and to home
 
 
-def test_what_cannot_be_flown_is_refused_at_once_as_the_plan_refuses_it() -> None:
+def test_unflyable_sketches_are_refused_as_the_plan_refuses_them() -> None:
     low = scenario(line_spacing=20.0, height_above_ground=1.0)
     for ask in (sketch_survey, lambda scenario: plan_survey(scenario=scenario)):
         with refuses("survey-too-low", "survey", kind=NoPath):
@@ -77,7 +77,7 @@ def test_a_line_that_is_left_out_shows_in_the_smallest_overlap(photographed: Sce
     assert rows[-4] - 1 < smallest.at[1] < rows[-2] + 1
 
 
-def test_without_a_camera_there_is_no_overlap() -> None:
+def test_overlap_needs_a_camera() -> None:
     sketch = sketch_survey(scenario(line_spacing=20.0))
     assert overlaps(sketch, sketch.tour) == Overlaps(None, None)
     assert len(photo_places(sketch.tour.swaths[0], sketch.sight)) == 0

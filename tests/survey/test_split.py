@@ -72,6 +72,6 @@ def test_a_line_too_long_for_one_flight_is_cut_and_seen_again_at_the_cut() -> No
     assert len(pieces) > 1
 
 
-def test_what_cannot_be_reached_at_all_is_told() -> None:
+def test_unreachable_parts_are_named() -> None:
     tour = tour_of([60.0])
     assert fewest_parts(tour, lambda part: path_length(part) < 50.0, 5.0) is tour.swaths[0]

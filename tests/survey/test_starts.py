@@ -146,7 +146,7 @@ def test_a_line_that_is_too_long_for_all_is_cut() -> None:
     assert quickest_parts(tour, StartSites(far, CLOCK, fake(190.0, far), 8.0)) is tour.swaths[0]
 
 
-def test_what_is_nearest_to_each_start_place_is_all_of_the_area() -> None:
+def test_areas_nearest_to_each_start_place_are_the_whole_area() -> None:
     area = surveyed_area(scenario(OVER))
     assert area is not None
     for starts in ([[0.0, 0.0]], ENDS, [*ENDS, [300.0, -40.0], [-900.0, -900.0]]):
@@ -208,7 +208,7 @@ def on_earth(mission: Mission, world: Scenario) -> list[Any]:
     return [shapely.LineString([a[:2], b[:2]]) for a, b in pairwise(places)]
 
 
-def test_what_is_left_of_it_is_flown_from_its_places_too(from_both_ends: Survey) -> None:
+def test_rest_of_a_survey_is_flown_from_its_places_too(from_both_ends: Survey) -> None:
     plan = from_both_ends.plan
     first = plan.flights[0].tour.path
     height = np.full(len(first), plan.sight.middle)
@@ -218,7 +218,7 @@ def test_what_is_left_of_it_is_flown_from_its_places_too(from_both_ends: Survey)
     assert not lines & {(*s.begin, *s.end) for s in plan.flights[0].tour.swaths}
 
 
-def test_of_many_start_places_not_every_set_is_looked_at() -> None:
+def test_search_skips_sets_of_many_start_places() -> None:
     assert [len([*_sets_of_starts(count)]) for count in (1, 2, 3, 4, 9, 10, 50)] == [1, 3, 7, 9, 19, 1, 1]
     assert all((*range(count),) in _sets_of_starts(count) for count in (1, 3, 4, 10))
 

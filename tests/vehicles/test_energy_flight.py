@@ -35,7 +35,7 @@ def test_hovering_for_an_hour_takes_the_power_in_watt_hours() -> None:
     assert (used.mean_w, used.spans_w.max()) == pytest.approx((used.energy_wh, used.energy_wh))
 
 
-def test_what_stands_before_it_lifts_off_takes_nothing() -> None:
+def test_vehicle_on_the_ground_before_takeoff_takes_no_energy() -> None:
     times, points, speeds = cruise(5.0, 120)
     points[:60] = points[60]
     used = by_curve(PowerCurve(180.0), TimedPath(times, points, speeds))

@@ -114,7 +114,7 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
 
 
 @pytest.mark.parametrize(("autopilot", "version", "table"), OF_VERSIONS)
-def test_who_lands_by_choice_returns_with_the_value_that_is_named(
+def test_landing_by_choice_returns_with_the_named_value(
     autopilot: Autopilot, version: Version | None, table: dict[str, str]
 ) -> None:
     """The documented values have a return as well."""
@@ -201,7 +201,7 @@ def test_a_critical_battery_less_urgent_than_a_low_one_changes_nothing() -> None
     assert by("BATT_FS_CRT_ACT", unwatched).action.contingency is Contingency.HOLD
 
 
-def test_what_is_not_looked_for_is_said_so() -> None:
+def test_unexamined_failsafes_are_named() -> None:
     assert "FENCE_ENABLE" in by("FENCE_ACTION", {}).action.words
     assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).action.contingency is Contingency.RTL
     assert "BATT_CRT_VOLT" in by("BATT_FS_CRT_ACT", {"BATT_FS_CRT_ACT": 1.0}).action.words
@@ -245,7 +245,7 @@ def test_px4_excepts_modes_of_a_lost_link() -> None:
     assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).contingency is Contingency.HOLD
 
 
-def test_how_long_it_holds_first() -> None:
+def test_hold_before_a_failsafe_has_its_duration() -> None:
     """COM_FAIL_ACT_T before what a user may take over; LAND_WITH_DELAY_MS where ArduCopter lands by a failsafe."""
     assert by("NAV_RCL_ACT", {}, PX4).action.after_s == 5.0
     assert by("NAV_RCL_ACT", {"COM_FAIL_ACT_T": 0.0}, PX4).action.after_s == 0.0
@@ -254,7 +254,7 @@ def test_how_long_it_holds_first() -> None:
     assert by("FENCE_ACTION", {"FENCE_ACTION": 2.0, "FENCE_ENABLE": 1.0}).action.after_s == 0.0
 
 
-def test_what_decides_is_a_known_parameter() -> None:
+def test_deciding_parameter_is_known() -> None:
     expect_known(["FS_OPTIONS", "BATT_FS_CRT_ACT", "RTL_ALT_M"], AP)
     with refuses("bad-input", "FS_OPTIONS", "px4"):
         expect_known(["FS_OPTIONS"], PX4)

@@ -77,7 +77,7 @@ def test_rows_are_read_by_what_each_param_is_kept_in(copter: Source) -> None:
     assert read["nan"] == {"NAV_WAYPOINT": "4"}
 
 
-def test_what_cannot_be_read_ends_the_tool(copter: Source, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unreadable_sources_end_the_tool(copter: Source, monkeypatch: pytest.MonkeyPatch) -> None:
     odd = COPTER.replace("speed.kind = packet.param1", "speed.kind = guessed(1)")
     texts = {copter_source.CODE: odd, copter_source.HEADER: COPTER_H}
     monkeypatch.setattr(Source, "text", lambda self, path: texts[path])

@@ -71,7 +71,7 @@ def test_1_18_takes_a_gate_no_more() -> None:
     assert [finding.code for finding in taken] == ["way-unknown"]
 
 
-def test_what_is_kept_and_never_flown_is_an_error() -> None:
+def test_kept_and_never_flown_versions_are_errors() -> None:
     wait = Item(Command.CONDITION_DELAY, Frame.MISSION, (3.0, 0.0, 0.0, 0.0))
     kept = others(mission(wait, HELD, return_to_launch(), version="1.16"))
     assert [finding.code for finding in kept] == ["command-never-flown"]

@@ -52,7 +52,7 @@ def test_a_kind_without_a_column_is_passed_at_its_parts_and_does_not_grow() -> N
 
 
 @pytest.mark.parametrize(("leg", "sides"), [(((20.0, -50.0), (20.0, 90.0)), 2.0), (((-50.0, -9.0), (90.0, -9.0)), 1.0)])
-def test_who_flies_over_a_court_has_walls_on_two_sides(leg: Sequence[tuple[float, float]], sides: float) -> None:
+def test_flight_over_a_court_has_walls_on_two_sides(leg: Sequence[tuple[float, float]], sides: float) -> None:
     a, b = (np.array([[*end, 35.0]]) for end in leg)
     assert HOUSE.passing(a, b).sides[0] == sides
 

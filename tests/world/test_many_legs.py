@@ -42,7 +42,7 @@ def test_the_nearest_of_many_is_named() -> None:
     assert (least[0], BODIES[which[0]].name) == (pytest.approx(7.0), "mast")
 
 
-def test_where_nothing_stands_nothing_is_near() -> None:
+def test_empty_world_has_nothing_near() -> None:
     least, which = Airspace(AIR.bounds, Flat()).legs_clearance(np.zeros((2, 3)), np.ones((2, 3)), WITHIN)
     assert np.isinf(least).all()
     assert (which == -1).all()

@@ -76,7 +76,7 @@ def test_its_parts_cover_it() -> None:
     assert np.min([part.distance(inside) for part in CABLE.parts], axis=0).max() <= 0
 
 
-def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
+def test_cable_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
     cable: Obstacle = strung.airspace.obstacles[-1]
     assert cable.leg_clearance(strung.start_point, strung.goal_point) == pytest.approx((-2.0, 0.5), abs=1e-6)
     plan = plan_path(strung, seed=1)
@@ -105,7 +105,7 @@ def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
     assert strung.limits.obstacle_distance <= kept.guaranteed <= exact
 
 
-def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:
+def test_cable_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:
     path = np.array([strung.start_point, strung.goal_point])
     for name, scenario in (("with", strung), ("without", read_scenario(missions / "sitl.toml"))):
         api.write_picture(api.draw_views(scenario, {"way": path}), tmp_path / f"{name}.svg")

@@ -233,7 +233,7 @@ def test_legs_next_to_nothing_off_an_axis_are_as_those_along_it(kind: str) -> No
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_compiled_code_is_told_is_where_the_body_is(kind: str) -> None:
+def test_arrays_for_compiled_code_describe_the_obstacle(kind: str) -> None:
     parts = KINDS[kind](np.random.default_rng(3)).parts
     assert parts
     for part in parts:
@@ -259,7 +259,7 @@ def test_a_shadow_is_as_wide_and_as_high_as_the_body(kind: str, seed: int) -> No
         np.testing.assert_allclose([shadow.min(axis=0), shadow.max(axis=0)], body.bounds[:, [axis, 2]])
 
 
-def test_nothing_stands_in_a_zone() -> None:
+def test_zone_has_no_solid_part() -> None:
     zone = Zone("zone", ((0, 0), (9, 0), (9, 9)), (), 0.0, 5.0)
     assert not zone.solid
     assert zone != Prism("zone", zone.outer, (), 0.0, 5.0)

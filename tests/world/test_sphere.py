@@ -13,7 +13,9 @@ from ipoa_mission.geodesy import EARTH_RADIUS, SphericalPlane
     east=st.floats(-1e5, 1e5),
     north=st.floats(-1e5, 1e5),
 )
-def test_it_is_projs_azimuthal_equidistant_plane(latitude: float, longitude: float, east: float, north: float) -> None:
+def test_sphere_is_projected_as_proj_s_azimuthal_equidistant_plane(
+    latitude: float, longitude: float, east: float, north: float
+) -> None:
     plane = SphericalPlane(latitude, longitude)
     lat, lon = plane.to_geodetic(np.array([east]), np.array([north]))
     assert -180.0 <= lon[0] < 180.0

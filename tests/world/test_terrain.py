@@ -107,7 +107,7 @@ def test_leg_height_over_terrain_is_equal_compiled_and_in_python() -> None:
 
 
 @pytest.mark.parametrize("axis", range(3))
-def test_nothing_is_proved_of_a_leg_that_is_no_number(axis: int) -> None:
+def test_leg_that_is_no_number_is_not_proved(axis: int) -> None:
     ground, points = analytic(np.random.default_rng(17)), np.full((4, 3), 500.0)
     points[2, axis] = np.nan
     assert ground.least_height(points)[0] == -np.inf

@@ -20,7 +20,7 @@ def test_strips_that_just_meet_are_all_held(count: int, turn: float, width: floa
     assert union_of(strips).area == pytest.approx(shapely.area(strips).sum(), rel=1e-6)
 
 
-def test_what_is_lost_without_a_grid_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_areas_lost_by_a_union_without_a_grid_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """GEOS 3.14 once lost half of forty strips that just met, by the last bits of their corners."""
     union = shapely.union_all
 
@@ -31,6 +31,6 @@ def test_what_is_lost_without_a_grid_is_found(monkeypatch: pytest.MonkeyPatch) -
     assert union_of([shapely.box(0.0, 0.0, 4.0, 1.0), shapely.box(0.0, 1.0, 4.0, 2.0)]).area == pytest.approx(8.0)
 
 
-def test_of_nothing_there_is_none() -> None:
+def test_empty_union_is_none() -> None:
     assert union_of([]).is_empty
     assert union_of([shapely.Polygon(), shapely.box(0.0, 0.0, 1.0, 1.0)]).area == 1.0
