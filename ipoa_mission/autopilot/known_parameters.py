@@ -42,7 +42,7 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
 def translated(
     parameters: Parameters, other: Autopilot, autopilot: Autopilot
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Only equal quantities above 0 have a counterpart; return also remarks.
+    """Return equal quantities above 0 under their own names, and remarks.
 
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}

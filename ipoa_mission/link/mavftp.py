@@ -55,7 +55,7 @@ class FileMessage:
 
     @property
     def checksum(self) -> int | None:
-        """None if it is unsupported."""
+        """Return None if unsupported."""
         return int.from_bytes(self.data[:4], "little") if self.opcode == Opcode.ACK else None
 
     def pack(self) -> FileTransfer:

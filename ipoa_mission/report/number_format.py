@@ -29,7 +29,7 @@ def share(value: float, of: float) -> str:
 
 
 def signed(value: float, digits: int, unit: str = "") -> str:
-    """Unbreakable; empty if not finite."""
+    """As `+1.2 m`; empty if not finite."""
     if not math.isfinite(value):
         return ""
     words = f"{round(value, digits) + 0.0:+.{digits}f}".replace("-", "−")

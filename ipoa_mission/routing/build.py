@@ -27,8 +27,7 @@ from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 
-# [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
-LEAST_TAKEOFF_HEIGHT = 2.5
+LEAST_TAKEOFF_HEIGHT = 2.5  # MIS_TAKEOFF_ALT of PX4 [m]
 VISITED = 0.5  # [m]
 OVER_HOME = 0.5  # begins with the take-off [m]
 

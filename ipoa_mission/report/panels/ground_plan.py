@@ -19,7 +19,7 @@ SHADES = 5  # of the roofs, as in page.css
 
 
 def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
-    """North is up; the deviation bound is that of straight flight."""
+    """Draw from above; the deviation bound is that of straight flight."""
     airspace = flight.scenario.airspace
     bodies = sorted(extent.obstacles(airspace), key=lambda body: float(body.bounds[1, 2]))
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
