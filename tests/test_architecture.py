@@ -11,6 +11,7 @@ import pytest
 
 import ipoa_mission
 from ipoa_mission.cli.app import VERBS
+from tests.conftest import LONGEST
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 ON_GEOMETRY = {"geodesy", "ground"}
@@ -359,3 +360,7 @@ def test_no_room_imports_tools_or_tests() -> None:
     roots = {name.split(".")[0] for path in FILES for name in imports(path)}
     assert "ipoa_mission" in roots
     assert not roots & {"tools", "tests"}
+
+
+def test_longest_test_files_exist() -> None:
+    assert not [name for name in LONGEST if not (REPOSITORY / "tests" / name).exists()]
