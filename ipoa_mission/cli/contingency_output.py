@@ -39,7 +39,7 @@ def _row(row: ContingencyRow) -> dict[str, Any]:
         "why_untimed": row.why_untimed or None,
         "energy_wh": _between(row.energy_wh),
         "lands": lands,
-    }
+    } | ({"remarks": list(row.remarks)} if row.remarks else {})
 
 
 def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
@@ -61,6 +61,7 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     columns += ["takes\ns", "takes\nWh"]
     print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     print_lines(*dict.fromkeys(f"no time of {row.contingency}: {row.why_untimed}" for row in rows if row.why_untimed))
+    print_lines(*dict.fromkeys(f"{row.contingency}: {remark}" for row in rows for remark in row.remarks))
     causes = ["cause", "parameter", "contingency"]
     decided = [(f.cause, f"{f.parameter} = {f.value:g}" if f.parameter else "", str(f.action)) for f in failsafes]
     if decided:

@@ -247,7 +247,8 @@ def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answe
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[answers.StripCost]:
     if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, ((low, high), used, _) in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
+    for time, predicted in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
+        (low, high), used = predicted.duration_s, predicted.used
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield answers.StripCost(
             at_s=round(time, 2),

@@ -17,7 +17,7 @@ from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.contingency.contingencies import (
     COMPUTED,
     Contingencies,
@@ -28,6 +28,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
 from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, predict_contingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
+from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights
 from tests.examples import examples
 from tests.refused import refuses
 
@@ -161,6 +162,36 @@ def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: floa
     assert lasts[0] == lasts[1]
     with refuses("not-modeled", "", "returns to the mission's landing"):
         predict_contingency(landed, Contingency.RTL, time)
+
+
+def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
+    """Lose the flights of these seeds that are aborted; return the list of seeds that are not lost."""
+    flown, ended = Flights.aborted, list[int]()
+
+    def aborted(self: Flights, *order: Any, **how: Any) -> Any:
+        seed = order[2]
+        if seed in lost:
+            raise MissionError("the vehicle circles", code="unreachable")
+        ended.extend([seed] if seed else [])
+        return flown(self, *order, **how)
+
+    monkeypatch.setattr(Flights, "aborted", aborted)
+    return ended
+
+
+def test_lost_noisy_flights_are_counted_in_a_remark(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = lose_noisy_flights(monkeypatch, range(2, 7))
+    row = Contingencies(forecast_of("sitl")).at(Contingency.LAND, 30.0)
+    assert row.duration_s is not None
+    assert len(ended) >= 3, "one flight has no spread"
+    assert row.remarks == (f"5 of {5 + len(ended)} flights with noise did not end: the vehicle circles",)
+
+
+def test_a_contingency_whose_noisy_flights_are_mostly_lost_has_no_duration(monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = lose_noisy_flights(monkeypatch, range(2, 91))
+    with refuses("unreachable"):
+        predict_contingency(forecast_of("sitl"), Contingency.LAND, 30.0)
+    assert ended == [1]
 
 
 def test_a_return_that_lands_in_place_has_no_duration() -> None:

@@ -114,6 +114,7 @@ class ContingencyRow:
     duration_s: tuple[float, float] | None = None
     energy_wh: tuple[float, float] | None = None
     why_untimed: str = ""
+    remarks: tuple[str, ...] = ()
 
     @property
     def clear(self) -> bool:
@@ -300,7 +301,8 @@ class Contingencies:
         touches = (min(low for low, _ in touching), max(high for _, high in touching)) if touching else None
         lasts = min(each.duration_s[0] for each in flown), max(each.duration_s[1] for each in flown)
         takes = (min(each.low for each in used), max(each.high for each in used)) if used else None
-        return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
+        remarks = tuple(dict.fromkeys(remark for each in flown for remark in each.remarks))
+        return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes, remarks=remarks)
 
     def duration_s(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
         prediction = self.predicted(contingency, time)

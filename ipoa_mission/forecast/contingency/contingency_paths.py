@@ -385,6 +385,7 @@ class PredictedContingency(NamedTuple):
     duration_s: tuple[float, float]
     used: Consumption | None
     touches_s: tuple[float, float] | None
+    remarks: tuple[str, ...] = ()
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
@@ -395,4 +396,4 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     first, _, last = prediction.touched or (np.nan,) * 3
     touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
     used = forecast.energy_of(prediction.track.between(time, np.inf))
-    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches)
+    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches, prediction.remarks)

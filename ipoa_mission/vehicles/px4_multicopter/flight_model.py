@@ -6,7 +6,6 @@ the mean and spread.
 
 import math
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -53,6 +52,7 @@ from ipoa_mission.wind import CALM, Wind
 class NoisyRuns:
     """Runs with sensor noise, and the uncertainty of their mean and of the model (docs/lab/flight-time.md)."""
 
+    least: int = 3
     most: int = 90
     of_median: int = 8  # always the same seeds
     step_s: float = 0.04
@@ -86,17 +86,9 @@ class Px4Model(FlightModel):
         smooth, samples = exact_run.done[ends], exact_run.samples
         once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.mission_orders.remarks)
-        times: list[Vector] = []
-        for seed in range(1, RUNS.most + 1 if itinerary.visits and not noise_free else 1):
-            if (seed - 1) % RUNS.batch == 0 and _known(times):
-                break
-            try:
-                times.append(once(seed).done[ends])
-            except MissionError as lost:  # it circles a waypoint
-                if seed > 2 * len(times) + RUNS.batch:
-                    raise
-                remarks.append(f"some flights did not end: {lost}")
-        runs = np.array(times or [smooth])
+        runs = smooth[None, :]
+        if itinerary.visits and not noise_free:
+            runs = _noisy_times(lambda seed: once(seed).done[ends], RUNS.known_share, remarks)
         done = runs.mean(axis=0)
         lands = np.array([visit.item.command in MULTICOPTER_LANDINGS for visit in itinerary.visits], dtype=bool)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
@@ -120,18 +112,16 @@ class Px4Model(FlightModel):
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
         exact_times = flights.flown(False, None)(0).done
         steps = np.diff(exact_times)
-        lasted, stood, when = list[float](), list[float](), list[float]()
-        for seed in range(1, RUNS.most + 1):
-            if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.abort_share):
-                break
-            with suppress(MissionError):
-                run, begun = flights.aborted(abort.contingency, abort.time, seed, None)
-                lasted.append(float(run.done[-1]) - abort.time)
-                stood.append(float(run.done[-1]) - run.touched)
-                when.append(float(exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])))
-        then = float(np.mean(when)) if when else abort.time
+        remarks = list[str]()
+
+        def once(seed: int) -> Vector:
+            run, begun = flights.aborted(abort.contingency, abort.time, seed, None)
+            when = exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])
+            return np.array([when, run.done[-1] - run.touched, run.done[-1] - abort.time])
+
+        when, stood, lasted = _noisy_times(once, RUNS.abort_share, remarks).T
+        then = float(np.mean(when))
         last, _ = flights.aborted(abort.contingency, then, None, None)
-        lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
         mean = float(np.mean(lasted))
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
         half = RUNS.abort_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
@@ -140,7 +130,8 @@ class Px4Model(FlightModel):
         samples = last.samples
         track = Track.of(samples, samples[:, 0] + abort.time - then)
         end = np.array([abort.time + mean])
-        return Prediction(end, end - half, end + half, ("",), track, touched=(touched - off, touched, touched + off))
+        between = touched - off, touched, touched + off
+        return Prediction(end, end - half, end + half, ("",), track, tuple(remarks), touched=between)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
@@ -157,9 +148,27 @@ class Px4Model(FlightModel):
         return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
 
 
-def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
-    ends = np.array([run[-1] for run in times])
-    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
+def _noisy_times(once: Callable[[int], Vector], share: float, remarks: list[str]) -> Points:
+    """Return times of runs by seed (m, n), until the last's mean is known to a `share`; remark runs without an end.
+
+    Raises:
+        MissionError: most runs have no end.
+    """
+    times, lost = list[Vector](), list[str]()
+    for seed in range(1, RUNS.most + 1):
+        if (seed - 1) % RUNS.batch == 0 and len(times) >= RUNS.least:
+            ends = np.array([run[-1] for run in times])
+            if ends.std() / math.sqrt(len(ends)) <= share * ends.mean():
+                break
+        try:
+            times.append(once(seed))
+        except MissionError as error:  # it circles a waypoint
+            if seed > 2 * len(times) + RUNS.batch:
+                raise
+            lost.append(str(error))
+    if lost:
+        remarks.append(f"{len(lost)} of {len(lost) + len(times)} flights with noise did not end: {lost[0]}")
+    return np.array(times)
 
 
 def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
