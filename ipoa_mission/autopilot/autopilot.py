@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.guidance_profile import (
     WaypointDefaults,
 )
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import Contingency, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
@@ -124,7 +124,7 @@ class Autopilot(metaclass=_ByName):
 
     def flies_on(self, contingency: Contingency) -> float:
         """Return the delay before braking for a contingency [s]."""
-        return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
+        return 0.0 if contingency in IN_PLACE else self.guidance.brakes_after
 
     def stopping_offset(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency

@@ -22,6 +22,11 @@ class Contingency(StrEnum):
     UNKNOWN = "unknown"  # not modeled; see the action's `words`
 
 
+COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)  # their paths are known
+TIMED = (Contingency.RTL, Contingency.LAND)  # flight models end them on the ground
+IN_PLACE = (Contingency.LAND, Contingency.HOLD)
+
+
 class FlightStage(StrEnum):
     TAKEOFF = "take-off"
     ROUTE = "route"

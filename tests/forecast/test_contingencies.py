@@ -14,17 +14,11 @@ from typer.testing import CliRunner
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.contingency.contingencies import (
-    COMPUTED,
-    Contingencies,
-    ContingencyRow,
-    Grade,
-    contingencies_of,
-)
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, contingencies_of
 from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, predict_contingency
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
@@ -192,6 +186,12 @@ def test_a_contingency_whose_noisy_flights_are_mostly_lost_has_no_duration(monke
     with refuses("unreachable"):
         predict_contingency(forecast_of("sitl"), Contingency.LAND, 30.0)
     assert ended == [1]
+
+
+@pytest.mark.parametrize("contingency", sorted(set(Contingency) - set(TIMED)))
+def test_a_contingency_without_a_model_of_its_flight_has_no_duration(contingency: Contingency) -> None:
+    with refuses("not-modeled", "", contingency):
+        predict_contingency(forecast_of("sitl"), contingency, 30.0)
 
 
 def test_a_return_that_lands_in_place_has_no_duration() -> None:

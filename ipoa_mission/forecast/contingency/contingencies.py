@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency.contingency_paths import (
@@ -28,8 +28,6 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
 
 GROUND_NAME, NO_GOAL = "the ground", "unknown"
-# The others fly on, fall, or have no known path.
-COMPUTED = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)
 
 
 class Grade(StrEnum):
@@ -288,7 +286,7 @@ class Contingencies:
         return [self.paths.exactly(contingency, samples, run[n]) for n in sorted(picked)]
 
     def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
-        if row.contingency not in (Contingency.RTL, Contingency.LAND):
+        if row.contingency not in TIMED:
             return row
         picked = {run[round(share * (len(run) - 1))] for share in (0.0, 0.5, 1.0)}
         try:

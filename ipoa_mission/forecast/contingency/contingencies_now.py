@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.autopilot.returning import Contingency
+from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
@@ -22,7 +22,6 @@ class DurationSampling:
 
 
 DURATIONS = DurationSampling()
-TIMED = (Contingency.RTL, Contingency.LAND)  # the others do not end on the ground
 
 
 class ContingenciesNow:

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.energy import Consumption
-from ipoa_mission.autopilot.returning import Contingency, ReturnBy
+from ipoa_mission.autopilot.returning import IN_PLACE, TIMED, Contingency, ReturnBy
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.margins import with_margins
@@ -211,9 +212,8 @@ class ContingencyPaths:
         if self.routes.why_unknown is not None:
             return self.routes.why_unknown
         vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
-        if self.mission.fence and vehicle.fence_margin(parameters, version) is not None:
-            return "returns round fences are not modeled"
-        return None
+        is_fenced = self.mission.fence and vehicle.fence_margin(parameters, version) is not None
+        return "returns round fences are not modeled" if is_fenced else None
 
     def samples(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """Return a contingency at times in the air, without a hidden shortfall."""
@@ -268,7 +268,7 @@ class ContingencyPaths:
         return min(checks, key=lambda check: check.slack)
 
     def goal(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
-        if contingency in (Contingency.LAND, Contingency.HOLD):
+        if contingency in IN_PLACE:
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
@@ -348,8 +348,7 @@ class ContingencyPaths:
             paths += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
         for by, _ in product(kinds, self._shares):
             paths.append(self.routes.paths(by, np.stack([places, stops, stops, stops], axis=1), seqs))
-        if len({path.shape[1] for path in paths}) > 1:
-            paths = [_padded(path, max(other.shape[1] for other in paths)) for path in paths]
+        paths = [_padded(path, max(other.shape[1] for other in paths)) for path in paths]
         goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
         chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
         possible = np.repeat(chosen, self._variants, axis=1)
@@ -389,7 +388,9 @@ class PredictedContingency(NamedTuple):
 
 
 def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
-    """Return duration and energy of an RTL or LAND ordered at a time [s]."""
+    """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
+    if contingency not in TIMED:
+        raise NotModeled(f"the duration of {contingency} is not modeled")
     model, mission = forecast.mission.autopilot.part(FlightModel), forecast.mission
     prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, Abort(time, contingency))
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)

@@ -22,7 +22,7 @@ from ipoa_mission.autopilot.guidance_profile import (
     ProtocolProfile,
 )
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, Contingency, OverTerrain, level_distance
+from ipoa_mission.autopilot.returning import HOME, IN_PLACE, Contingency, OverTerrain, level_distance
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
@@ -270,7 +270,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
         """
-        if contingency not in (Contingency.LAND, Contingency.HOLD):
+        if contingency not in IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
         from ipoa_mission.vehicles.arducopter.braking import Shaping
 

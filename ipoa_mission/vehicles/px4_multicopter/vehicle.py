@@ -22,7 +22,15 @@ from ipoa_mission.autopilot.guidance_profile import (
     mode_number,
 )
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, Contingency, MissionLanding, ReturnBy, ReturnRoute, level_distance
+from ipoa_mission.autopilot.returning import (
+    HOME,
+    IN_PLACE,
+    Contingency,
+    MissionLanding,
+    ReturnBy,
+    ReturnRoute,
+    level_distance,
+)
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
@@ -239,7 +247,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().stopping_offset({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
         """
-        if contingency not in (Contingency.LAND, Contingency.HOLD):
+        if contingency not in IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
         import numpy as np
 
