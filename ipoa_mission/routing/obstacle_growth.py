@@ -46,19 +46,19 @@ class ObstacleGrowth:
             if not one.body and one.part < ReturnLeg.RETURNS
         ]
         short["ground"] = max([short.get("ground", 0.0), *low])
-        wanted = [
-            (one.to, short["obstacles"]) for one in guarantee.broken if one.in_cruise and one.limit == "obstacles"
-        ]
+        near = [one.to for one in guarantee.broken if one.in_cruise and one.limit == "obstacles"]
+        names = [body.name for body in scenario.airspace.obstacles]
+        wanted = [([n for n, name in enumerate(names) if name == to], short["obstacles"]) for to in near]
         aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
-        wanted += [(one.body, one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
+        wanted += [([one.number], one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
         growth = self.growth
         spots = curve.sample(max(2, int(curve.length / SAMPLE_STEP)))
-        for name, missing in wanted:
-            growth = np.maximum(growth, _growth(spots, name, missing, scenario))
+        for which, missing in wanted:
+            growth = np.maximum(growth, _growth(spots, which, missing, scenario))
         return ObstacleGrowth(
             growth,
-            _wider(self.below_overhangs, (one for one in attempt.short if one.overhead), scenario),
-            _wider(self.above_landings, (one for one in attempt.short if one.comes_down), scenario),
+            _wider(self.below_overhangs, (one for one in attempt.short if one.overhead)),
+            _wider(self.above_landings, (one for one in attempt.short if one.comes_down)),
             self.above + short.get("ground", 0.0),
             self.below + short.get("ceiling", 0.0),
             self.inside + short.get("bounds", 0.0),
@@ -82,13 +82,12 @@ class ObstacleGrowth:
         return problem_of(enlarged).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 
 
-def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vector:
+def _wider(rooms: Vector, short: Iterable[Shortfall]) -> Vector:
     """Widen the free volumes (n,) by the missing distance."""
-    number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
     wider = rooms.copy()
-    for name, missing in {one.body: one.missing for one in short}.items():
-        wide = rooms[number[name]]
-        wider[number[name]] = 0.0 if wide < 0.0 else wide + missing * GROWTH_FACTOR + GROWTH_MARGIN
+    for n, missing in {one.number: one.missing for one in short}.items():
+        wide = rooms[n]
+        wider[n] = 0.0 if wide < 0.0 else wide + missing * GROWTH_FACTOR + GROWTH_MARGIN
     return wider
 
 
@@ -103,14 +102,15 @@ def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obst
     return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, floor, ceiling)
 
 
-def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
-    """Return the growth (n,) that moves `spots` (k, 3) away by `missing` [m]."""
+def _growth(spots: np.ndarray, which: list[int], missing: float, scenario: Scenario) -> Vector:
+    """Return the growth (n,) that moves `spots` (k, 3) away from obstacles `which` by `missing` [m]."""
     bodies, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance
-    reach = {body.name: n for n, body in enumerate(bodies)}
+    number = {id(body): n for n, body in enumerate(bodies)}
     away = np.full(len(bodies), np.inf)
     for body, _, distance in scenario.airspace.near(spots, required + 4 * missing + 10.0):
-        away[reach[body.name]] = min(away[reach[body.name]], float(distance.min()))
-    nearest = away[reach[name]] if name in reach and np.isfinite(away[reach[name]]) else float(away.min())
+        away[number[id(body)]] = float(distance.min())
+    nearest = float(away[which].min(initial=np.inf))
+    nearest = nearest if np.isfinite(nearest) else float(away.min())
     return np.where(away <= nearest + missing + NEAREST_MARGIN, np.maximum(away + missing - required, 0.0), 0.0)
 
 

@@ -122,7 +122,8 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
 
     point = shapely.Point(spot[:2])
     bodies = [body for body, _, _ in airspace.near(spot[None], 4 * needed)]
-    first = next((body for body in bodies if body.name == name), None)
+    named = (body for body in bodies if body.name == name)
+    first = min(named, key=lambda body: float(body.distance(spot[None])[0]), default=None)
     if first is None:
         return np.inf, None
 

@@ -30,12 +30,13 @@ SAG = 0.3  # below the set height of a return [m]
 class Shortfall:
     """A contingency too near to a body, ordered at a time [s], with its greatest missing distance [m].
 
-    `overhead`: above the climbing vehicle.
+    `number`: index of the obstacle, whose name another may have. `overhead`: above the climbing vehicle.
     """
 
     contingency: Contingency
     time: float
     body: str
+    number: int
     missing: float
     part: int
     overhead: bool = False
@@ -126,12 +127,11 @@ def try_return_altitudes(
 
 def _heights(paths: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Return multiples of 5 m above obstacles in the way, below those overhead."""
-    bodies = {body.name: body.bounds[:, 2] for body in paths.enlarged.airspace.obstacles}
     required = paths.required + SAG
     over = [now + each.missing for each in short if each.body == "" and each.part >= ReturnLeg.CLIMBS]
     for each in short:
         if each.body and each.part >= ReturnLeg.CLIMBS:
-            base, top = bodies[each.body]
+            base, top = paths.enlarged.airspace.obstacles[each.number].bounds[:, 2]
             over += [float(top) + required] if each.part >= ReturnLeg.RETURNS else []
             yield float(HEIGHT_STEP * math.floor((base - required) / HEIGHT_STEP))
     if over:
@@ -155,7 +155,7 @@ def find_shortfalls(
             name = "" if number == GROUND else bodies[number].name
             climbs = number >= 0 and leg == ReturnLeg.CLIMBS
             over = climbs and float(bodies[number].bounds[0, 2]) > float(samples.paths[n, k, 1, 2])
-            yield Shortfall(contingency, float(samples.times[n]), name, -float(short[n, k, leg]), leg, over)
+            yield Shortfall(contingency, float(samples.times[n]), name, number, -float(short[n, k, leg]), leg, over)
 
 
 def nearest_of(paths: ContingencyPaths, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
