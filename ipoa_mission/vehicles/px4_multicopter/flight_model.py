@@ -82,9 +82,10 @@ class Px4Model(FlightModel):
         self, itinerary: Itinerary, mission: Mission, wind: Wind, fast: bool | None, noise_free: bool
     ) -> Prediction:
         flights = Flights(itinerary, mission, wind, KNOWS if noise_free else SIH_SENSES)
-        exact_run, ends = flights.flown(False, fast)(0), list(flights.mission_orders.done)
+        orders, ends = flights.mission_orders.orders, list(flights.mission_orders.done)
+        exact_run = flights.flown(orders, False, fast)(0)
         smooth, samples = exact_run.done[ends], exact_run.samples
-        once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
+        once = flights.flown(orders, True, fast, RUNS.most * samples[-1, 0] / RUNS.step_s)
         remarks = list(flights.mission_orders.remarks)
         runs = smooth[None, :]
         if itinerary.visits and not noise_free:
@@ -104,34 +105,33 @@ class Px4Model(FlightModel):
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, runs))
 
     def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
+        """Noisy runs give the duration; one without noise, aborted at their mean place, gives the path."""
         flights = Flights(itinerary, mission, wind)
         if abort.contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
                 raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
             if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
                 raise NotModeled(f"the duration of returns {by} is not modeled well enough")
-        exact_times = flights.flown(False, None)(0).done
-        steps = np.diff(exact_times)
-        remarks = list[str]()
+        orders = flights.mission_orders.orders
+        exact_times = flights.flown(orders, False, None)(0).done
+        steps, remarks = np.diff(exact_times), list[str]()
 
         def once(seed: int) -> Vector:
             run, begun = flights.aborted(abort.contingency, abort.time, seed, None)
-            when = exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])
-            return np.array([when, run.done[-1] - run.touched, run.done[-1] - abort.time])
+            order_time = exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])
+            return np.array([order_time, run.done[-1] - run.touched, run.done[-1] - abort.time])
 
-        when, stood, lasted = _noisy_times(once, RUNS.abort_share, remarks).T
-        then = float(np.mean(when))
-        last, _ = flights.aborted(abort.contingency, then, None, None)
-        mean = float(np.mean(lasted))
+        order_times, times_on_ground, durations = _noisy_times(once, RUNS.abort_share, remarks).T
+        mean_order_time, mean = float(np.mean(order_times)), float(np.mean(durations))
+        noise_free, _ = flights.aborted(abort.contingency, mean_order_time, None, None)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
-        half = RUNS.abort_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
-        touched = abort.time + mean - float(np.mean(stood))
-        off = RUNS.abort_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
-        samples = last.samples
-        track = Track.of(samples, samples[:, 0] + abort.time - then)
-        end = np.array([abort.time + mean])
-        between = touched - off, touched, touched + off
-        return Prediction(end, end - half, end + half, ("",), track, tuple(remarks), touched=between)
+        half_width = RUNS.abort_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
+        touched = abort.time + mean - float(np.mean(times_on_ground))
+        off = RUNS.abort_deviations * math.sqrt(float(np.var(durations - times_on_ground)) + doubt)
+        samples, end = noise_free.samples, np.array([abort.time + mean])
+        track = Track.of(samples, samples[:, 0] + abort.time - mean_order_time)
+        low, high, between = end - half_width, end + half_width, (touched - off, touched, touched + off)
+        return Prediction(end, low, high, ("",), track, tuple(remarks), touched=between)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
@@ -143,8 +143,9 @@ class Px4Model(FlightModel):
 
     def median_times(self, itinerary: Itinerary, mission: Mission) -> Vector:
         flights = Flights(itinerary, mission)
-        steps = RUNS.of_median * sum(order.patience for order in flights.mission_orders.orders) / RUNS.step_s
-        once, ends = flights.flown(True, True, steps), list(flights.mission_orders.done)
+        orders = flights.mission_orders.orders
+        steps = RUNS.of_median * sum(order.patience for order in orders) / RUNS.step_s
+        once, ends = flights.flown(orders, True, True, steps), list(flights.mission_orders.done)
         return np.asarray(np.median([once(seed).done[ends] for seed in range(1, RUNS.of_median + 1)], axis=0))
 
 
@@ -201,7 +202,6 @@ class Flights:
         limits = px4_limits(mission.parameters, mission.firmware_version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + self.airframe.lift_delay, 0.0))
         self.mission_orders = orders_of_itinerary(itinerary, self.limits, self.airframe.landing_delay)
-        self.orders = self.mission_orders.orders
         turns = self.limits.turns_first or any(not math.isnan(order.heading) for order in self.mission_orders.orders)
         with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
@@ -213,13 +213,14 @@ class Flights:
 
         Returns also the number of orders begun by then.
         """
-        self.orders = tuple(order._replace(until=time) for order in self.mission_orders.orders)
-        until = self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
-        begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
+        orders = tuple(order._replace(until=time) for order in self.mission_orders.orders)
+        until = self.flown(orders, seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
+        begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(orders))
         onward = self.orders_of(contingency, until.samples[-1])
         then = with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay)
-        self.orders = (*self.orders[:begun], *then)
-        return self.flown(seed is not None, fast, RUNS.most * time / RUNS.step_s)(seed or 0), begun
+        return self.flown((*orders[:begun], *then), seed is not None, fast, RUNS.most * time / RUNS.step_s)(
+            seed or 0
+        ), begun
 
     def orders_of(self, contingency: Contingency, at: Vector) -> list[Order]:
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.itinerary.ground
@@ -231,13 +232,13 @@ class Flights:
         return landing_orders(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
 
     def flown(
-        self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
+        self, orders: tuple[Order, ...], noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
     ) -> Callable[[int], FlownOnce]:
-        """Return a function of a seed that flies all orders; `sampled` or without noise it records samples.
+        """Return a function of a seed that flies `orders`; `sampled` or without noise it records samples.
 
         `steps`: expected number. It raises MissionError without progress.
         """
-        orders, height = self.orders, flying_already(self.itinerary) or 0.0
+        height = flying_already(self.itinerary) or 0.0
         machine, constants = jit_if_faster(fly, fast, steps), [self.noise_free_constants._replace(noisy=noisy)]
         inputs: Any = orders
         if machine is not fly:
