@@ -69,7 +69,7 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
 
 
 class Margin(NamedTuple):
-    tight: float
+    sharing: float
     keep_gaps: bool
     height_factor: float
 
@@ -167,7 +167,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
             margins.closed = True
             if margins.world is scenario and not isinstance(error, NotFound):
                 raise
-            missing = error
+            no_path = error
             continue
         if slow is not None:
             return min(slow, attempt, key=lambda one: (not one.is_acceptable, one.quick_prediction.seconds))
@@ -180,7 +180,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
     if slow is not None:
         return slow
     if nearest is None:
-        raise missing
+        raise no_path
     raise TooNear(nearest)
 
 
@@ -194,7 +194,10 @@ class _Margins:
 
 
 def _margins(scenario: Scenario) -> Iterator[_Margins]:
-    """Yield different margins for the deviation bound; the last are none."""
+    """Yield different margins for the deviation bound; the last are none.
+
+    The caller sets `closed` and `growth` of each before it asks for the next.
+    """
     for margins in _first_margins(scenario):
         yield margins
         latest, before = margins, margins.growth

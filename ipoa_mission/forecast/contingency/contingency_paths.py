@@ -188,7 +188,7 @@ class ContingencyPaths:
 
     @cached_property
     def enlarged(self) -> PathTask:
-        return self._enlarged or with_margins(clearance_task(self.forecast.world), tight=4.0)
+        return self._enlarged or with_margins(clearance_task(self.forecast.world), sharing=4.0)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":

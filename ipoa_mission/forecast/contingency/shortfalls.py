@@ -82,7 +82,7 @@ def heights_above(above: float) -> Iterator[float]:
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     """Return a test of paths for the required clearance, with room for the deviation bound."""
-    enlarged, required = with_margins(clearance_task(scenario), tight=4.0), scenario.limits.obstacle_distance
+    enlarged, required = with_margins(clearance_task(scenario), sharing=4.0), scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 
     def is_clear(legs: Iterable[Leg]) -> bool:

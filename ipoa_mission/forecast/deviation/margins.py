@@ -14,15 +14,16 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 MIN_GROWTH = 0.01  # [m]
 
 
-def with_margins(task: ClearanceTask, tight: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
-    """Return the path task with room for the deviation bound at `tight` tight places.
+def with_margins(task: ClearanceTask, sharing: float, keep_gaps: bool = False, height_factor: float = 9.0) -> PathTask:
+    """Return the path task with room for the deviation bound.
 
-    Over steep ground the path is higher, by at most `height_factor` times the spare height of the lowest given place.
+    `sharing`: how many places share the chance of exceeding it; less gives smaller margins. Over steep ground
+    the path is higher, by at most `height_factor` times the spare height of the lowest given place.
     """
     path, law, chance = task.path, task.law, task.chance
     if chance is None:
         return path
-    bound, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
+    bound, level = deviation_bound_of(law, chance), law.level.distance(chance / sharing)
     airspace = path.airspace
     growth = np.full(len(airspace.obstacles), level)
     bodies = grown(path, path, growth, DeviationBound(level, bound.down, bound.up), keep_gaps)
