@@ -64,8 +64,7 @@ def strung(missions: Path) -> Scenario:
     across = np.array([-leg[1], leg[0], 0.0]) / np.hypot(leg[0], leg[1]) * 25.0
     cable = Cable("cable", tuple((middle - across).tolist()), tuple((middle + across).tolist()), 2.0)
     strung = replace(scenario.airspace, obstacles=(*scenario.airspace.obstacles, cable))
-    scenario.__dict__["_surroundings"] = replace(scenario.__dict__["_surroundings"], airspace=strung)
-    return scenario
+    return scenario.with_airspace(strung)
 
 
 def test_its_parts_cover_it() -> None:
