@@ -94,7 +94,7 @@ class Autopilot(metaclass=_ByName):
     def part(self, interface: type[Part]) -> Part:
         """Return this autopilot's implementation of an interface, or raise MissionError."""
         if not self.has(interface):
-            raise NotModeled(f"{self.model} has no {interface.__name__} here")
+            raise NotModeled(f"{self.model} has no {re.sub('(?<=[a-z])(?=[A-Z])', ' ', interface.__name__).lower()}")
         address = self.parts[interface.__name__]
         part = resolve_name(address) if isinstance(address, str) else address
         assert isinstance(part, interface), f"{address} is no {interface.__name__}"

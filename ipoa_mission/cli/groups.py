@@ -112,7 +112,7 @@ class ContingencyOptions(WorldOptions):
 
     def __post_init__(self) -> None:
         if self.endings:
-            getLogger(__name__).warning("--endings is --contingencies since 0.5")
+            getLogger(__name__).warning("--endings is --contingencies since 0.5, and goes in 0.6")
             self.contingencies = True
         if self.contingencies and self.scenario is None:
             hint = "the clearance of a contingency depends on the obstacles"

@@ -279,7 +279,7 @@ class TcpChannel(RealTime):
 
 
 def _closed() -> LinkDown:
-    return LinkDown("the other side closed the connection", "was the autopilot, or what relays it, restarted?")
+    return LinkDown("the other side closed the connection", "check whether the autopilot, or what relays it, restarted")
 
 
 class SerialChannel(RealTime):
@@ -328,7 +328,7 @@ def _broken_by_errors() -> Iterator[None]:
     try:
         yield
     except (OSError, TypeError, ValueError) as error:
-        raise LinkDown(f"the link broke: {_reason(error)}", hint="is it still plugged in?") from error
+        raise LinkDown(f"the link broke: {_reason(error)}", hint="check the plug") from error
 
 
 def serial_ports() -> tuple[str, ...]:

@@ -251,7 +251,7 @@ class KeepsChanging(MissionError):
     def __init__(self, kind: int) -> None:
         super().__init__(
             f"the vehicle reports another {list_name(kind)} each time that its list is read",
-            hint="is another station uploading? upload again when it is done",
+            hint="check whether another station is uploading; upload again when it is done",
         )
 
 

@@ -74,7 +74,7 @@ class Loopback:
                 return got
             wake = min(until, self.far.deadline, self._there.deadline, self._back.deadline)
             if math.isinf(wake):
-                raise RuntimeError("both ends wait for ever")
+                raise RuntimeError("both ends wait, and neither has anything to send")
             self._now = max(self._now, wake)
 
     def send(self, data: bytes, peer: Peer | None) -> None:

@@ -64,7 +64,7 @@ def connect(
         time.sleep(POLL_S)
     instance.destroy()
     message = "no autopilot is heard"
-    raise NoAnswer(message, hint="is it running, and does it send to this address?", code="not-heard", place=url)
+    raise NoAnswer(message, hint="check that it is running, and sends to this address", code="not-heard", place=url)
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":

@@ -134,6 +134,6 @@ def _read_again(job: Upload) -> Dialogue[int]:
 def _unknown(job: Upload, nothing: MissionError) -> NotReady:
     return NotReady(
         f"it is unknown whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
-        hint="is another station uploading?",
+        hint="check whether another station is uploading",
         code="list-unproven",
     )

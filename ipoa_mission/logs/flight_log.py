@@ -187,7 +187,7 @@ def _gaps(log: Log, is_on_board: bool) -> Iterator[str]:
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
     words = "; ".join([f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks])
-    return MissionError(words, hint="is it the log of this flight?", code="nothing-flown", place=path)
+    return MissionError(words, hint="check that it is the log of this flight", code="nothing-flown", place=path)
 
 
 @dataclass

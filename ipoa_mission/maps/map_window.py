@@ -88,7 +88,7 @@ class MapWindow:
         raise TooFar(
             f"expected places within {REACH / 1000:g} km of home ({home[0]:.4f}, {home[1]:.4f}), not only "
             f"from {south:.4f}, {west:.4f} to {north:.4f}, {east:.4f}",
-            hint="is it the map of another place?",
+            hint="check that it is the map of this place",
             place=path,
         )
 

@@ -43,7 +43,7 @@ class MapExtent:
             f"not near {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
             hint="in its coordinates longitude must come before latitude"
             if self._turned_near
-            else "is it the map of another place?",
+            else "check that it is the map of this place",
             place=f"{self._first_far}.geometry",
         )
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
@@ -105,7 +105,8 @@ def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
     if mode == "spline" and not autopilot.guidance.flies_splines:
-        raise BadInput("expected even, corridor or fastest: only ArduPilot flies spline waypoints", place="route.mode")
+        others = " and ".join(sorted({each.firmware_name for each in registered() if each.guidance.flies_splines}))
+        raise BadInput(f"expected even, corridor or fastest: spline waypoints are for {others}", place="route.mode")
 
 
 def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:

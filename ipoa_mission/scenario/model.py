@@ -226,7 +226,7 @@ class Scenario(Section):
             return None
         return TooFar(
             f"it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
-            hint="is it the scenario of another mission?",
+            hint="check that it is the scenario of this mission",
             place="home",
         )
 

@@ -89,4 +89,4 @@ def test_contingencies_need_a_world_and_have_one_form_for_machines(run: Run, wor
 def test_earlier_flag_warns_and_does_the_same(run: Run) -> None:
     earlier, now = run(f"show {SITL} --endings"), run(f"show {SITL} --contingencies")
     assert earlier.out == now.out
-    assert "--endings is --contingencies since 0.5" in earlier.err
+    assert "--endings is --contingencies since 0.5, and goes in 0.6" in earlier.err

@@ -181,7 +181,7 @@ def test_a_kml_of_another_place_says_where_it_is(samples: Path, tmp_path: Path, 
     )
     message = " ".join(run("plan w.toml").err.split())
     assert "expected a place within 100 km of home (-5.0000, 8.0000), not near " in message
-    assert "hint: is it the map of another place?" in message
+    assert "hint: check that it is the map of this place" in message
 
 
 def test_several_flight_areas_will_do(samples: Path, tmp_path: Path) -> None:

@@ -201,7 +201,7 @@ def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
         def outgoing(self) -> list[tuple[bytes, object]]:
             return []
 
-    with pytest.raises(RuntimeError, match="both ends wait for ever"):
+    with pytest.raises(RuntimeError, match="both ends wait, and neither"):
         Loopback(Silent()).receive(math.inf)
 
 

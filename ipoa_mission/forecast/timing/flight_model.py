@@ -129,7 +129,7 @@ class FlightModel(ABC):
         Raises:
             MissionError: as `predicted`; or the model has no such flights.
         """
-        raise NotModeled("this model has no aborted flights")
+        raise NotModeled(f"{mission.autopilot.model} has no model of returns: their duration is unknown")
 
     def never_lands(self, words: str) -> MissionError:
         """Return the error of a contingency without an end; a mission's is `EndlessFlight`."""
