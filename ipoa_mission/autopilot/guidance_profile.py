@@ -51,6 +51,8 @@ class GuidanceProfile:
     waits_until_clock: bool = False  # NAV_DELAY without seconds waits until a time of day
     terrain_by: str = ""  # arming with items over terrain needs terrain data or this parameter's range finder
     takes_radius: bool = False  # the acceptance radius determines where it turns
+    turned_late: float = 0.0  # such a radius, small enough for slower flight [m]
+    overshoot: float = 10.0  # beyond its braking distance, before it turns back to a missed item [m]
     first_item: int = 1  # jumps in the stored list give the first item this number
     past_the_end: int = 0  # after a shorter list this item is current; -1 is the last
     lands_below_item: bool = False  # LAND's slow stretch counts from an item below home

@@ -24,7 +24,6 @@ class ConformanceLimits:
     margin_factor: float = 2.0  # of the bound, added to it
     min_margin: float = 5.0  # [m]
     takeoff_factor: float = 2.0  # a take-off drifts farther
-    overshoot: float = 10.0  # of PX4 beyond its braking distance, before it turns back to a missed item [m]
     late_factor: float = 2.0  # of the longest of nine flights in ten for an item
     min_leg_s: float = 10.0
     lasting_s: float = 1.0
@@ -76,7 +75,7 @@ class ConformanceMonitor:
         self._chance = LIMITS.exceeding_share if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
         self._unknown = {item.seq for item in forecast.unknown}
-        self._law = law_of(forecast.mission.autopilot, wind)
+        self._law, self._overshoot = law_of(autopilot := forecast.mission.autopilot, wind), autopilot.guidance.overshoot
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain
@@ -145,14 +144,14 @@ class ConformanceMonitor:
         moved, allowed = distance - self._nearest, leg.excursion + leg.comes_back
         if moved <= allowed:
             return None
-        if self._nearest <= LIMITS.overshoot:
+        if self._nearest <= self._overshoot:
             words = f"the vehicle passed it at {self._nearest:.1f} m without turning, and is {distance:.0f} m beyond it"
             return self._deviation(DeviationKind.PASSED, time, moved, allowed, words)
         words = f"the vehicle moves away from it: it was {self._nearest:.0f} m away, and is {distance:.0f} m"
         return self._deviation(DeviationKind.AWAY, time, moved, allowed, words)
 
     def _outside(self, leg: _Leg, place: Vector, distance: float, time: float) -> Deviation | None:
-        comes_back = self._nearest <= LIMITS.overshoot and distance <= leg.excursion + leg.comes_back
+        comes_back = self._nearest <= self._overshoot and distance <= leg.excursion + leg.comes_back
         if comes_back or (leg.goal is None and self._detour is not None):
             return None
         points, limits = leg.points, leg.limits
@@ -228,7 +227,7 @@ class ConformanceMonitor:
             excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
             mission, speed = self._forecast.mission, np.array([items[target].peak_speed])
             braking = float(mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0])
-            comes_back = LIMITS.overshoot + braking
+            comes_back = self._overshoot + braking
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         visits = self._visits[near.start : near.stop]

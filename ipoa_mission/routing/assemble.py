@@ -16,7 +16,6 @@ from ipoa_mission.scenario import Scenario
 
 HALVINGS = 5  # before a mode gives up
 NARROW = 2  # halvings
-TURNED_LATE = 2.5  # acceptance radius of PX4 in slower flight [m]
 
 
 def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
@@ -98,8 +97,8 @@ def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
     yield choose(width)
     yield (narrow := choose(width / 2**NARROW))
     if mode == "fastest":
-        if scenario.vehicle.autopilot.guidance.takes_radius:
-            yield replace(narrow, route=replace(narrow.route, radius=TURNED_LATE))
+        if (guidance := scenario.vehicle.autopilot.guidance).takes_radius:
+            yield replace(narrow, route=replace(narrow.route, radius=guidance.turned_late))
         yield choose(width / 2 ** (2 * NARROW))
 
 

@@ -176,6 +176,7 @@ class Px4Multicopter(Autopilot):
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
         takes_radius=True,
+        turned_late=2.5,
         first_item=0,
         past_the_end=-1,
         climbs_coming_back=True,
