@@ -41,46 +41,11 @@ ALTITUDE_MODES = {
 }
 
 
+# --- writing ----------------------------------------------------------------------------------------------------
+
+
 def plan_text(mission: Mission) -> str:
     return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
-
-
-def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """Read a `.plan` of QGroundControl, MAVSDK or this package.
-
-    `autopilot` overrides `firmwareType` and `vehicleType`. An `Altitude` that differs from `params` is an error.
-    """
-    plan = parse_document(path, text)
-    if plan["fileType"].text() != "Plan":
-        raise plan["fileType"].wrong('"Plan"')
-    plan["version"].whole("1", 1, 1)
-    mission = plan["mission"]
-    if version := mission.get("version"):
-        version.whole("2", 2, 2)
-    speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
-    vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
-    autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
-    home = _home(mission["plannedHomePosition"])
-    listed = [entry for child in mission["items"].array() for entry in _listed(child)]
-    ground = plan.get("landingGround")
-    items = resolve_frames(_items(listed), autopilot)
-    read = Mission(
-        home=home,
-        items=items,
-        autopilot=autopilot,
-        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in meters per second"),
-        fence=_fence(plan.get("geoFence")),
-        rally=_rally(plan.get("rallyPoints")),
-        vehicle_type=vehicle_type,
-        landing_ground=None if ground is None else _landing_ground(ground),
-        scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
-        complex_items=complex_items_in([entry.part_of for entry in listed], items),
-    )
-    findings = (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan))
-    return MissionFile(read, findings, text, ".plan")
-
-
-# --- writing ----------------------------------------------------------------------------------------------------
 
 
 def _plan(mission: Mission) -> dict[str, Any]:
@@ -179,6 +144,41 @@ def _tidy(value: float) -> float | int | None:
 
 
 # --- reading ----------------------------------------------------------------------------------------------------
+
+
+def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """Read a `.plan` of QGroundControl, MAVSDK or this package.
+
+    `autopilot` overrides `firmwareType` and `vehicleType`. An `Altitude` that differs from `params` is an error.
+    """
+    plan = parse_document(path, text)
+    if plan["fileType"].text() != "Plan":
+        raise plan["fileType"].wrong('"Plan"')
+    plan["version"].whole("1", 1, 1)
+    mission = plan["mission"]
+    if version := mission.get("version"):
+        version.whole("2", 2, 2)
+    speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
+    vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
+    autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
+    home = _home(mission["plannedHomePosition"])
+    listed = [entry for child in mission["items"].array() for entry in _listed(child)]
+    ground = plan.get("landingGround")
+    items = resolve_frames(_items(listed), autopilot)
+    read = Mission(
+        home=home,
+        items=items,
+        autopilot=autopilot,
+        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in meters per second"),
+        fence=_fence(plan.get("geoFence")),
+        rally=_rally(plan.get("rallyPoints")),
+        vehicle_type=vehicle_type,
+        landing_ground=None if ground is None else _landing_ground(ground),
+        scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
+        complex_items=complex_items_in([entry.part_of for entry in listed], items),
+    )
+    findings = (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan))
+    return MissionFile(read, findings, text, ".plan")
 
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
