@@ -11,7 +11,7 @@ from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
 from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text, write_together
+from ipoa_mission.files import read_text
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
 
@@ -58,7 +58,7 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
     target = parameter_path(path)
     if not mission.parameters:
         return {}
-    if target.exists() and not _is_ours(target):
+    if target.exists() and not is_ours(target):
         words = "expected a free name for the mission's parameters, not a file of another origin"
         hint = "move it, or write the mission under another name"
         raise BadInput(words, hint=hint, code="already-there", place=target)
@@ -71,15 +71,7 @@ def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
     }
 
 
-def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
-    """Write all or none, parameters named as the first; remove an old file of ours."""
-    path = next(iter(contents))
-    write_together({**contents, **parameter_file(mission, path)})
-    if not mission.parameters and _is_ours(parameter_path(path)):
-        parameter_path(path).unlink()
-
-
-def _is_ours(target: Path) -> bool:
+def is_ours(target: Path) -> bool:
     return target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
 
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import MISSIONS, read_text, write_atomically
+from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
 from ipoa_mission.mission.about_file import digest, written_with
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.parameter_file import parameter_path, write_with_parameters
+from ipoa_mission.mission.parameter_file import is_ours, parameter_file, parameter_path
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
@@ -25,6 +25,14 @@ def write_files(
         contents[folder / f"{name}.json"] = _as_text({**about, "sha256": digests})
     write_with_parameters(mission, contents)
     return (*contents, *([parameter_path(plan)] if mission.parameters else [])), digests
+
+
+def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
+    """Write all or none, parameters named as the first; remove an old file of ours."""
+    path = next(iter(contents))
+    write_together({**contents, **parameter_file(mission, path)})
+    if not mission.parameters and is_ours(parameter_path(path)):
+        parameter_path(path).unlink()
 
 
 def write_several(
