@@ -159,17 +159,17 @@ def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: floa
 
 
 def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
-    """Lose the flights of these seeds that are aborted; return the list of seeds that are not lost."""
-    flown, ended = Flights.aborted, list[int]()
+    """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
+    flown, ended = Flights.flown_with, list[int]()
 
-    def aborted(self: Flights, *order: Any, **how: Any) -> Any:
+    def flown_with(self: Flights, *order: Any, **how: Any) -> Any:
         seed = order[2]
         if seed in lost:
             raise MissionError("the vehicle circles", code="unreachable")
         ended.extend([seed] if seed else [])
         return flown(self, *order, **how)
 
-    monkeypatch.setattr(Flights, "aborted", aborted)
+    monkeypatch.setattr(Flights, "flown_with", flown_with)
     return ended
 
 

@@ -24,7 +24,7 @@ from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
+from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
@@ -391,8 +391,8 @@ def predict_contingency(forecast: Forecast, contingency: Contingency, time: floa
     """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
     if contingency not in TIMED:
         raise NotModeled(f"the duration of {contingency} is not modeled")
-    model, mission = forecast.mission.autopilot.part(FlightModel), forecast.mission
-    prediction = model.predict_abort(forecast.itinerary, mission, forecast.wind, Abort(time, contingency))
+    model, ordered = forecast.mission.autopilot.part(FlightModel), OrderedContingency(time, contingency)
+    prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     first, _, last = prediction.touched or (np.nan,) * 3
     touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None

@@ -35,8 +35,8 @@ NEVER_MISSED = Missed(0.0, 0.0)
 class Prediction:
     """Time of each visit (n,) [s], reason of its slowness, path, and remarks.
 
-    Nine flights in ten are from `low` to `high` (n,) [s]. `missed`: by visit. `touched`: touchdown of an aborted
-    flight, at the earliest, in the mean and at the latest [s].
+    Nine flights in ten are from `low` to `high` (n,) [s]. `missed`: by visit. `touched`: touchdown of a contingency,
+    at the earliest, in the mean and at the latest [s].
     """
 
     done: Vector
@@ -94,7 +94,7 @@ class SlowedByAir(Protocol):
 
 
 @dataclass(frozen=True)
-class Abort:
+class OrderedContingency:
     time: float
     contingency: Contingency
 
@@ -123,8 +123,10 @@ class FlightModel(ABC):
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
-    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
-        """Predict the flight up to the abort, then the contingency; `done` has only its end.
+    def predict_contingency(
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+    ) -> Prediction:
+        """Predict the flight up to the order, then the contingency; `done` has only its end.
 
         Raises:
             MissionError: as `predicted`; or the model has no such flights.

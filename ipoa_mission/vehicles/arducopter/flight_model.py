@@ -13,7 +13,14 @@ from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, LegSpeeds, Prediction, SlowedByAir, corner_deg
+from ipoa_mission.forecast.timing.flight_model import (
+    FlightModel,
+    LegSpeeds,
+    OrderedContingency,
+    Prediction,
+    SlowedByAir,
+    corner_deg,
+)
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Place
 from ipoa_mission.mission.items import Item, Mission
@@ -41,8 +48,8 @@ class TimeUncertainty:
 
     flight_s: float = 0.12
     flight_share: float = 0.0065  # of the time
-    abort_s: float = 0.4  # of a contingency
-    abort_share: float = 0.018
+    contingency_s: float = 0.4  # of a contingency
+    contingency_share: float = 0.018
     landing_leg_s: float = 0.9  # of the leg before LAND (`procedures.LAND_BELOW`)
     return_leg_early_s: float = 0.3  # of the leg before RTL: its clock waits for a drifting vehicle
     return_leg_late_s: float = 1.5
@@ -91,22 +98,25 @@ class ArduCopterModel(FlightModel):
         low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
         return Prediction(done, low, high, tuple(reasons), track, tuple(flight.remarks))
 
-    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
-        """Predict the time with an abort and its contingency; the track has a sample at the abort."""
+    def predict_contingency(
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+    ) -> Prediction:
+        """Predict the time with a contingency; the track has a sample at its order."""
         flight = _Flight(itinerary, mission, wind, None)
-        flight.until = abort.time
+        flight.until = ordered.time
         for n in range(len(itinerary.visits)):
             if flight.is_aborted:
                 break
             flight.visit(n)
         flight.until, copter = math.inf, flight.copter
-        returns = abort.contingency is Contingency.RTL
+        returns = ordered.contingency is Contingency.RTL
         if returns and copter.limits.rtl_final > 0.0:
             raise self.never_lands("with an RTL_ALT_FINAL above 0 it waits over its goal and does not land")
         flight.come_down(return_home(copter, itinerary.goal_of_return(copter.place)) if returns else land(copter, None))
         done = np.array([copter.state.time])
-        doubt = UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (done - abort.time)
-        touched, off = flight.touched, UNCERTAINTY.abort_s + UNCERTAINTY.abort_share * (flight.touched - abort.time)
+        doubt = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (done - ordered.time)
+        touched = flight.touched
+        off = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (touched - ordered.time)
         track = Track.joined(flight.tracks)
         between = touched - off, touched, touched + off
         return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)

@@ -19,10 +19,10 @@ from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import (
-    Abort,
     FlightModel,
     LegSpeeds,
     Missed,
+    OrderedContingency,
     Prediction,
     SlowedByAir,
     corner_deg,
@@ -59,13 +59,13 @@ class NoisyRuns:
     sample_steps: int = 3  # between samples
     batch: int = 6  # runs between checks
     known_share: float = 0.003  # relative standard error of the mean
-    abort_share: float = 0.008  # for a contingency
+    contingency_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model, its constant part
     doubt_share: float = 0.0125  # and its part by time
     landing_s: float = 1.6  # more for landings, as recorded
     interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
-    abort_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
+    contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
     missed_s: float = 3.0  # later than the median: missed
 
 
@@ -104,10 +104,12 @@ class Px4Model(FlightModel):
         low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
         return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(itinerary, runs))
 
-    def predict_abort(self, itinerary: Itinerary, mission: Mission, wind: Wind, abort: Abort) -> Prediction:
-        """Noisy runs give the duration; one without noise, aborted at their mean place, gives the path."""
+    def predict_contingency(
+        self, itinerary: Itinerary, mission: Mission, wind: Wind, ordered: OrderedContingency
+    ) -> Prediction:
+        """Noisy runs give the duration; one without noise, ordered where they were in the mean, gives the path."""
         flights = Flights(itinerary, mission, wind)
-        if abort.contingency is Contingency.RTL:
+        if ordered.contingency is Contingency.RTL:
             if flights.limits.land_delay < 0.0:
                 raise self.never_lands("with an RTL_LAND_DELAY below 0 it waits over its goal forever")
             if (by := itinerary.returns_by) is not ReturnBy.DIRECT:
@@ -117,19 +119,19 @@ class Px4Model(FlightModel):
         steps, remarks = np.diff(exact_times), list[str]()
 
         def once(seed: int) -> Vector:
-            run, begun = flights.aborted(abort.contingency, abort.time, seed, None)
-            order_time = exact_times[begun - 1] + min(abort.time - run.done[begun - 1], steps[begun - 1])
-            return np.array([order_time, run.done[-1] - run.touched, run.done[-1] - abort.time])
+            run, begun = flights.flown_with(ordered.contingency, ordered.time, seed, None)
+            order_time = exact_times[begun - 1] + min(ordered.time - run.done[begun - 1], steps[begun - 1])
+            return np.array([order_time, run.done[-1] - run.touched, run.done[-1] - ordered.time])
 
-        order_times, times_on_ground, durations = _noisy_times(once, RUNS.abort_share, remarks).T
+        order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
         mean_order_time, mean = float(np.mean(order_times)), float(np.mean(durations))
-        noise_free, _ = flights.aborted(abort.contingency, mean_order_time, None, None)
+        noise_free, _ = flights.flown_with(ordered.contingency, mean_order_time, None, None)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
-        half_width = RUNS.abort_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
-        touched = abort.time + mean - float(np.mean(times_on_ground))
-        off = RUNS.abort_deviations * math.sqrt(float(np.var(durations - times_on_ground)) + doubt)
-        samples, end = noise_free.samples, np.array([abort.time + mean])
-        track = Track.of(samples, samples[:, 0] + abort.time - mean_order_time)
+        half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
+        touched = ordered.time + mean - float(np.mean(times_on_ground))
+        off = RUNS.contingency_deviations * math.sqrt(float(np.var(durations - times_on_ground)) + doubt)
+        samples, end = noise_free.samples, np.array([ordered.time + mean])
+        track = Track.of(samples, samples[:, 0] + ordered.time - mean_order_time)
         low, high, between = end - half_width, end + half_width, (touched - off, touched, touched + off)
         return Prediction(end, low, high, ("",), track, tuple(remarks), touched=between)
 
@@ -206,7 +208,7 @@ class Flights:
         with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
-    def aborted(
+    def flown_with(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
         """Fly up to a time [s], with a seed's noise or none, then the contingency.
