@@ -32,7 +32,7 @@ from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 Paths: TypeAlias = NDArray[np.float64]  # (n, k, p, 3) [m]
 Distances: TypeAlias = NDArray[np.float64]  # of legs (n, k, p - 1) [m]
-Things: TypeAlias = NDArray[np.intp]  # nearest to legs, by index (n, k, p - 1)
+ObstacleIndices: TypeAlias = NDArray[np.intp]  # nearest to legs, by index (n, k, p - 1)
 
 
 @dataclass(frozen=True)
@@ -79,17 +79,17 @@ class StoppingPoints:
 
 
 def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency: Contingency) -> StoppingPoints:
-    mission, flight, step_s = forecast.mission, forecast.guarantee.flight, 0.2
-    autopilot = mission.autopilot
+    mission, flight, autopilot = forecast.mission, forecast.guarantee.flight, forecast.mission.autopilot
+    step_s = 0.2
     times = np.append(np.arange(begin, end, step_s), end)
     then = np.minimum(times + autopilot.flies_on(contingency), end)
-    before, places, stops, after = map(flight.pieces.at, (then - step_s, times, then, then + step_s))
+    before, places, at_then, after = map(flight.pieces.at, (then - step_s, times, then, then + step_s))
     velocity = (after - before) / (2 * step_s)
     speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
     along = velocity[:, :2] / speed[:, None]
     gains = np.gradient(np.hypot(*velocity[:, :2].T), step_s) if len(times) > 1 else np.zeros(1)
-    accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / step_s**2
-    del before, after
+    accel, stops = (after[:, :2] + before[:, :2] - 2 * at_then[:, :2]) / step_s**2, at_then.copy()
+    del before, after, at_then
     accel += along * (gains - (accel * along).sum(axis=1))[:, None]
     if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
         path = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
@@ -112,7 +112,7 @@ class ContingencySamples:
     paths: Paths
     possible: NDArray[np.bool_]
     near: Distances
-    which: Things
+    which: ObstacleIndices
     slack: Vector
 
     @property
@@ -164,19 +164,19 @@ class ContingencyPaths:
     """Compute contingency paths: `forecast.cached(ContingencyPaths)`. Times are of a flight with exact position."""
 
     def __init__(
-        self, forecast: Forecast, enlarged: PathTask | None = None, alike: "ContingencyPaths | None" = None
+        self, forecast: Forecast, enlarged: PathTask | None = None, shared: "ContingencyPaths | None" = None
     ) -> None:
-        """Share the stopping points of paths `alike`, of another RTL or world."""
+        """Share the stopping points of paths `shared`, of another RTL or world."""
         self.forecast, self.mission, self._enlarged = forecast, forecast.mission, enlarged
         self.required, self.rally = forecast.world.limits.obstacle_distance, rally_places(self.mission)
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
-        self.routes, self._in_air = ReturnRoutes(forecast, self.rally), None if alike is None else alike.in_air
-        if alike is not None:
-            self._stops = alike._stops
-            if alike.forecast is forecast:
-                self.routes = alike.routes
+        self.routes, self._in_air = ReturnRoutes(forecast, self.rally), None if shared is None else shared.in_air
+        if shared is not None:
+            self._stops = shared._stops
+            if shared.forecast is forecast:
+                self.routes = shared.routes
             else:
-                self._samples = {by: some for by, some in alike._samples.items() if by is not Contingency.RTL}
+                self._samples = {by: some for by, some in shared._samples.items() if by is not Contingency.RTL}
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
         """Return the paths of a forecast whose RTL alone differs: all else is taken over."""
@@ -275,7 +275,7 @@ class ContingencyPaths:
         goals = sorted({int(path) // self._variants for path in np.flatnonzero(samples.possible[n])})
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
-    def _near(self, paths: Paths) -> tuple[Distances, Things]:
+    def _near(self, paths: Paths) -> tuple[Distances, ObstacleIndices]:
         air, shape = self.enlarged.airspace, (*paths.shape[:2], paths.shape[2] - 1)
         starts, ends = paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + SAMPLING.max_slack)
@@ -293,7 +293,7 @@ class ContingencyPaths:
         until = nearest[len(near) - 1 - until if ahead else until]
         return np.asarray(near[until] - 0.02), np.asarray(which[until])
 
-    def _note_mission(self, times: Vector, near: Distances, which: Things) -> None:
+    def _note_mission(self, times: Vector, near: Distances, which: ObstacleIndices) -> None:
         climbs = ReturnLeg.CLIMBS
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
@@ -303,7 +303,7 @@ class ContingencyPaths:
                 near[nearer, k, climbs], which[nearer, k, climbs] = flown[nearer], of[nearer]
 
     @cached_property
-    def _flown(self) -> tuple[Distances, Things]:
+    def _flown(self) -> tuple[Distances, ObstacleIndices]:
         places = self.stops().places
         if len(places) == 1:
             places = np.repeat(places, 2, axis=0)
