@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import typer
@@ -24,10 +24,22 @@ from tests.cli.conftest import Run, Serve
 
 WRITTEN = "stopped: parameters were written: MPC_XY_CRUISE, RTL_RETURN_ALT"
 STORED = f"{WRITTEN}; the new mission is on the vehicle"
-#: The function at whose begin or end Ctrl-C comes, the message, the parameters, the items on the vehicle, armed.
+
+
+class Pressed(NamedTuple):
+    """Ctrl-C at the begin or end of a function: the message, and what the vehicle has."""
+
+    owner: object
+    function: str
+    message: str
+    parameters: tuple[float, float]
+    items: int
+    armed: bool
+
+
 STAGES = {
-    Stage.POSITION: (procedure, "await_home", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
-    Stage.PARAMETERS: (
+    Stage.POSITION: Pressed(procedure, "await_home", "stopped: the mission was not sent", (5.0, 30.0), 0, False),
+    Stage.PARAMETERS: Pressed(
         Vehicle,
         "set_parameter after",
         "stopped: some parameters may be written: MPC_XY_CRUISE, RTL_RETURN_ALT; the mission was not sent",
@@ -35,25 +47,15 @@ STAGES = {
         0,
         False,
     ),
-    Stage.CHECK: (procedure, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
-    Stage.UPLOAD: (
-        Vehicle,
-        "upload",
-        f"{WRITTEN}; the mission on the vehicle may be the old or the new one",
-        (6.0, 41.0),
-        0,
-        False,
+    Stage.CHECK: Pressed(procedure, "expect_fit", f"{WRITTEN}; the mission was not sent", (6.0, 41.0), 0, False),
+    Stage.UPLOAD: Pressed(
+        Vehicle, "upload", f"{WRITTEN}; the mission on the vehicle may be the old or the new one", (6.0, 41.0), 0, False
     ),
-    Stage.STORED: (procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
-    Stage.READY: (Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
-    Stage.START: (Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
-    Stage.FLIGHT: (
-        Vehicle,
-        "watch",
-        f"{STORED}; the vehicle was started; the vehicle flies on, unwatched",
-        (6.0, 41.0),
-        3,
-        True,
+    Stage.STORED: Pressed(procedure, "idle_fence", STORED, (6.0, 41.0), 3, False),
+    Stage.READY: Pressed(Vehicle, "prepare", f"{STORED}; the vehicle was not armed", (6.0, 41.0), 3, False),
+    Stage.START: Pressed(Vehicle, "start after", f"{STORED}; the start may have been completed", (6.0, 41.0), 3, True),
+    Stage.FLIGHT: Pressed(
+        Vehicle, "watch", f"{STORED}; the vehicle was started; the vehicle flies on, unwatched", (6.0, 41.0), 3, True
     ),
 }
 
