@@ -150,6 +150,9 @@ def fly_mission(
         stages: shows each stage's progress.
         remark: called with notes as they arise.
 
+    Returns:
+        The record of the flight.
+
     Raises:
         NotReady: it is armed already, has no position, or cannot be armed.
         FastLanding, LowBattery, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check failed; nothing was armed.

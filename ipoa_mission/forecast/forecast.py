@@ -252,6 +252,9 @@ def estimate(
         fast: run the same arithmetic compiled (True: some seconds the first time on a machine), plain (False), or by
             default compiled only where that is ready and quicker.
 
+    Returns:
+        The total time and that of each item.
+
     Raises:
         BadInput: the mission has no end, or a parameter is invalid or unknown to this autopilot.
         MissionError: the vehicle makes no progress, as in a wind stronger than it can fly; or it is no multicopter.

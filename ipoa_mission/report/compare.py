@@ -76,6 +76,9 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
         estimate: of the mission.
         flight: as flown; a repeated item counts at its first time.
 
+    Returns:
+        All legs and their totals.
+
     Example:
         >>> from ipoa_mission import compare_flight, estimate, fly_built_in, read_mission
         >>> mission = read_mission("missions/sitl.plan")

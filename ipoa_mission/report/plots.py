@@ -75,6 +75,9 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
         paths: each (n, 3) [m] under its name.
         views: `top` with north up, `front` looks north with east to the right.
 
+    Returns:
+        A matplotlib figure.
+
     Example:
         >>> from ipoa_mission import draw_views, estimate, read_mission, read_scenario, write_picture
         >>> flown = estimate(read_mission("missions/sitl.plan")).track.points

@@ -26,6 +26,9 @@ def read_scenario(path: str | Path) -> Scenario:
     Args:
         path: its name is the default name.
 
+    Returns:
+        The scenario.
+
     Raises:
         BadInput: with file, place and expected value; or a library is missing.
 

@@ -48,6 +48,9 @@ def fly_built_in(
         uploading: receives the progress of the upload.
         flying: receives the progress of the flight.
 
+    Returns:
+        The record of the flight.
+
     Raises:
         BadInput: the autopilot has no such parameter.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
