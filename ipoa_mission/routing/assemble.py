@@ -9,7 +9,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
-from ipoa_mission.routing.fastest import fastest_route
+from ipoa_mission.routing.fastest import fastest_routes
 from ipoa_mission.routing.resample import corridor, every
 from ipoa_mission.routing.route import NoRoute, Route, push_clear
 from ipoa_mission.scenario import Scenario
@@ -48,7 +48,7 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     Raises:
         NoRoute: no tried route does.
     """
-    attempt = narrowed_route(plan, scenario, mode)
+    attempt = _routes(plan, scenario, mode)[0]
     if _keeps_limits(attempt):
         return attempt
     proof = attempt.proof
@@ -62,16 +62,18 @@ def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     quick = _first_guaranteed(_near_routes(plan, scenario))
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
-    whole = narrowed_route(plan, scenario, scenario.route.mode)
-    if whole.rivals and not whole.is_acceptable:
-        return next((rival for rival in whole.rivals if rival.is_acceptable), whole)
+    whole, *others = _routes(plan, scenario, scenario.route.mode)
+    if others:
+        return next((route for route in (whole, *others) if route.is_acceptable), whole)
     return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
+
+
+def _routes(plan: Plan, scenario: Scenario, mode: str) -> list[Attempt]:
+    return fastest_routes(plan, scenario) if mode == "fastest" else [narrowed_route(plan, scenario, mode)]
 
 
 def narrowed_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     """Return the widest route of a mode that keeps the limits, or the narrowest."""
-    if mode == "fastest":
-        return fastest_route(plan, scenario)
     choose, width = _chooser(plan, scenario, mode)
     attempts = (choose(width / 2**halvings) for halvings in range(HALVINGS))
     return next(filter(_keeps_limits, attempts), None) or choose(width / 2**HALVINGS)

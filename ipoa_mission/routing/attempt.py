@@ -29,7 +29,6 @@ class Attempt:
     plan: Plan
     route: Route
     scenario: Scenario
-    rivals: "tuple[Attempt, ...]" = ()  # the quickest first
 
     def along(self, points: Points) -> "Attempt":
         return Attempt(self.plan, replace(self.route, points=points), self.scenario)

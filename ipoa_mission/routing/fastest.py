@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -141,8 +141,8 @@ class RouteSearch:
 SEARCH = RouteSearch()
 
 
-def fastest_route(plan: Plan, scenario: Scenario) -> Attempt:
-    """Return the quickest route within `route.tolerance` and every limit.
+def fastest_routes(plan: Plan, scenario: Scenario) -> list[Attempt]:
+    """Return the quickest routes within `route.tolerance` and every limit, the best first.
 
     Among equally quick routes, prefer the fewest missed waypoints, then the greatest margin.
     """
@@ -152,13 +152,13 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt:
     if not quickest or quickest[0].quick_prediction.seconds > most:
         composed = composed_route(plan, scenario)
         if not composed.is_fit and not quickest:
-            return composed
+            return [composed]
         quickest += [composed] if composed.is_fit else []
     improved = sorted(
         dict.fromkeys([*quickest, *map(_improve, quickest)]), key=lambda each: each.quick_prediction.seconds
     )
     first = _best_of_equal(improved)
-    return replace(first, rivals=tuple(attempt for attempt in improved if attempt is not first))
+    return [first, *(attempt for attempt in improved if attempt is not first)]
 
 
 def _best_of_equal(attempts: list[Attempt]) -> Attempt:
