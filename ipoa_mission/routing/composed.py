@@ -21,15 +21,12 @@ from ipoa_mission.scenario import Scenario
 
 
 class _Composing:
-    """Each level has its width as a share of the tolerance, PX4's acceptance radius [m], and expected tight places.
-
-    `spacings`: then even ones [m].
-    """
+    """Each level has its width as a share of the tolerance, PX4's acceptance radius [m], and expected tight places."""
 
     levels: tuple[tuple[float, float, float], ...] = (
         (1.0, 10.0, 0.5), (0.6, 10.0, 0.5), (0.3, 7.0, 1.0), (0.3, 4.0, 10.0), (0.1, 2.0, 100.0), (0.03, 0.0, 100.0),
     )  # fmt: skip
-    spacings: tuple[float, ...] = (6.0, 2.5)
+    spacings: tuple[float, ...] = (6.0, 2.5)  # of even levels [m]
     max_rounds: int = 16
     least_spacing: float = 1.0  # where two levels meet [m]
     remaining_risk: float = 0.7  # share of the chance, of passings that stay as they are
