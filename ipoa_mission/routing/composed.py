@@ -82,6 +82,7 @@ def _approximations(plan: Plan, scenario: Scenario) -> list[_Level]:
     levels = []
     for points, stations, radius, tight in lines:
         given = (points[:, None] == scenario.places).all(axis=2).any(axis=1)
+        given[[0, -1]] = True
         levels.append(_Level(push_clear(points, with_margins(task, tight, keep_gaps=True)), stations, given, radius))
     return levels
 
