@@ -26,13 +26,14 @@ EDIT_LIMIT = 400  # kept when opened
 class Splice:
     """
     >>> splice_between("goal = 1", "goal = 2", "goal moved")
-    Splice(start=7, removed='1', inserted='2', label='goal moved')
+    Splice(start=7, removed='1', inserted='2', label='goal moved', renumbers=True)
     """
 
     start: int
     removed: str
     inserted: str
     label: str
+    renumbers: bool = True
 
     def redone(self, text: str) -> str:
         return text[: self.start] + self.inserted + text[self.start + len(self.removed) :]
@@ -41,10 +42,10 @@ class Splice:
         return text[: self.start] + self.removed + text[self.start + len(self.inserted) :]
 
 
-def splice_between(before: str, after: str, label: str) -> Splice:
+def splice_between(before: str, after: str, label: str, renumbers: bool = True) -> Splice:
     start = _count_equal(before, after)
     end = _count_equal(before[start:][::-1], after[start:][::-1])
-    return Splice(start, before[start : len(before) - end], after[start : len(after) - end], label)
+    return Splice(start, before[start : len(before) - end], after[start : len(after) - end], label, renumbers)
 
 
 def _count_equal(one: str, other: str) -> int:
@@ -71,20 +72,20 @@ class Journal:
             journal.take_from_disk(on_disk)
         return journal
 
-    def write(self, text: str, label: str) -> bool:
+    def write(self, text: str, label: str, renumbers: bool = True) -> bool:
         if text == self.text:
             return False
-        self._splice(splice := splice_between(self.text, text, label))
+        self._splice(splice := splice_between(self.text, text, label, renumbers))
         self._append(asdict(splice))
         return True
 
-    def step(self, by: int) -> bool:
-        """-1: undo, 1: redo; return whether it changed."""
+    def step(self, by: int) -> Splice | None:
+        """-1: undo, 1: redo; return the edit."""
         if not 0 <= self.done + by <= len(self.edits):
-            return False
+            return None
         self._step(by)
         self._append({"step": by})
-        return True
+        return self.edits[min(self.done, self.done - by)]
 
     def mark_saved(self) -> None:
         self.saved = self.text
@@ -188,28 +189,23 @@ class Document:
             text = mission_changed(self.text, self.path, changes, self.autopilot)
         else:
             text = changed(self.text, changes)
-        different = self._journal.write(text, label)
-        self.revision += different
-        if any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes):
-            self._renumbered_at = self.revision
-        return different
+        renumbers = any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes)
+        return self._revised(self._journal.write(text, label, renumbers), renumbers)
 
     def rewrite(self, text: str, seen: int) -> bool:
         if seen != self.revision:
             words = f"{self.path.name} was changed elsewhere while its text was edited here"
             raise Stale(words, hint="copy your text, and reload")
-        return self._renumbered(self._journal.write(text, "text edited"))
+        return self._revised(self._journal.write(text, "text edited"))
 
     def read_for(self, autopilot: str | None) -> None:
         """Set a mission's autopilot: earlier findings are invalid."""
         self.autopilot = autopilot
         self.revision += 1
 
-    def undo(self) -> bool:
-        return self._renumbered(self._journal.step(-1))
-
-    def redo(self) -> bool:
-        return self._renumbered(self._journal.step(1))
+    def step(self, by: int) -> bool:
+        edit = self._journal.step(by)
+        return self._revised(edit is not None, edit is not None and edit.renumbers)
 
     def save(self, over: bool = False) -> None:
         """Write the file; `over` replaces changes by another program."""
@@ -250,7 +246,7 @@ class Document:
     def take_theirs(self) -> bool:
         self._journal.take_from_disk(read_text(self.path))
         self.changed_outside = False
-        return self._renumbered(True)
+        return self._revised(True)
 
     def as_answer(self) -> answers.Document:
         journal = self._journal
@@ -271,9 +267,10 @@ class Document:
             redo=journal.redo_label,
         )
 
-    def _renumbered(self, different: bool) -> bool:
+    def _revised(self, different: bool, renumbers: bool = True) -> bool:
         self.revision += different
-        self._renumbered_at = self.revision
+        if renumbers:
+            self._renumbered_at = self.revision
         return different
 
 

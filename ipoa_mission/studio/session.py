@@ -138,10 +138,8 @@ class Session:
     def _do(self, request: Do) -> None:
         document = self.document
         match request.what:
-            case "undo":
-                self._changed(document.undo())
-            case "redo":
-                self._changed(document.redo())
+            case "undo" | "redo":
+                self._changed(document.step(-1 if request.what == "undo" else 1))
             case "save" | "save_over":
                 document.save(over=request.what == "save_over")
                 self.send_all(document.as_answer())

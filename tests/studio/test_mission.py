@@ -71,6 +71,21 @@ def test_items_are_moved_put_in_and_taken_out_and_undone(opened: Studio) -> None
     assert opened.scenario.read_bytes() == before
 
 
+def test_edit_after_an_undo_that_renumbers_nothing_is_applied(opened: Studio) -> None:
+    with opened.window() as talk:
+        revision = talk.wait("document")["revision"]
+        talk.wait("mission")
+        moved = edit(talk, revision, {"op": "move_item", "seq": 4, "place": [8.546, 47.398]})
+        for what in ("undo", "redo"):
+            talk.say(kind="do", what=what)
+            talk.wait("document")
+        higher = edit(talk, moved["revision"], {"op": "put_item", "seq": 4, "what": "param7", "value": 31.5})
+        for _ in range(2):
+            talk.say(kind="do", what="undo")
+        talk.wait("document", lambda message: message["undo"] is None)
+    assert higher["items"][3]["values"][6] == 31.5
+
+
 def test_kept_clearance_is_told_in_a_scenario_s_world(opened: Studio) -> None:
     with opened.window() as talk:
         world = talk.wait("mission")["worlds"][0]
