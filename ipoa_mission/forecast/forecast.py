@@ -211,8 +211,14 @@ class Forecast:
 
         if self.unknown:
             raise _refusal(self.unknown[0], "clearance")
-        task = clearance_task(self.world, self.mission.autopilot)
-        return clearance_guarantee_of(PredictedFlight(self.itinerary, self.predicted(noise_free=True), task))
+        from ipoa_mission.forecast.timing.flight_model import FlightModel
+
+        task, predicted = clearance_task(self.world, self.mission.autopilot), self.predicted(noise_free=True)
+        spread = None
+        if task.chance is not None:
+            model = self.mission.autopilot.part(FlightModel)
+            spread = model.spread(self.itinerary, self.mission, self.wind, predicted)
+        return clearance_guarantee_of(PredictedFlight(self.itinerary, predicted, task, spread))
 
     given, promise = renamed("given", "mission_as_read"), renamed("promise", "guarantee")
 

@@ -43,7 +43,8 @@ def straight(*obstacles: Obstacle, seconds: float = 3.9, height: float = 20.0) -
     """A course east at 5 m/s, a piece every half a meter."""
     times = np.arange(0.0, seconds, 0.1)
     points = np.column_stack([5 * times, np.zeros(len(times)), np.full(len(times), height)])
-    return Pieces(times, points, np.zeros(len(times)), np.zeros(len(times) - 1)), Airspace(AIR, Flat(), obstacles)
+    still, unbent = np.zeros(len(times)), np.zeros(len(times) - 1)
+    return Pieces(times, points, still, unbent, np.zeros((len(unbent), 3))), Airspace(AIR, Flat(), obstacles)
 
 
 def wall(distance: float, length: float = 100.0) -> Obstacle:

@@ -1,7 +1,7 @@
 """Compute predicted and kept clearance of a flight."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -153,6 +153,20 @@ def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
     return (NO_DEVIATION if chance is None else deviation_bound_of(law, chance)).wider(THINNING_TOLERANCE)
 
 
+def _worst_checks(part: Pieces, task: ClearanceTask, bound: DeviationBound) -> Iterable[Check]:
+    """Check the path, lowered and raised where flights spread."""
+    side, down, up = np.vstack([part.spread, part.spread[-1:]]).T
+    wider, worst = replace(bound, level=bound.level + float(side.max())), dict[tuple[str, float], Check]()
+    for heights in (-down, up) if part.spread.any() else (up,):
+        path = part.points.copy()
+        path[:, 2] += heights
+        for check in limits_kept(thinned(path), task.path, wider):
+            known = worst.setdefault((check.limit, check.required), check)
+            if (known.nearest.distance > check.nearest.distance) != check.at_most:
+                worst[check.limit, check.required] = check
+    return worst.values()
+
+
 def _tight(task: ClearanceTask) -> tuple[TightPlace, ...]:
     lateral = 0.0 if task.chance is None else task.law.lateral(task.chance)
     return tight_places(task.path, 2 * THINNING_TOLERANCE + lateral)
@@ -168,10 +182,11 @@ class PredictedFlight:
     route: Itinerary
     prediction: Prediction
     task: ClearanceTask
+    spread: Points | None = None
 
     @cached_property
     def pieces(self) -> Pieces:
-        return pieces_of(self.prediction.track.local())
+        return pieces_of(self.prediction.track.local(), self.spread)
 
     def drop_pieces(self) -> None:
         self.__dict__.pop("pieces", None)
@@ -241,7 +256,7 @@ class PredictedFlight:
         path = thinned(part.points)
         checks = limits_kept(path, self.task.path, NO_DEVIATION.wider(THINNING_TOLERANCE))
         nominal = {(check.limit, check.required): check.nearest.distance for check in checks}
-        for check in limits_kept(path, self.task.path, bound):
+        for check in _worst_checks(part, self.task, bound):
             near = check.nearest
             expected = nominal.get((check.limit, check.required), near.distance)
             item = self._item(part, near.place)

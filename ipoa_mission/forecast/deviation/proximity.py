@@ -163,7 +163,7 @@ class ProximityRisks:
 def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, clearance: float) -> ProximityRisks:
     a, b = flown.points[:-1], flown.points[1:]
     widening, rare = law.widening(flown.across), 1e-5  # the chance of obstacles that are ignored
-    reach = max(clearance, 0.0) + widening * law.level.distance(rare)
+    reach = max(clearance, 0.0) + widening * law.level.distance(rare) + flown.spread[:, 0]
     lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
@@ -177,5 +177,7 @@ def proximity_risks(flown: Pieces, airspace: Airspace, law: DeviationLaw, cleara
         obstacle = np.repeat([i for i, *_ in each], [len(on) for _, on, _ in each])
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
-    nearer = np.maximum(above, below)
-    return ProximityRisks(law, piece, obstacle, flown.times[piece], lateral, nearer, over, widening[piece], sides)
+    side, down, up = flown.spread[piece].T
+    nearer = np.maximum(above, below) - np.where(over, down, up)
+    seconds = flown.times[piece]
+    return ProximityRisks(law, piece, obstacle, seconds, lateral - side, nearer, over, widening[piece], sides)

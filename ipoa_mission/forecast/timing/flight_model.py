@@ -119,6 +119,10 @@ class FlightModel(ABC):
             MissionError: the vehicle makes no progress.
         """
 
+    def spread(self, itinerary: Itinerary, mission: Mission, wind: Wind, predicted: Prediction) -> Points | None:
+        """Return the deviation due to this route, beyond the deviation law, (n, 3) as in `Pieces`; None: nowhere."""
+        return None
+
     @abstractmethod
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""

@@ -87,9 +87,13 @@ def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.boo
 
 @dataclass(frozen=True, eq=False)
 class Pieces(Track):
-    """Short straight pieces, with the lateral acceleration `across` of each, (n-1,) [m/s^2]."""
+    """Short straight pieces, with the lateral acceleration `across` of each, (n-1,) [m/s^2].
+
+    `spread`: deviation beyond the vehicle's law, to a side, below and above (n-1, 3) [m].
+    """
 
     across: Vector
+    spread: Points
 
     def part(self, begin: float, end: float) -> "Pieces":
         first = max(int(np.searchsorted(self.times, begin, side="right")) - 1, 0)
@@ -97,17 +101,23 @@ class Pieces(Track):
         first = min(first, len(self.times) - 2)
         last = max(last, first + 1)
         flown = slice(first, last + 1)
-        return Pieces(self.times[flown], self.points[flown], self.speeds[flown], self.across[first:last])
+        each = slice(first, last)
+        return Pieces(self.times[flown], self.points[flown], self.speeds[flown], self.across[each], self.spread[each])
 
 
-def pieces_of(track: Track) -> Pieces:
+def pieces_of(track: Track, spread: Points | None = None) -> Pieces:
+    """Cut a track of n samples, with their `spread` (n, 3), into pieces."""
     shortest = 0.05  # [m]
     is_kept = np.concatenate([[True], np.diff(np.floor(arc_lengths(track.points) / shortest)) > 0.0])
     is_kept[-1] = True
     kept = np.flatnonzero(is_kept) if is_kept.sum() > 1 else np.zeros(2, dtype=int)
     times = track.times[kept]
-    across = np.interp((times[:-1] + times[1:]) / 2, *_bends(track))
-    return Pieces(times, track.points[kept], track.speeds[kept], across)
+    middles = (times[:-1] + times[1:]) / 2
+    across = np.interp(middles, *_bends(track))
+    wider = np.zeros((len(middles), 3))
+    if spread is not None:
+        wider = np.column_stack([np.interp(middles, track.times, column) for column in spread.T])
+    return Pieces(times, track.points[kept], track.speeds[kept], across, wider)
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:

@@ -6,6 +6,7 @@ the mean and spread.
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
@@ -67,6 +68,8 @@ class NoisyRuns:
     late_quantile: float = 0.93
     contingency_deviations: float = 2.3  # for contingencies, fitted in docs/lab/returns.md
     missed_s: float = 3.0  # later than the median: missed
+    nearest_s: float = 1.6  # before or after, for the nearest place of another run
+    usual_spread: tuple[float, float] = (0.6, 1.0)  # to a side and in height [m]: the deviation law has it
 
 
 RUNS = NoisyRuns()
@@ -135,6 +138,18 @@ class Px4Model(FlightModel):
         low, high, between = end - half_width, end + half_width, (touched - off, touched, touched + off)
         return Prediction(end, low, high, ("",), track, tuple(remarks), touched=between)
 
+    def spread(self, itinerary: Itinerary, mission: Mission, wind: Wind, predicted: Prediction) -> Points | None:
+        flights = Flights(itinerary, mission, wind)
+        if flights.limits.splits_axes or not itinerary.visits:  # it stops at each waypoint (docs/lab/kept.md)
+            return None
+        orders, ends = flights.mission_orders.orders, [0, *flights.mission_orders.done]
+        once, done, runs = flights.flown(orders, True, None, math.inf, True), [0.0, *predicted.done], list[Points]()
+        for seed in range(1, RUNS.of_median + 1):
+            with suppress(MissionError):  # its duration is remarked
+                run = once(seed)
+                runs.append(np.column_stack([np.interp(run.samples[:, 0], run.done[ends], done), run.samples[:, 1:4]]))
+        return spread_of(predicted.track, runs) if runs else None
+
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
         level = min(speed or limits.cruise, limits.most_speed)
@@ -183,6 +198,28 @@ def _missed(itinerary: Itinerary, runs: Points) -> tuple[Missed, ...]:
     share = missed.mean(axis=0)
     cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
     return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
+
+
+def spread_of(path: Track, runs: list[Points]) -> Points:
+    """Return how far runs leave the path beyond the usual: to a side, below, above (n, 3) [m].
+
+    Noise moves the moment at which a waypoint counts as reached, and so the place of the turn to the next one. A run is
+    time on the path and place (m, 4).
+    """
+    every = 3  # samples
+    clock, places = path.times[::every], path.points[::every]
+    ahead = np.gradient(places[:, :2], axis=0)
+    across = ahead[:, ::-1] * (-1.0, 1.0) / np.maximum(np.linalg.norm(ahead, axis=1), 0.01)[:, None]
+    moments = clock + np.arange(-RUNS.nearest_s, RUNS.nearest_s + 0.1, 0.2)[:, None]
+    offsets = np.empty((len(runs), len(clock), 2))
+    for run, offset in zip(runs, offsets, strict=True):
+        away = np.stack([np.interp(moments, run[:, 0], axis) for axis in run[:, 1:].T], axis=-1) - places
+        nearest = away[np.argmin(np.sum(away**2, axis=-1), axis=0), np.arange(len(clock))]
+        offset[:] = np.column_stack([np.sum(nearest[:, :2] * across, axis=1), nearest[:, 2]])
+    side, up = offsets.mean(axis=0).T
+    wider, higher = np.maximum(2.0 * offsets.std(axis=0) - RUNS.usual_spread, 0.0).T
+    beyond = (np.abs(side) + wider, np.maximum(higher - up, 0.0), np.maximum(higher + up, 0.0))
+    return np.column_stack([np.interp(path.times, clock, column) for column in beyond])
 
 
 class FlownOnce(NamedTuple):

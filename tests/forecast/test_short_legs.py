@@ -1,0 +1,78 @@
+"""PX4 1.17 turns off a short leg at a moment that noise decides: its flights spread more there than its law has it."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
+from ipoa_mission.forecast.deviation.law import law_of
+from ipoa_mission.forecast.deviation.proximity import proximity_risks
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.track import Track, pieces_of
+from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.px4_multicopter.flight_model import RUNS, spread_of
+from ipoa_mission.world.airspace import Airspace, Bounds
+from ipoa_mission.world.obstacles import box
+from ipoa_mission.world.terrain import Flat
+
+FOLDER = Path(__file__).parents[1] / "data" / "short_legs"
+FLOWN = list(csv.DictReader((FOLDER / "flown.csv").read_text().splitlines()))
+STRAIGHT = Track(np.arange(0.0, 20.0, 0.12), np.outer(np.arange(0.0, 20.0, 0.12), [5.0, 0.0, 0.0]), np.full(167, 5.0))
+
+
+def kept(version: str) -> dict[str, KeptLimit]:
+    mission = replace(read_mission(FOLDER / "steep.plan"), firmware_version=Version.parsed(version))
+    limits = Forecast(mission, read_scenario(FOLDER / "steep.toml")).guarantee.limits
+    return {limit.limit: limit for limit in limits if limit.in_cruise}
+
+
+def moved(offset: tuple[float, float, float], since: float = 10.0) -> np.ndarray:
+    """Return a run that leaves the straight path at a time."""
+    away = np.clip(STRAIGHT.times - since, 0.0, 1.0)[:, None] * np.array(offset)
+    return np.column_stack([STRAIGHT.times, STRAIGHT.points + away])
+
+
+@pytest.mark.parametrize(("what", "limit"), [("obstacle", "obstacles"), ("ground", "ground")])
+def test_recorded_flights_keep_the_guaranteed_clearance(what: str, limit: str) -> None:
+    guaranteed = kept("1.17")[limit].guaranteed
+    nearer = [flight for flight in FLOWN if float(flight[what]) < guaranteed]
+    assert len(nearer) == {"obstacle": 0, "ground": 1}[what]  # one of seven dipped 3.5 m after its first corner
+
+
+def test_runs_on_the_path_add_nothing() -> None:
+    assert spread_of(STRAIGHT, [moved((0.0, 0.0, 0.0))] * 3).max() < 1e-9
+
+
+def test_spread_is_the_mean_offset_where_runs_agree() -> None:
+    spread = spread_of(STRAIGHT, [moved((0.0, -1.5, 0.7))] * 3)
+    late, early = STRAIGHT.times > 12.0, STRAIGHT.times < 8.0
+    assert spread[late] == pytest.approx(np.tile([1.5, 0.0, 0.7], (late.sum(), 1)), abs=0.01)
+    assert spread[early].max() < 0.01
+
+
+def test_spread_exceeds_the_usual_noise_where_runs_differ() -> None:
+    spread = spread_of(STRAIGHT, [moved((0.0, side, side)) for side in (-1.0, 1.0)])
+    side, height = RUNS.usual_spread
+    assert spread[-1] == pytest.approx([2.0 - side, 2.0 - height, 2.0 - height], abs=0.01)
+
+
+def test_obstacle_is_nearer_by_the_spread() -> None:
+    wall = box("wall", (-10.0, 8.0, -5.0), (200.0, 12.0, 60.0))
+    air = Airspace(Bounds((-500.0, -500.0, -50.0), (500.0, 500.0, 200.0)), Flat(), (wall,))
+    spread = np.tile([1.25, 0.0, 0.0], (len(STRAIGHT.times), 1))
+    usual, wider = (
+        proximity_risks(pieces_of(STRAIGHT, beyond), air, law_of(Autopilot.PX4), 8.0).clearance_at(0.01)
+        for beyond in (None, spread)
+    )
+    assert wider == pytest.approx(usual - 1.25, abs=0.01)
+
+
+def test_px4_118_stops_at_each_waypoint_and_needs_no_spread(missions: Path) -> None:
+    forecast = Forecast(read_mission(missions / "sitl.plan"), read_scenario(missions / "sitl.toml"))
+    assert forecast.guarantee.flight.spread is None
