@@ -9,13 +9,11 @@ from typing import TypeAlias
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.autopilot.known_parameters import firmware_of, known_names
-from ipoa_mission.autopilot.parameters import REAL32, SINGLE_MAX, Parameters
+from ipoa_mission.autopilot.parameters import SINGLE_MAX, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.unread import Unread, gathered
 
-FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # of MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
@@ -51,28 +49,6 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
 
 def parameter_path(path: Path) -> Path:
     return path.with_suffix(".params")
-
-
-def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
-    """Return the file and its text; raises BadInput rather than replace a foreign one."""
-    target = parameter_path(path)
-    if not mission.parameters:
-        return {}
-    if target.exists() and not is_ours(target):
-        words = "expected a free name for the mission's parameters, not a file of another origin"
-        hint = "move it, or write the mission under another name"
-        raise BadInput(words, hint=hint, code="already-there", place=target)
-    lines = (  # QGroundControl loads a parameter only with the vehicle's own type
-        f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.parameter_table.types.get(name, REAL32)}"
-        for name, value in mission.parameters.items()
-    )
-    return {
-        target: "\n".join([FIRST_LINE.format(path.stem), "# Vehicle-Id Component-Id Name Value Type", *lines]) + "\n"
-    }
-
-
-def is_ours(target: Path) -> bool:
-    return target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
 
 
 def _taken(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
@@ -149,7 +125,3 @@ def _doubtful(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Ite
         if table.units.get(row.name, 1.0) == 1.0 and row.value > table.fastest:
             words = f"the unit of {row.name}, taken as m/s: beyond {table.fastest:g} m/s"
             yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
-
-
-def _number(value: float) -> str:
-    return f"{value:.0f}" if value == int(value) else repr(float(value))

@@ -1,149 +1,22 @@
-"""`.plan` files of QGroundControl, MAVSDK and this package (docs/file-formats.md)."""
+"""Read `.plan` files (docs/file-formats.md)."""
 
 import json
 import math
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from enum import IntEnum
 from pathlib import Path
-from typing import Any
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
+from ipoa_mission.autopilot.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
-from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries, lay_out
+from ipoa_mission.mission.complex_items import complex_items_in, lay_out
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
-from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.plan_keys import findings_of_keys
+from ipoa_mission.mission.plan_keys import ALTITUDE_MODES, AltitudeMode, findings_of_keys, tidy
 from ipoa_mission.mission.stored_mission import resolve_frames
-
-
-class AltitudeMode(IntEnum):
-    """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
-
-    MIXED = 0
-    RELATIVE = 1
-    AMSL = 2
-    CALCULATED = 3
-    TERRAIN = 4
-
-
-ALTITUDE_MODES = {
-    Frame.GLOBAL_RELATIVE_ALT: AltitudeMode.RELATIVE,
-    Frame.GLOBAL: AltitudeMode.AMSL,
-    Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
-}
-
-
-# --- writing ----------------------------------------------------------------------------------------------------
-
-
-def plan_text(mission: Mission) -> str:
-    return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
-
-
-def _plan(mission: Mission) -> dict[str, Any]:
-    items = resolve_frames(mission.items, mission.autopilot)
-    for number, item in enumerate(items, start=1):
-        _check(number, item, len(items))
-    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if _has_altitude(item))
-    header: dict[str, Any] = {
-        "firmwareType": mission.autopilot.mav_autopilot,
-        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
-        "items": [*_written(items, mission)],
-        "plannedHomePosition": _place(mission.home, "home"),
-        "vehicleType": mission.vehicle_type,
-        "version": 2,
-    }
-    if mission.cruise_speed is not None:
-        header |= {"cruiseSpeed": _tidy(mission.cruise_speed), "hoverSpeed": _tidy(mission.cruise_speed)}
-    circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
-    polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
-    return {
-        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
-        "fileType": "Plan",
-        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
-        "groundStation": "QGroundControl",
-        "mission": header,
-        "rallyPoints": {
-            "points": [_place(place, f"rally[{n}]") for n, place in enumerate(mission.rally)],
-            "version": 2,
-        },
-        "version": 1,
-    }
-
-
-def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
-    own = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
-    for entry in entries(items, own):
-        part = items[entry.first : entry.first + entry.count]
-        simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
-        yield simple[0] if entry.of is None else as_document(entry.of, entry.first + 1, simple)
-
-
-def _check(number: int, item: Item, count: int) -> None:
-    where = f"item {number} ({command_name(item.command)})"
-    if _has_altitude(item) and not math.isfinite(item.altitude):
-        raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
-    if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
-        words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
-        raise BadInput(words, code="jump-target", place=f"{where}: param1")
-
-
-def _simple_item(number: int, item: Item) -> dict[str, Any]:
-    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
-    written: dict[str, Any] = {
-        "autoContinue": item.autocontinue,
-        "command": int(item.command),
-        "doJumpId": number,
-        "frame": int(item.frame),
-        "params": [_tidy(value) for value in params],
-        "type": "SimpleItem",
-    }
-    if not _has_altitude(item):
-        return written
-    return written | {
-        "AMSLAltAboveTerrain": None,
-        "Altitude": _tidy(item.altitude),
-        "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
-    }
-
-
-def _has_altitude(item: Item) -> bool:
-    return item.frame in ALTITUDE_MODES
-
-
-def _circle(part: FenceCircle) -> dict[str, Any]:
-    circle = {"center": [_tidy(degrees) for degrees in part.center], "radius": _tidy(part.radius)}
-    return {"circle": circle, "inclusion": part.inclusion, "version": 1}
-
-
-def _polygon(part: FencePolygon) -> dict[str, Any]:
-    ring = [[_tidy(degrees) for degrees in vertex] for vertex in part.vertices]
-    return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
-
-
-def _place(place: Geodetic, name: str) -> list[float | int | None]:
-    numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
-    if not all(map(math.isfinite, numbers)):
-        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
-    return [_tidy(number) for number in numbers]
-
-
-def _tidy(value: float) -> float | int | None:
-    """As QGroundControl: whole numbers without a point, NaN as null."""
-    if not math.isfinite(value):
-        return None
-    return int(value) if abs(value) < 1e15 and value == int(value) else value
-
-
-# --- reading ----------------------------------------------------------------------------------------------------
 
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
@@ -300,7 +173,7 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
     if altitude is None or altitude.value is None:
         return
     if not abs(altitude.number("an altitude in meters") - param7) <= 0.01:
-        sent = json.dumps(_tidy(param7))
+        sent = json.dumps(tidy(param7))
         message = f"QGroundControl flies {altitude.value:g} m, other software params[6], which is {sent}"
         altitude.note(message, Severity.ERROR)
 

@@ -1,12 +1,40 @@
-"""Report unread and missing keys of a `.plan`."""
+"""Keys of a `.plan`, unread or missing, and numbers."""
 
 import json
+import math
 import re
 from collections.abc import Iterator
+from enum import IntEnum
 
+from ipoa_mission.autopilot.commands import Frame
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.json_node import Node
 from ipoa_mission.unread import Unread, gathered
+
+
+class AltitudeMode(IntEnum):
+    """QGroundControl's; with CALCULATED, `Altitude` is over the ground and `AMSLAltAboveTerrain` is flown."""
+
+    MIXED = 0
+    RELATIVE = 1
+    AMSL = 2
+    CALCULATED = 3
+    TERRAIN = 4
+
+
+ALTITUDE_MODES = {
+    Frame.GLOBAL_RELATIVE_ALT: AltitudeMode.RELATIVE,
+    Frame.GLOBAL: AltitudeMode.AMSL,
+    Frame.GLOBAL_TERRAIN_ALT: AltitudeMode.TERRAIN,
+}
+
+
+def tidy(value: float) -> float | int | None:
+    """As QGroundControl: whole numbers without a point, NaN as null."""
+    if not math.isfinite(value):
+        return None
+    return int(value) if abs(value) < 1e15 and value == int(value) else value
+
 
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {

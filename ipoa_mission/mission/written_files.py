@@ -1,17 +1,28 @@
-"""Write the files of missions, and find changed ones."""
+"""Write the files of missions, all or none, and find changed ones."""
 
 import json
-from collections.abc import Iterable, Mapping
+import math
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ipoa_mission.autopilot.commands import Command, Frame, command_name
+from ipoa_mission.autopilot.parameters import REAL32
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
+from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.about_file import digest, written_with
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.parameter_file import is_ours, parameter_file, parameter_path
-from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.complex_items import as_document, entries
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.landing_ground import landing_ground_entry
+from ipoa_mission.mission.parameter_file import parameter_path
+from ipoa_mission.mission.plan_keys import ALTITUDE_MODES, AltitudeMode, tidy
+from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.mission.waypoints_file import waypoints_text
+
+PARAMETERS_HEADER = "# Parameters of the vehicle that {} was made for"
 
 
 def write_files(
@@ -28,11 +39,29 @@ def write_files(
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
-    """Write all or none, parameters named as the first; remove an old file of ours."""
+    """Write all or none, parameters named as the first; remove an old file of ours, replace no other."""
     path = next(iter(contents))
-    write_together({**contents, **parameter_file(mission, path)})
-    if not mission.parameters and is_ours(parameter_path(path)):
-        parameter_path(path).unlink()
+    target = parameter_path(path)
+    is_ours = target.exists() and read_text(target).startswith(PARAMETERS_HEADER.partition("{}")[0])
+    if not mission.parameters:
+        write_together(contents)
+        if is_ours:
+            target.unlink()
+        return
+    if target.exists() and not is_ours:
+        words = "expected a free name for the mission's parameters, not a file of another origin"
+        hint = "move it, or write the mission under another name"
+        raise BadInput(words, hint=hint, code="already-there", place=target)
+    write_together({**contents, target: _parameters_text(mission, path.stem)})
+
+
+def _parameters_text(mission: Mission, name: str) -> str:
+    lines = [PARAMETERS_HEADER.format(name), "# Vehicle-Id Component-Id Name Value Type"]
+    for parameter, value in mission.parameters.items():
+        kind = mission.autopilot.parameter_table.types.get(parameter, REAL32)
+        number = f"{value:.0f}" if value == int(value) else repr(float(value))
+        lines.append(f"1\t1\t{parameter}\t{number}\t{kind}")  # QGroundControl requires the vehicle's own type
+    return "\n".join(lines) + "\n"
 
 
 def write_several(
@@ -72,3 +101,98 @@ def _text(path: Path) -> str:
         return read_text(path)
     except BadInput:
         return ""
+
+
+# --- the text of a .plan ----------------------------------------------------------------------------------------
+
+
+def plan_text(mission: Mission) -> str:
+    return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
+
+
+def _plan(mission: Mission) -> dict[str, Any]:
+    items = resolve_frames(mission.items, mission.autopilot)
+    for number, item in enumerate(items, start=1):
+        _check(number, item, len(items))
+    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if _has_altitude(item))
+    header: dict[str, Any] = {
+        "firmwareType": mission.autopilot.mav_autopilot,
+        "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
+        "items": [*_entries(items, mission)],
+        "plannedHomePosition": _place(mission.home, "home"),
+        "vehicleType": mission.vehicle_type,
+        "version": 2,
+    }
+    if mission.cruise_speed is not None:
+        header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
+    circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
+    polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
+    return {
+        **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
+        "fileType": "Plan",
+        "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
+        "groundStation": "QGroundControl",
+        "mission": header,
+        "rallyPoints": {
+            "points": [_place(place, f"rally[{n}]") for n, place in enumerate(mission.rally)],
+            "version": 2,
+        },
+        "version": 1,
+    }
+
+
+def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
+    own = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
+    for entry in entries(items, own):
+        part = items[entry.first : entry.first + entry.count]
+        simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
+        yield simple[0] if entry.of is None else as_document(entry.of, entry.first + 1, simple)
+
+
+def _check(number: int, item: Item, count: int) -> None:
+    where = f"item {number} ({command_name(item.command)})"
+    if _has_altitude(item) and not math.isfinite(item.altitude):
+        raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
+    if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
+        words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
+        raise BadInput(words, code="jump-target", place=f"{where}: param1")
+
+
+def _simple_item(number: int, item: Item) -> dict[str, Any]:
+    params = [*item.params, item.latitude_deg, item.longitude_deg, item.altitude]
+    written: dict[str, Any] = {
+        "autoContinue": item.autocontinue,
+        "command": int(item.command),
+        "doJumpId": number,
+        "frame": int(item.frame),
+        "params": [tidy(value) for value in params],
+        "type": "SimpleItem",
+    }
+    if not _has_altitude(item):
+        return written
+    return written | {
+        "AMSLAltAboveTerrain": None,
+        "Altitude": tidy(item.altitude),
+        "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
+    }
+
+
+def _has_altitude(item: Item) -> bool:
+    return item.frame in ALTITUDE_MODES
+
+
+def _circle(part: FenceCircle) -> dict[str, Any]:
+    circle = {"center": [tidy(degrees) for degrees in part.center], "radius": tidy(part.radius)}
+    return {"circle": circle, "inclusion": part.inclusion, "version": 1}
+
+
+def _polygon(part: FencePolygon) -> dict[str, Any]:
+    ring = [[tidy(degrees) for degrees in vertex] for vertex in part.vertices]
+    return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
+
+
+def _place(place: Geodetic, name: str) -> list[float | int | None]:
+    numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
+    if not all(map(math.isfinite, numbers)):
+        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=name)
+    return [tidy(number) for number in numbers]
