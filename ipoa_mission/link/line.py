@@ -2,7 +2,10 @@
 
 import logging
 import math
-from collections.abc import Callable, Iterable
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -12,7 +15,6 @@ from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Silence, T, Tempo, TimeUp
-from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_run import ItemFrames, ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
@@ -283,6 +285,46 @@ class Listening:
     overhear: Callable[[Message], None] = lambda message: None
     until: float = math.inf
     quiet_s: float = math.inf
+
+
+class Interrupt:
+    """Note the first Ctrl-C; raise KeyboardInterrupt at the second."""
+
+    def __init__(self) -> None:
+        self._is_noted = self._is_taken = False
+
+    def __call__(self, signal_number: int, frame: object) -> None:
+        if self._is_noted:
+            raise KeyboardInterrupt
+        self._is_noted = True
+
+    @property
+    def is_pending(self) -> bool:
+        return self._is_noted and not self._is_taken
+
+    def take(self) -> bool:
+        is_pending, self._is_taken = self.is_pending, self._is_noted
+        return is_pending
+
+
+@contextmanager
+def noted_interrupts() -> Iterator[Interrupt]:
+    """Note Ctrl-C in the main thread, unless a program has its own handler; raise an unhandled one at the end."""
+    present = signal.getsignal(signal.SIGINT)
+    if isinstance(present, Interrupt):
+        yield present
+        return
+    interrupt = Interrupt()
+    if present is not signal.default_int_handler or threading.current_thread() is not threading.main_thread():
+        yield interrupt
+        return
+    signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield interrupt
+    finally:
+        signal.signal(signal.SIGINT, present)
+    if interrupt.is_pending:
+        raise KeyboardInterrupt
 
 
 def converse(

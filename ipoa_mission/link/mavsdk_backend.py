@@ -20,8 +20,7 @@ from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
 from ipoa_mission.link.discovery import FoundVehicle
-from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
-from ipoa_mission.link.line import Carrier
+from ipoa_mission.link.line import Carrier, Interrupt, noted_interrupts
 from ipoa_mission.link.onboard_list import OnboardList
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle

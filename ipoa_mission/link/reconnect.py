@@ -13,8 +13,7 @@ from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, Tempo, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
-from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
-from ipoa_mission.link.line import NOTICE_S, Carrier, Listening, converse
+from ipoa_mission.link.line import NOTICE_S, Carrier, Interrupt, Listening, converse, noted_interrupts
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Current, Heartbeat, Message
 from ipoa_mission.link.onboard_list import OnboardList, prove
 from ipoa_mission.link.telemetry import AutopilotVersion, Position

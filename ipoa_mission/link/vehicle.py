@@ -20,8 +20,7 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import FoundVehicle, await_booted
 from ipoa_mission.link.flight_order import SHOWN_S, Conformance, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Carrier
+from ipoa_mission.link.line import Carrier, noted_interrupts
 from ipoa_mission.link.logbook import Logbook, Observer, watch
 from ipoa_mission.link.mavftp import FileRefused
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType

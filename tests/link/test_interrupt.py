@@ -13,8 +13,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Pause, Tempo
-from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.line import Line, converse
+from ipoa_mission.link.line import Line, converse, noted_interrupts
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import ConnectionOptions

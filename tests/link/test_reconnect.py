@@ -14,8 +14,7 @@ from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer
-from ipoa_mission.link.interrupt import Interrupt
-from ipoa_mission.link.line import Line
+from ipoa_mission.link.line import Interrupt, Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType
 from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
