@@ -14,7 +14,7 @@ from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
 PIPE_TIMEOUT_S = 5.0  # for the first data [s]
 
 MISSIONS = (".plan", ".waypoints")
-written: dict[Path, None] = {}  # by this process, in order
+_records: list[list[Path]] = []  # of `recorded_writes`
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
@@ -39,13 +39,29 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
             if path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         for path, target in targets.items():
-            written[path] = None
+            note_written(path)
             staged[path].replace(target)
     except OSError as error:
         raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
     finally:
         for temporary_path in staged.values():
             temporary_path.unlink(missing_ok=True)
+
+
+@contextmanager
+def recorded_writes(record: list[Path]) -> Iterator[None]:
+    """Append each file that this process writes."""
+    _records.append(record)
+    try:
+        yield
+    finally:
+        _records.pop()
+
+
+def note_written(path: Path) -> None:
+    for record in _records:
+        if path not in record:
+            record.append(path)
 
 
 def make_folder(path: Path) -> None:

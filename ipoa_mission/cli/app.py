@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from ipoa_mission.cli import checking, comparing, flying, linking, mocking, output, planning, showing
-from ipoa_mission.cli.interrupting import run_interruptible
+from ipoa_mission.cli.interrupting import interruptible
 from ipoa_mission.cli.output import print_lines, shown
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
@@ -132,7 +132,7 @@ def main() -> None:
         if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
             os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a shell's name
     try:
-        run_interruptible(lambda: command()(prog_name="ipoa-mission"))
+        interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
     except MissionError as error:
         with suppress(KeyboardInterrupt):
             output.print_error(error, as_json="--json" in sys.argv[1:])

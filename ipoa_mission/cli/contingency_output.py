@@ -1,12 +1,20 @@
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade, bars_of
+from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geodesy import Geodetic
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress
 
 CELLS = 50  # characters
 #: The first one present is drawn.
@@ -109,3 +117,44 @@ def _between(both: tuple[float, float] | None) -> list[float | None] | None:
 
 def _rounded(value: float) -> float | None:
     return round(value, 2) if math.isfinite(value) else None
+
+
+class ContingencyDisplay:
+    """Show contingencies by position; append to `reserves` when the battery's share changes."""
+
+    def __init__(
+        self,
+        forecast: Forecast,
+        vehicle: Vehicle,
+        show: Progress,
+        reserves: list[ReserveNow],
+        contingencies: ContingenciesNow,
+    ) -> None:
+        self._now, self._frame, self._vehicle, self._show = contingencies, forecast.frame, vehicle, show
+        self._done, self._words, self._shown_s = 0.0, "", -math.inf
+        self._budget, self._reserves = budget_of(forecast), reserves
+
+    def show(self, share: float, words: str) -> None:
+        self._done, self._words = share, words
+        self._show(share, words)
+
+    def hear(self, message: Message) -> None:
+        interval_s = 1.0
+        if not isinstance(message, Position) or message.time_s - self._shown_s < interval_s:
+            return
+        path = self._vehicle.record().path
+        if path and self._vehicle.state.in_air:
+            self._shown_s = message.time_s
+            place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
+            time, _ = self._now.time_at(place, path[-1].time_s)
+            words = [self._now.words(time), *map(str, self._reserve(time))]
+            self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
+
+    def _reserve(self, time: float) -> Iterator[ReserveNow]:
+        left = self._vehicle.state.battery_left
+        if self._budget is None or left is None:
+            return
+        if (now := self._budget.against_plan(left, time)) is not None:
+            if not self._reserves or self._reserves[-1].left != now.left:
+                self._reserves.append(now)
+            yield now

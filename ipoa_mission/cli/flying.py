@@ -1,4 +1,8 @@
+import logging
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from itertools import compress
 from pathlib import Path
@@ -7,19 +11,28 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FaultOptions, FileOutput, FlightOptions, FlownByOptions, SearchOptions
-from ipoa_mission.cli.interrupting import note_flown, reporting_interrupt, showing_planning
+from ipoa_mission.cli.interrupting import ChangesMade, interruptible
+from ipoa_mission.cli.linking import connect_to, states_firmware
 from ipoa_mission.cli.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
-from ipoa_mission.cli.output import expect_folder, expect_log, progress_bar, shown
+from ipoa_mission.cli.output import expect_folder, expect_log, print_json, progress_bar, shown
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
-from ipoa_mission.errors import OptionConflict
+from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.mission_source import FlownJob, Job
+    from ipoa_mission.flight.procedure import Stage
+    from ipoa_mission.link.vehicle import Vehicle
+    from ipoa_mission.mission.flight_record import FlightRecord
+    from ipoa_mission.progress import Progress
     from ipoa_mission.simulator.faults import Faults
 
+log = logging.getLogger(__name__)
 
+
+@interruptible
 def fly(
+    changes: ChangesMade,
     source: Annotated[
         Path,
         typer.Argument(
@@ -42,7 +55,7 @@ def fly(
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
     from ipoa_mission.cli.flight_output import next_steps, print_flown, print_flown_json, print_planned
-    from ipoa_mission.cli.mission_source import adapt_scenario, planned, read_job
+    from ipoa_mission.cli.mission_source import Job, adapt_scenario, read_job
     from ipoa_mission.flight.flight import plan_flight
     from ipoa_mission.scenario import read_scenario
 
@@ -54,27 +67,26 @@ def fly(
     _expect_together(asked.on_vehicle, faults)
     expect_folder(to.folder)
     expect_log(on_link.log)
-    fly_job: FlyJob = partial(_fly_built_in, seed=search.seed, faults=faults)
+    fly_job: FlyJob = partial(_fly_built_in, changes, seed=search.seed, faults=faults)
     if link is not None:
-        from ipoa_mission.cli.real_flight import RealVehicle
-
-        fly_job = RealVehicle(source, asked).fly
+        fly_job = partial(_fly_on_link, changes, source, asked)
     if is_planned:
         scenario = adapt_scenario(read_scenario(source).ignoring(ignore), search, flown_by)
         if (planner := planner_of(scenario, [make() for make in planners()])) is not None:
-            planner.fly(scenario, asked, fly_job)
+            planner.fly(scenario, asked, fly_job, changes)
             return
         to.expect_plans([scenario.name])
-        with showing_planning() as show:
-            job = planned(plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show))
+        with changes.planning() as show:
+            flight = plan_flight(scenario, wind=flown_by.air, seed=search.seed, progress=show)
+        job = Job(flight.name, flight.forecast, flight.remarks, flight)
     else:
         job = read_job(source, flown_by, ignore=ignore)
     with in_folder(to.folder):
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
         if job.flight is not None and not to.as_json:
             print_planned(job.flight, planned_files)
-        flown = fly_job(job, log := asked.log_of(job.name))
-    written = [*map(Path, on_link.written(log))]
+        flown = fly_job(job, frames_log := asked.log_of(job.name))
+    written = [*map(Path, on_link.written(frames_log))]
     if to.report and job.flight is not None:
         job.flight.report(page := to.folder / f"{job.name}.html", flown.record)
         written.insert(0, page)
@@ -91,19 +103,92 @@ def fly(
         raise typer.Exit(1)
 
 
-def _fly_built_in(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "FlownJob":
+def _fly_built_in(changes: ChangesMade, job: "Job", frames_log: Path, *, seed: int, faults: "Faults") -> "FlownJob":
     from ipoa_mission.cli.mission_source import FlownJob, landing_remarks
     from ipoa_mission.simulator.fly import board, conditions_for, fly_aboard
 
     conditions = conditions_for(job.mission, job.forecast.wind, job.forecast.ground, seed)
     with (
-        reporting_interrupt(f"{log} has the part flown"),
+        changes.reporting(f"{frames_log} has the part flown"),
         progress_bar("flying") as bar,
-        board(job.mission, conditions, faults, log) as vehicle,
+        board(job.mission, conditions, faults, frames_log) as vehicle,
     ):
         record = fly_aboard(vehicle, job.mission, flying=bar)
-    note_flown(job.name, record.armed)
+    changes.note_flown(job.name, record.armed)
     return FlownJob(job, landing_remarks(job, record), record)
+
+
+def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Job", frames_log: Path) -> "FlownJob":
+    """Connect, upload, arm, start, watch; errors have `known` data for JSON."""
+    from ipoa_mission.cli.mission_source import FlownJob, landing_remarks, read_job
+
+    on_vehicle, on_link = asked.on_vehicle, asked.on_link
+    _begun_at_item(job, on_vehicle.begin)  # an unknown item is an error before connecting
+    try:
+        with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
+            if not states_firmware(source, asked.flown_by.autopilot):
+                job = read_job(source, asked.flown_by, vehicle.autopilot, job.ignore)
+            vehicle.conformance.on_deviation = on_vehicle.on_deviation
+            if asked.files.as_json:
+                vehicle.conformance.report = lambda deviation: print_json(
+                    {"event": "deviation"} | deviation.as_json(), indent=None
+                )
+            on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
+            job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), on_vehicle.begin)
+            remarks, record = _fly_stages(changes, asked, vehicle, job)
+            changes.note_flown(job.name, record.armed)
+    except MissionError as error:
+        error.known = {"completed": False, "armed": None, "in_air": None} | error.known
+        raise
+    left = ("the vehicle is no longer watched", vehicle.link_loss.meanwhile)
+    unwatched = ["; ".join(filter(None, left))] if record.armed else []
+    return FlownJob(job, (*remarks, *unwatched, *landing_remarks(job, record)), record)
+
+
+def _fly_stages(
+    changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job"
+) -> "tuple[list[str], FlightRecord]":
+    """Show contingencies in flight; they are computed before arming: in the air links must be served."""
+    from ipoa_mission.cli.contingency_output import ContingencyDisplay
+    from ipoa_mission.cli.flight_output import flight_as_json
+    from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
+    from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
+
+    remarks, contingencies = list[str](), list[ContingenciesNow]()
+
+    @contextmanager
+    def stages(stage: "Stage") -> "Iterator[Progress]":
+        with changes.stage(stage, f"{asked.on_vehicle.link} --system {vehicle.system}") as show:
+            if stage is Stage.READY and job.forecast.scenario is not None:
+                with suppress(MissionError):
+                    contingencies.append(ContingenciesNow(job.forecast))
+            if stage is Stage.FLIGHT and contingencies:
+                display = ContingencyDisplay(job.forecast, vehicle, show, job.reserves, contingencies[0])
+                vehicle.overhearing, show = display.hear, display.show
+            yield show
+
+    first, set_params = asked.on_vehicle.begin - 1, asked.on_vehicle.set_params
+    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, set_params, stages, remarks.append)
+    try:
+        with changes.reporting(""):  # between two stages
+            record = begin_mission(vehicle, load_mission(vehicle, job.forecast, options), options)
+    except MissionError as error:
+        state = vehicle.state
+        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)
+        error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
+        raise
+    return remarks, record
+
+
+def _begun_at_item(job: "Job", item: int) -> "Job":
+    from ipoa_mission.checks.start import begun_at
+    from ipoa_mission.forecast.forecast import Forecast
+
+    begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
+    if item == 1:
+        return job
+    log.info("%s: from item %d on estimated %.1f s", job.name, item, begun.estimate.total_s)
+    return replace(job, begun=begun)
 
 
 def _expect_no_plan(source: Path, options: dict[str, object]) -> None:

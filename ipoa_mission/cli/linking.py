@@ -1,6 +1,6 @@
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,7 +10,7 @@ import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
-from ipoa_mission.cli.interrupting import reporting_interrupt, showing_stage
+from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.options import (
     AutopilotOption,
     Backend,
@@ -24,7 +24,7 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.output import expect_free, expect_log, notes, print_json, print_lines, progress_bar
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
-from ipoa_mission.files import MISSIONS
+from ipoa_mission.files import MISSIONS, recorded_writes
 
 if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle
@@ -39,21 +39,15 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
 
     `reading`: any vehicle is accepted. Errors name the log. `options.timeout` ends all but a flight.
     """
-    logs = {file: _written_ns(file) for file in options.written(usual_log)}
-    try:
-        with _vehicle_on(link, options, usual_log, reading) as vehicle:
-            yield vehicle
-    except MissionError as error:
-        if kept := [file for file, before in logs.items() if _written_ns(file) not in (None, before)]:
-            error.known["written"] = kept
-        raise
-
-
-def _written_ns(file: str) -> int | None:
-    try:
-        return Path(file).stat().st_mtime_ns
-    except OSError:
-        return None
+    with recorded_writes(written := list[Path]()):
+        try:
+            with _vehicle_on(link, options, usual_log, reading) as vehicle:
+                yield vehicle
+        except MissionError as error:
+            logs = map(Path, options.written(usual_log))
+            if kept := [str(log) for log in logs if log in written and log.exists()]:
+                error.known["written"] = kept
+            raise
 
 
 def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading: bool) -> "Vehicle":
@@ -99,10 +93,12 @@ class UploadOptions:
     autopilot: AutopilotOption = None
     unmeasured_version: UnmeasuredVersionOption = False
     ignore: IgnoreOption = None
+    as_json: JsonOption = False
 
 
+@interruptible
 def upload(
-    file: FileArgument, link: LinkOption, on_link: LinkOptions, how: UploadOptions, as_json: JsonOption = False
+    changes: ChangesMade, file: FileArgument, link: LinkOption, on_link: LinkOptions, how: UploadOptions
 ) -> None:
     """Put a mission, its fence and rally points on a vehicle, read them back and compare every item.
 
@@ -126,20 +122,27 @@ def upload(
         if not on_link.anyway:
             refuse_errors([finding for finding in requested.findings if finding.code not in ignored])
         mission = requested.mission
-        sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=showing_stage)
+        sent = upload_mission(vehicle, mission, anyway=on_link.anyway, ignore=ignored, stages=changes.stage)
         remarks = (*requested.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}
-    _report(as_json, vehicle, about, words)
+    _report(how.as_json, vehicle, about, words)
 
 
+@dataclass
+class DownloadOptions:
+    force: ForceOption = False
+    as_json: JsonOption = False
+
+
+@interruptible
 def download(
+    changes: ChangesMade,
     file: Annotated[Path, typer.Argument(metavar="FILE", help="File to write: .plan or .waypoints.")],
     link: LinkOption,
     on_link: LinkOptions,
-    force: ForceOption = False,
-    as_json: JsonOption = False,
+    to: DownloadOptions,
 ) -> None:
     """Read the mission on a vehicle, with its fence and rally points, into a file.
 
@@ -149,10 +152,10 @@ def download(
 
     if file.suffix.lower() not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{file.suffix}"', place=file)
-    expect_free([file], force, ask=not as_json)
+    expect_free([file], to.force, ask=not to.as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
-        reporting_interrupt(f"{file} was not written"),
+        changes.reporting(f"{file} was not written"),
         connect_to(link, on_link, usual, reading=True) as vehicle,
         progress_bar("download") as show,
     ):
@@ -160,10 +163,11 @@ def download(
     remarks, log = write_mission(mission, file), on_link.written(usual)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
-    _report(as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
+    _report(to.as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
 
 
-def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
+@interruptible
+def clear(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Delete a vehicle's mission, fence and rally points.
 
     Example: `ipoa-mission clear --link udpin:127.0.0.1:14550`
@@ -171,13 +175,15 @@ def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
     from ipoa_mission.link.messages import MissionType
 
     words, after = "some of the vehicle's lists may be deleted", "the vehicle's lists are deleted"
-    with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, "repeat the command", after):
+    with connect_to(link, on_link, None) as vehicle, changes.reporting(words, "repeat the command", after):
         vehicle.clear(MissionType.ALL)
     about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
     _report(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
 
 
+@interruptible
 def set_current(
+    changes: ChangesMade,
     item: Annotated[int, typer.Argument(metavar="N", min=1, help="The next item, as `show` numbers it.")],
     link: LinkOption,
     on_link: LinkOptions,
@@ -190,10 +196,7 @@ def set_current(
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
     words = "the vehicle may continue with either item"
-    with (
-        connect_to(link, on_link, None) as vehicle,
-        reporting_interrupt(words, after=f"item {item} is the current one"),
-    ):
+    with connect_to(link, on_link, None) as vehicle, changes.reporting(words, after=f"item {item} is the current one"):
         vehicle.set_current(item - 1)
     state = vehicle.state
     goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
@@ -202,28 +205,31 @@ def set_current(
     _report(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
 
 
-def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
+@interruptible
+def pause(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Order a flying vehicle to hold its position; `resume` or `rtl` ends the hold.
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "hold", lambda vehicle: vehicle.pause())
+    _order(changes, link, on_link, as_json, "hold")
 
 
-def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
+@interruptible
+def resume(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Order a flying vehicle to continue its mission at the interrupted item.
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "mission", lambda vehicle: vehicle.resume())
+    _order(changes, link, on_link, as_json, "mission")
 
 
-def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
+@interruptible
+def rtl(changes: ChangesMade, link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
     """Order a flying vehicle to return and land by its own parameters, which know no obstacles.
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
     """
-    _order(link, on_link, as_json, "rtl", lambda vehicle: vehicle.return_to_launch())
+    _order(changes, link, on_link, as_json, "rtl")
 
 
 def scan(
@@ -264,11 +270,15 @@ def scan(
         print_lines(*(_in_words(row) for row in rows))
 
 
-def _order(link: str, on_link: LinkOptions, as_json: bool, does: str, order: "Callable[[Vehicle], None]") -> None:
-    done = {"hold": "holds its position", "mission": "continues its mission", "rtl": "returns and lands"}[does]
-    words = "the vehicle may have received the order"
-    with connect_to(link, on_link, None) as vehicle, reporting_interrupt(words, after=f"the vehicle {done}"):
-        order(vehicle)
+def _order(changes: ChangesMade, link: str, on_link: LinkOptions, as_json: bool, does: str) -> None:
+    with connect_to(link, on_link, None) as vehicle:
+        done, order = {
+            "hold": ("holds its position", vehicle.pause),
+            "mission": ("continues its mission", vehicle.resume),
+            "rtl": ("returns and lands", vehicle.return_to_launch),
+        }[does]
+        with changes.reporting("the vehicle may have received the order", after=f"the vehicle {done}"):
+            order()
     about = {"does": does, "mode": vehicle.mode, "written": on_link.written(None)}
     _report(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
 

@@ -70,10 +70,6 @@ def read_job(
     return Job(source.stem, forecast, (*requested.remarks, *(finding.message for finding in warnings)), ignore=ignore)
 
 
-def planned(flight: Flight) -> Job:
-    return Job(flight.name, flight.forecast, flight.remarks, flight)
-
-
 def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
     optimizer, autopilot, vehicle = search.optimizer, flown_by.autopilot, flown_by.vehicle
     changes: dict[str, Any] = {}

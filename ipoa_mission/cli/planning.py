@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.interrupting import showing_planning
+from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.options import ForceOption, HomeOption, JsonOption, expect_scenario
 from ipoa_mission.cli.output import expect_folder, expect_free, notes, print_json, print_lines
 from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 
+@interruptible
 def plan(
+    changes: ChangesMade,
     asked: PlanOptions,
     others: Planners,
     scenario: Annotated[
@@ -45,10 +47,10 @@ def plan(
     expect_folder(out)
     adapted = adapt_scenario(_read(scenario, others), asked.search, asked.flown_by).ignoring(asked.ignore or ())
     if (planner := planner_of(adapted, others)) is not None:
-        planner.plan(adapted, asked)
+        planner.plan(adapted, asked, changes)
         return
     to.expect_plans([adapted.name])
-    with showing_planning() as show:
+    with changes.planning() as show:
         how: dict[str, Any] = {"wind": air, "seed": seed, "progress": show}
         flight, parts = plan_for_batteries(adapted, **how) if split else (plan_flight(adapted, **how), ())
     if len(parts) > 1:

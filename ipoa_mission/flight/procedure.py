@@ -57,9 +57,6 @@ class ProcedureOptions:
     remark: ReportRemark = without_remarks
 
 
-DEFAULTS = ProcedureOptions()
-
-
 def upload_mission(
     vehicle: Vehicle,
     mission: Mission,
@@ -169,7 +166,7 @@ def fly_mission(
     return begin_mission(vehicle, load_mission(vehicle, Forecast(mission, scenario), options), options)
 
 
-def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> Forecast:
+def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
     mission, anyway, stages = forecast.mission_as_read, options.anyway, options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
@@ -195,7 +192,7 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
     return Forecast(own, forecast.scenario, None if forecast.scenario else forecast.wind)
 
 
-def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions = DEFAULTS) -> FlightRecord:
+def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
     def permit(there: Geodetic) -> None:
         if not options.anyway:
             expect_charge(vehicle, forecast, options.first)

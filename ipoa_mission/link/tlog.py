@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ipoa_mission.errors import Unwritable
-from ipoa_mission.files import read_bytes, written
+from ipoa_mission.files import note_written, read_bytes
 from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_frame
 
 log = logging.getLogger(__name__)
@@ -27,7 +27,7 @@ class TlogWriter:
             self._file: BinaryIO = Path(path).open("wb", buffering=0)  # noqa: SIM115
         except OSError as error:
             raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
-        written[Path(path)] = None
+        note_written(Path(path))
 
     def write(self, frame: bytes, unix_s: float) -> None:
         record = round(unix_s * 1e6).to_bytes(STAMP_BYTES, "big") + frame

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.interrupting import reporting_interrupt
+from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.options import JsonOption
 from ipoa_mission.cli.output import print_json, print_lines, progress_bar
 from ipoa_mission.files import make_folder
@@ -24,7 +24,9 @@ class RunOptions:
     ] = None
 
 
+@interruptible
 def reproduce(
+    changes: ChangesMade,
     what: Annotated[str, typer.Argument(metavar="WHAT", help="table-3, figure-7, ablation, ..., or all.")],
     how: RunOptions,
     as_json: JsonOption = False,
@@ -38,7 +40,7 @@ def reproduce(
 
     make_folder(how.out)
     kept = f"finished runs are in {how.out}; the same command continues from there"
-    with reporting_interrupt(kept), progress_bar("measuring") as show:
+    with changes.reporting(kept), progress_bar("measuring") as show:
         files = measure(what, how.runs, how.out, open_executor(how.jobs, how.executor), show)
     if as_json:
         print_json({"written": [str(file) for file in files]})

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from ipoa_mission.cli.groups import FileOutput
-from ipoa_mission.cli.interrupting import showing_planning
+from ipoa_mission.cli.interrupting import ChangesMade
 from ipoa_mission.cli.options import LogSystemOption
 from ipoa_mission.cli.output import confirm, print_json, print_lines, print_table
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
@@ -77,30 +77,30 @@ class SurveyPlanner:
             raise OptionConflict("expected a survey", hint=hint, place="--flown")
         return is_survey
 
-    def plan(self, scenario: "Scenario", asked: PlanOptions) -> None:
-        survey = self._planned(scenario, asked)
+    def plan(self, scenario: "Scenario", asked: PlanOptions, changes: ChangesMade) -> None:
+        survey = self._planned(scenario, asked, changes)
         written = _write(survey, asked.files)
         if asked.files.as_json:
             print_json(survey.summary() | {"written": [str(file) for file in written]})
         else:
             _print(survey, written)
 
-    def fly(self, scenario: "Scenario", asked: FlyOptions, fly_job: FlyJob) -> None:
+    def fly(self, scenario: "Scenario", asked: FlyOptions, fly_job: FlyJob, changes: ChangesMade) -> None:
         """Fly in sequence, each on a confirmed charged battery; stop after an incomplete flight."""
         if asked.on_vehicle.begin != 1:
             raise OptionConflict("expected a mission, not a survey", hint=ONE_BY_ONE, place="--from")
-        survey = self._planned(scenario, asked)
+        survey = self._planned(scenario, asked, changes)
         _expect_flyable(survey, asked)
         _fly(survey, asked, fly_job)
 
-    def _planned(self, scenario: "Scenario", asked: PlanOptions) -> "Survey":
+    def _planned(self, scenario: "Scenario", asked: PlanOptions, changes: ChangesMade) -> "Survey":
         from ipoa_mission.survey.survey_flight import plan_survey
 
         if self.system is not None and not self.flown:
             raise OptionConflict("needs --flown", place="--system")
         logs = [log if self.system is None else (log, self.system) for log in self.flown or ()]
         wind, seed = asked.flown_by.air, asked.search.seed
-        with showing_planning() as show:
+        with changes.planning() as show:
             return plan_survey(scenario=scenario, wind=wind, seed=seed, flown=logs, progress=show)
 
 

@@ -141,7 +141,7 @@ def test_next_flight_begins_when_the_battery_is_changed(
         systems.append(options.system)
         return linking.connect_to(link, options, log)
 
-    monkeypatch.setattr("ipoa_mission.cli.real_flight.connect_to", connect_to)
+    monkeypatch.setattr("ipoa_mission.cli.flying.connect_to", connect_to)
     with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
         ended = run(f"{fly} {link.removesuffix(' --system 1')}")
     assert systems == [None, 1]  # nobody else's vehicle is armed for the second flight

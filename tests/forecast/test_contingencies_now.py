@@ -9,7 +9,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.autopilot.returning import Contingency
-from ipoa_mission.cli.real_flight import ContingencyDisplay
+from ipoa_mission.cli.contingency_output import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingency.contingencies import Contingencies
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.flight.procedure import load_mission, upload_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, load_mission, upload_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import connect as connecting
@@ -53,7 +53,7 @@ def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopil
     assert not any("rally points" in remark for remark in upload_mission(vehicle, suited(vehicle, MISSION)))
     plain = suited(vehicle, replace(MISSION, rally=()))
     with refuses("other-rally-points", "", "rally points"):
-        load_mission(vehicle, Forecast(plain))
+        load_mission(vehicle, Forecast(plain), ProcedureOptions())
     assert vehicle.download().rally == RALLY
     assert any("holds rally points of another mission" in remark for remark in upload_mission(vehicle, plain))
     vehicle.set_current(1)

@@ -18,7 +18,7 @@ import numpy as np
 from ipoa_mission import plan_flight
 from ipoa_mission.autopilot.autopilot import Autopilot, autopilot_named
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.flight.procedure import begin_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, begin_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Points
@@ -182,7 +182,7 @@ def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path
         vehicle.overhearing = watch.hear
         outcome, why = COMPLETED, ""
         try:
-            record = begin_mission(vehicle, forecast)
+            record = begin_mission(vehicle, forecast, ProcedureOptions())
             if not record.completed:
                 outcome, why = NOT_COMPLETED, record.why_not
         except Broken as broken:
