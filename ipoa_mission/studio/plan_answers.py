@@ -11,9 +11,8 @@ from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import TIMED, Contingency
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade
+from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyBar, Grade, PredictedContingency
 from ipoa_mission.forecast.contingency.contingencies_now import DURATIONS
-from ipoa_mission.forecast.contingency.contingency_paths import PredictedContingency
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.deviation.clearance_guarantee import ClearanceGuarantee
 from ipoa_mission.forecast.forecast import Forecast

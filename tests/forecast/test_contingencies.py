@@ -18,8 +18,14 @@ from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.contingency.contingencies import Contingencies, ContingencyRow, Grade, contingencies_of
-from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths, predict_contingency
+from ipoa_mission.forecast.contingency.contingencies import (
+    Contingencies,
+    ContingencyRow,
+    Grade,
+    contingencies_of,
+    predict_contingency,
+)
+from ipoa_mission.forecast.contingency.contingency_paths import SAMPLING, ContingencyPaths
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from ipoa_mission.vehicles.px4_multicopter.flight_model import Flights

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.contingency.contingency_paths import predict_contingency
+from ipoa_mission.forecast.contingency.contingencies import predict_contingency
 from ipoa_mission.forecast.contingency.energy_budget import Budget, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint

@@ -11,19 +11,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.autopilot.energy import Consumption
 from ipoa_mission.autopilot.failsafe import Failsafe
 from ipoa_mission.autopilot.returning import COMPUTED, TIMED, Contingency
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.contingency.contingency_paths import (
     GROUND,
     ContingencyPaths,
     ContingencySamples,
-    PredictedContingency,
     StoppingPoints,
-    predict_contingency,
 )
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Clearance
 
@@ -161,6 +161,28 @@ def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
         own.setdefault(row.contingency, []).append(row)
     leads = {contingency: ", ".join(dict.fromkeys(row.leads for row in mine)) for contingency, mine in own.items()}
     return tuple(ContingencyBar(contingency, leads[contingency], tuple(mine)) for contingency, mine in own.items())
+
+
+class PredictedContingency(NamedTuple):
+    """`duration_s`: until it disarms; `touches_s`: until it touches down; `used` energy, None where unknown."""
+
+    duration_s: tuple[float, float]
+    used: Consumption | None
+    touches_s: tuple[float, float] | None
+    remarks: tuple[str, ...] = ()
+
+
+def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
+    """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
+    if contingency not in TIMED:
+        raise NotModeled(f"the duration of {contingency} is not modeled")
+    model, ordered = forecast.mission.autopilot.part(FlightModel), OrderedContingency(time, contingency)
+    prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
+    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
+    first, _, last = prediction.touched or (np.nan,) * 3
+    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
+    used = forecast.energy_of(prediction.track.between(time, np.inf))
+    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches, prediction.remarks)
 
 
 class Contingencies:

@@ -9,22 +9,19 @@ from dataclasses import dataclass, fields, replace
 from enum import IntEnum
 from functools import cached_property, reduce
 from itertools import product
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
-from ipoa_mission.autopilot.energy import Consumption
-from ipoa_mission.autopilot.returning import IN_PLACE, TIMED, Contingency, ReturnBy
-from ipoa_mission.errors import NotModeled
+from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
-from ipoa_mission.forecast.timing.flight_model import FlightModel, OrderedContingency
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
@@ -376,25 +373,3 @@ class ContingencyPaths:
 def _padded(paths: Paths, places: int) -> Paths:
     stays = np.repeat(paths[:, -2:-1], places - paths.shape[1], axis=1)
     return np.concatenate([paths[:, :-1], stays, paths[:, -1:]], axis=1)
-
-
-class PredictedContingency(NamedTuple):
-    """`duration_s`: until it disarms; `touches_s`: until it touches down; `used` energy, None where unknown."""
-
-    duration_s: tuple[float, float]
-    used: Consumption | None
-    touches_s: tuple[float, float] | None
-    remarks: tuple[str, ...] = ()
-
-
-def predict_contingency(forecast: Forecast, contingency: Contingency, time: float) -> PredictedContingency:
-    """Return duration and energy of a contingency ordered at a time [s]; raise NotModeled unless it is `TIMED`."""
-    if contingency not in TIMED:
-        raise NotModeled(f"the duration of {contingency} is not modeled")
-    model, ordered = forecast.mission.autopilot.part(FlightModel), OrderedContingency(time, contingency)
-    prediction = model.predict_contingency(forecast.itinerary, forecast.mission, forecast.wind, ordered)
-    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
-    first, _, last = prediction.touched or (np.nan,) * 3
-    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
-    used = forecast.energy_of(prediction.track.between(time, np.inf))
-    return PredictedContingency(lasts, None if used is None else used.lasting(*lasts), touches, prediction.remarks)

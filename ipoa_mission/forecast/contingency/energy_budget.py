@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission.autopilot.energy import LIFTED_DISTANCE, Battery, Consumption, Interval, NotEnoughBattery, shortage
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.contingency.contingency_paths import predict_contingency
+from ipoa_mission.forecast.contingency.contingencies import predict_contingency
 from ipoa_mission.forecast.flight_energy import battery_of
 from ipoa_mission.forecast.forecast import Forecast
 
