@@ -39,15 +39,8 @@ def path_costs(points, grid, rules):
     level, leg, rise = np.empty(n - 1), np.empty(n - 1), np.empty(n - 1)
     steps_e, steps_n, cell = np.empty(n - 1), np.empty(n - 1), np.empty(n, np.int32)
     near = max(rules.clearance, rules.d_safe + rules.radius)
-    raster, first, listed, top, kind, shape, edges = (
-        grid.cells,
-        grid.first,
-        grid.listed,
-        grid.top,
-        grid.kind,
-        grid.shape,
-        grid.edges,
-    )
+    raster, first, listed, top = grid.cells, grid.first, grid.listed, grid.top
+    kind, shape, edges = grid.kind, grid.shape, grid.edges
     around, heights, low_zones = grid.around, grid.heights, grid.low_zones
     (west, south, low), (east, north, high) = grid.lower, grid.upper
     for c in range(count):
@@ -112,22 +105,36 @@ def survey(points, grid, rules):
     n = len(points)
     slack, threat = np.empty(n), np.empty(n)
     for i in range(n):
-        x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        slack[i], threat[i] = _look(grid, rules, x, y, z)
+        slack[i], threat[i] = _look(grid, rules, (points[i, 0], points[i, 1], points[i, 2]))
     return slack, threat
+
+
+@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
+def centered(points, offsets, box, grid, rules):
+    """Move points (n, 3) within a box to the most slack at offsets (rounds, k, 3)."""
+    moved, (lower, upper) = points.copy(), box
+    for i in range(len(moved)):
+        best = -np.inf
+        for number in range(len(offsets)):
+            x, y, z = moved[i, 0], moved[i, 1], moved[i, 2]
+            for k in range(offsets.shape[1]):
+                e = min(max(x + offsets[number, k, 0], lower[0]), upper[0])
+                n = min(max(y + offsets[number, k, 1], lower[1]), upper[1])
+                u = min(max(z + offsets[number, k, 2], lower[2]), upper[2])
+                slack, _ = _look(grid, rules, (e, n, u), best)
+                if slack > best:
+                    best, moved[i, 0], moved[i, 1], moved[i, 2] = slack, e, n, u
+    return moved
 
 
 GLANCES = 100  # at most on a leg between two nodes
 
 
 @njit(inline="always")
-def _ahead(nodes, node, target, rules):
-    """Return a bound of the cost from a node to the target: loops are a little cheaper than straight climbs."""
-    _, ny, nz = nodes.price.shape
-    east = (node // (ny * nz) - target // (ny * nz)) * nodes.spacing[0]
-    north = (node // nz % ny - target // nz % ny) * nodes.spacing[1]
-    up = (node % nz - target % nz) * nodes.spacing[2]
-    return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)
+def _ahead(spacing, i, j, k, rules):
+    """Return a bound of the cost of these steps."""
+    east, north, up = i * spacing[0], j * spacing[1], k * spacing[2]
+    return 0.97 * rules.length * math.sqrt(east * east + north * north + up * up)  # loops cost less
 
 
 @njit(cache=True, fastmath=FASTMATH, error_model="numpy")
@@ -142,6 +149,7 @@ def spread(nodes, stepping, look, ends, grid, rules):
     places, (nx, ny, nz) = nodes.places, nodes.price.shape
     price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
     onward = (steps[:, 0] * ny + steps[:, 1]) * nz + steps[:, 2]
+    goal_i, goal_j, goal_k = target // (ny * nz), target // nz % ny, target % nz
     cost, before = np.full(total, np.inf), np.full(total, -1, np.int64)
     keys, heap, size = np.empty(4 * total + 64), np.empty(4 * total + 64, np.int64), 1
     cost[source], keys[0], heap[0], most = 0.0, 0.0, source, np.inf
@@ -161,12 +169,12 @@ def spread(nodes, stepping, look, ends, grid, rules):
         keys[hole], heap[hole] = last_key, last
         if key > most:
             break
-        reached = cost[here]
-        if key > (reached + _ahead(nodes, here, target, rules)) * (1.0 + 1e-12):  # rounded otherwise
+        reached, i, j, k = cost[here], here // (ny * nz), here // nz % ny, here % nz
+        bound = reached + _ahead(nodes.spacing, i - goal_i, j - goal_j, k - goal_k, rules)
+        if key > bound * (1.0 + 1e-12):  # rounded otherwise
             continue
         if here == target:
             most = ratio * reached
-        i, j, k = here // (ny * nz), here // nz % ny, here % nz
         x, y, z = places[here, 0], places[here, 1], places[here, 2]
         price_here, room_here = price[here], room[here]
         for s in range(len(steps)):
@@ -184,13 +192,13 @@ def spread(nodes, stepping, look, ends, grid, rules):
                 along, end, free = max(room_here, least), length - room[there], True
                 while free and along < end:
                     t = along / length
-                    spare, _ = _look(grid, rules, x + t * e, y + t * n, z + t * u)
+                    spare, _ = _look(grid, rules, (x + t * e, y + t * n, z + t * u))
                     free = spare >= -0.5 * rules.clearance
                     along += max(spare, least)
                 if not free:
                     continue
             cost[there], before[there] = trial, here
-            trial += _ahead(nodes, there, target, rules)
+            trial += _ahead(nodes.spacing, a - goal_i, b - goal_j, c - goal_k, rules)
             hole = size
             size += 1
             while hole > 0 and keys[(hole - 1) // 2] > trial:

@@ -96,8 +96,9 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 
 @njit(inline="always")
-def _look(grid, rules, x, y, z):
+def _look(grid, rules, place, least=-np.inf):
     """Return slack [m] and threat per meter at a place."""
+    x, y, z = place
     cells, first, listed, around = grid.cells, grid.first, grid.listed, grid.around
     kind, shape, edges, raster, heights = grid.kind, grid.shape, grid.edges, grid.ground, grid.heights
     zones, lower, upper, reach = grid.low_zones, grid.lower, grid.upper, grid.reach
@@ -109,6 +110,8 @@ def _look(grid, rules, x, y, z):
     cell = _cell(cells, x, y)
     for k in range(first[cell], first[cell + 1]):
         body = listed[k]
+        if spare < least:  # the caller needs no more
+            break
         if not around[body, 3] < z < around[body, 4]:
             continue
         if (x - around[body, 0]) ** 2 + (y - around[body, 1]) ** 2 > around[body, 2]:

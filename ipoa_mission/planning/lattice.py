@@ -34,7 +34,6 @@ class LatticeDetails:
     gap_slack: float = 0.05  # that its neighbors lack, in steps
     widest_gap: float = 1.5  # beyond the required width, in steps
     centering_rounds: int = 6
-    centering_batch: int = 5000  # nodes
     end_nodes: int = 64  # candidates to begin or end at
     end_samples: int = 8  # to each of them
 
@@ -61,10 +60,8 @@ class Lattice:
     places: Points
     slack: NDArray[np.float64]
     price: NDArray[np.float64]
-    steepest: tuple[float, float]
-    """Greatest slopes of climb and descent."""
-    winding: float
-    """Extra cost of a meter of loops against a straight meter."""
+    steepest: tuple[float, float]  # slopes of climb and descent
+    winding: float  # extra cost of a meter of loops against a straight meter
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
@@ -97,9 +94,8 @@ class Guess:
 
 def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
     """Return the straight guess, then guesses along routes of `refinements[coarsest:]`."""
-    task = problem.task
-    straight = task.places
-    inner = max(task.planning.control_points, 3, 5 * (len(straight) - 1))
+    straight = problem.task.places
+    inner = max(problem.task.planning.control_points, 3, 5 * (len(straight) - 1))
     routes: list[Points] = []
     most = strategy.max_ways_climbing if problem.climbs_limited else strategy.max_ways
     for fineness in strategy.refinements[coarsest:]:
@@ -182,17 +178,11 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
-    """Return the places with the most slack around nodes (n, 3)."""
-    lower, upper = _region(problem)
-    centered = [nodes[:0]]
-    for some in (nodes[k : k + DETAILS.centering_batch] for k in range(0, len(nodes), DETAILS.centering_batch)):
-        for closer in range(1, DETAILS.centering_rounds + 1):
-            offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / 3**closer
-            trials = np.clip(some[:, None] + offsets, lower, upper)
-            slack = problem.survey(trials.reshape(-1, 3))[0].reshape(trials.shape[:2])
-            some = trials[np.arange(len(some)), np.argmax(slack, axis=1)]
-        centered.append(some)
-    return np.concatenate(centered)
+    from ipoa_mission.planning._kernels import centered
+
+    closer = 3.0 ** np.arange(1, DETAILS.centering_rounds + 1)[:, None, None]
+    offsets = np.vstack([np.zeros(3), STRIDES]) * spacing / closer
+    return centered(nodes, offsets, _region(problem), problem.grid, problem.rules)  # type: ignore[no-any-return]
 
 
 def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
@@ -250,8 +240,8 @@ def _occupy_gaps(
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
-    few = np.argpartition(away, DETAILS.end_nodes) if len(free) > DETAILS.end_nodes else np.arange(len(free))
-    few = few[: DETAILS.end_nodes]
+    most = DETAILS.end_nodes
+    few = np.argpartition(away, most)[:most] if len(free) > most else np.arange(len(free))
     few = free[few[np.argsort(away[few])]]
     shares = np.linspace(0.0, 1.0, DETAILS.end_samples)[:, None, None]
     legs = place + shares * (lattice.places[few] - place)
@@ -269,21 +259,14 @@ def _leg_routes(
     if source is None or target is None:
         return []
     look = looking and float(np.linalg.norm(lattice.spacing)) > 2 * problem.limits.obstacle_distance
-
-    nodes = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing)
+    nodes, world = Nodes(lattice.price, lattice.slack, lattice.places, lattice.spacing), (problem.grid, problem.rules)
     ratio = lattice.strategy.max_cost_ratio * (1 + ROUNDING)
-
-    def costs(backwards: bool, *ends: float) -> tuple[Vector, NDArray[np.int64]]:
-        stepping = lattice.steps(backwards)
-        return spread(nodes, stepping, look, ends, problem.grid, problem.rules)  # type: ignore[no-any-return]
-
-    there, before = costs(False, source, target, ratio)
+    there, before = spread(nodes, lattice.steps(), look, (source, target, ratio), *world)
     if not np.isfinite(there[target]):
         return []
-    back, after = costs(True, target, source, ratio)
+    back, after = spread(nodes, lattice.steps(backwards=True), look, (target, source, ratio), *world)
     through = there + back
-    routes: list[Points] = []
-    even: list[Points] = []
+    routes, even = list[Points](), list[Points]()
     for node in [target, *_passages(through, there, lattice)]:
         way = np.array([*_trace(before, node)[::-1], *_trace(after, node)[1:]])
         points = np.vstack([start, lattice.places[way], goal])
@@ -326,8 +309,8 @@ def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
 
 def _trace(before: NDArray[np.int64], node: int) -> list[int]:
     way = [node]
-    while before[way[-1]] >= 0:
-        way.append(int(before[way[-1]]))
+    while (node := before.item(node)) >= 0:
+        way.append(node)
     return way
 
 

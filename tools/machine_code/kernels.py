@@ -20,6 +20,7 @@ from ipoa_mission.wind import CALM
 MODULES = {
     "path_costs": "planning._kernels",
     "survey": "planning._kernels",
+    "centered": "planning._kernels",
     "descend": "planning._path_model",
     "spread": "planning._kernels",
     "solve_banded": "planning.banded",
@@ -71,6 +72,7 @@ def kernels() -> Iterator[Kernel]:
     examples = {
         "path_costs": (_numbers(3), grid, rules),
         "survey": (_numbers(2), grid, rules),
+        "centered": (_numbers(2), _numbers(3), (_numbers(1), _numbers(1)), grid, rules),
         "descend": (_numbers(2), _numbers(2), bench, grid, rules, soft, (1, 1.0)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 8, _numbers(2), True, 1.0),
