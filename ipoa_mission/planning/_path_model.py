@@ -236,18 +236,26 @@ def _block(places, along, mixed, window, k, m, some):
 
 
 @njit(cache=True, error_model="numpy")
-def _handed_on(places, along, mixed, spans, count):
-    """Return the gradient and lower band of the Hessian by the control points."""
-    first, window = spans.first, spans.window
+def handed_on(changes, spans, count):
+    """Return the gradient (3 count,) and the lower band (15, 3 count) of Gauss-Newton's Hessian by control points.
+
+    `band[i - j, j]` is element i, j.
+    """
+    places, along, steps, bends = changes
+    first, window, mixed = spans.first, spans.window, _mixed(steps, bends)
     n, start = len(first), 0
     gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
-    here, after = window[0], window[2]
+    here, before, after = window[0], window[1], window[2]
     while start < n:
         end = start + 1
         while end < n and first[end] == first[start]:
             end += 1
-        some = range(np.uint64(start), np.uint64(end))  # unsigned: no index counts from an array's end
+        fifth = start
+        while fifth < end and here[4, fifth] == 0.0 and before[4, fifth] == 0.0 and after[4, fifth] == 0.0:
+            fifth += 1
         for k in range(5):
+            begin = fifth if k == 4 else start  # few nodes depend on the fifth
+            some = range(np.uint64(begin), np.uint64(end))  # unsigned: no index counts from an array's end
             row = 3 * (first[start] + k)
             for axis in range(3):
                 total = 0.0
@@ -264,12 +272,11 @@ def _handed_on(places, along, mixed, spans, count):
 
 
 @njit(cache=True, error_model="numpy")
-def path_model(nodes, spans, count, grid, rules, soft, even, signs):
-    """Return the smoothed cost of one path, its gradient (3 count,), the Hessian, and the angles (n, 2) [rad].
+def path_model(nodes, grid, rules, soft, even, signs):
+    """Return the smoothed cost of a path, its angles (n, 2) [rad], and its derivatives.
 
     `even` is the mean leg length [m]. `signs` (n, 2), from -1 to 1, are the dual variables of Chan, Golub and Mulet
-    (1999): signs of the angles. The Hessian is Gauss-Newton's, as its lower band (15, 3 count): `band[i - j, j]` is
-    element i, j.
+    (1999): signs of the angles.
     """
     n = len(nodes)
     places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))
@@ -277,8 +284,7 @@ def path_model(nodes, spans, count, grid, rules, soft, even, signs):
     value = _solid(nodes, steps.leg, danger, grid, rules, soft, even, places)
     bent, bends = _bends(steps, rules, soft, signs, angles)
     value += bent + _length(steps, bends, danger, rules, soft, even, along)
-    gradient, band = _handed_on(places, along, _mixed(steps, bends), spans, count)
-    return value, gradient, band, angles
+    return value, angles, (places, along, steps, bends)
 
 
 SURE_SIGN = 0.9
@@ -329,9 +335,7 @@ def _model(control, signs, bench, grid, rules, soft):
         for i in range(len(nodes)):
             for axis in range(3):
                 nodes[i, axis] += here[k, i] * control[spans.first[i] + k, axis]
-    value, gradient, band, angles = path_model(nodes, spans, len(control), grid, rules, soft, even, signs)
-    slope, narrow = _reduced(gradient, band, bench.moves)
-    return value, slope, narrow, angles
+    return path_model(nodes, grid, rules, soft, even, signs)
 
 
 @njit(cache=True, error_model="numpy")
@@ -341,10 +345,12 @@ def descend(control, signs, bench, grid, rules, soft, until):
     Return the control points (k, 3) and signs (n, 2). `until`: the most steps, and the gain of the last as a share.
     """
     steps, enough = until
-    value, slope, band, angles = _model(control, signs, bench, grid, rules, soft)
-    damping, n = 1e-3, band.shape[1]
+    value, angles, changes = _model(control, signs, bench, grid, rules, soft)
+    damping = 1e-3
     for _ in range(steps):
-        mean, better = 0.0, False
+        gradient, wide = handed_on(changes, bench.spans, len(control))
+        slope, band = _reduced(gradient, wide, bench.moves)
+        mean, better, n = 0.0, False, band.shape[1]
         for k in range(n):
             mean += band[0, k] / n
         for _ in range(LEVENBERG_TRIALS):
@@ -353,7 +359,7 @@ def descend(control, signs, bench, grid, rules, soft, until):
                 damped[0, k] += damping * band[0, k] + 1e-6 * mean
             step, solved = solve_banded(damped, slope)
             trial = _moved(control, step, bench.moves)
-            trial_value, trial_slope, trial_band, trial_angles = _model(trial, signs, bench, grid, rules, soft)
+            trial_value, trial_angles, changes = _model(trial, signs, bench, grid, rules, soft)
             if solved == 1 and trial_value < value:
                 better = True
                 break
@@ -367,7 +373,7 @@ def descend(control, signs, bench, grid, rules, soft, until):
                 smooth = math.sqrt(angles[i, k] ** 2 + soft.bend**2)
                 change = (1.0 - signs[i, k] * angles[i, k] / smooth) * (trial_angles[i, k] - angles[i, k])
                 turned[i, k] = min(max((angles[i, k] + change) / smooth, -SURE_SIGN), SURE_SIGN)
-        signs, control, value, slope, band, angles = turned, trial, trial_value, trial_slope, trial_band, trial_angles
+        signs, control, value, angles = turned, trial, trial_value, trial_angles
         damping = max(damping / 5.0, 1e-7)
         if gain < enough * abs(value):
             break

@@ -65,15 +65,14 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
 def model(
     problem: PreparedProblem, control: np.ndarray, soft: Soft = SOFT, even: float | None = None
 ) -> tuple[float, np.ndarray, np.ndarray]:
-    from ipoa_mission.planning._path_model import path_model
+    from ipoa_mission.planning._path_model import handed_on, path_model
 
     n = len(control)
     nodes = even_basis(n, 60) @ control
     even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
-    value, gradient, band, angles = path_model(
-        nodes, _windows(n, 60), n, problem.grid, problem.rules, soft, even, signs
-    )
+    value, angles, changes = path_model(nodes, problem.grid, problem.rules, soft, even, signs)
+    gradient, band = handed_on(changes, _windows(n, 60), n)
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
     np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
     lower = sum(np.diag(row[: len(row) - k], -k) for k, row in enumerate(band))
