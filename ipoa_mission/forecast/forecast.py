@@ -14,7 +14,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError, NotModeled, renamed
 from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, trace_returns
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
-from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown
+from ipoa_mission.forecast.itinerary.unknown import Unknown, find_unknown, past_jumps
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.geometry import Points
 from ipoa_mission.ground import Ground
@@ -161,9 +161,8 @@ class Forecast:
         """
         from ipoa_mission.forecast.timing.flight_model import FlightModel
 
-        for unknown in self.unknown:
-            if unknown.code == "jump-flown-elsewhere":
-                raise _refusal(unknown, "time")
+        for unknown in past_jumps(self.mission_as_read):
+            raise _refusal(unknown, "time")
         if self.mission.other_vehicle:
             other = self.mission.other_vehicle
             raise NotModeled(f"the mission is for {other}, and only multicopters have a time model")

@@ -28,8 +28,7 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.command_effects.flown, autopilot.guidance.flies_splines
-    if any(item.command in JUMPS for item in items):
-        yield from _past_jumps(mission)
+    yield from past_jumps(mission)
     here: Place | None = None
     braking = _braking_lengths(mission) if splines else []
     for n, item in enumerate(items):
@@ -61,8 +60,10 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
             yield from _payload_elsewhere(mission, program, n, following)
 
 
-def _past_jumps(mission: Mission) -> Iterator[Unknown]:
+def past_jumps(mission: Mission) -> Iterator[Unknown]:
     items = mission.items
+    if not any(item.command in JUMPS for item in items):
+        return
     for n, instead in sorted(program_of(mission, items).followed()[1].items()):
         jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
         why = (

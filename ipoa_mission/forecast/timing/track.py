@@ -27,11 +27,9 @@ class Track:
         return cls(own.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
 
     @classmethod
-    def joined(cls, tracks: "Sequence[Track]") -> "Track":
-        times = np.concatenate([track.times for track in tracks])
-        later = np.concatenate([[True], np.diff(times) > 1e-9])
-        points, speeds = (np.concatenate([getattr(track, name) for track in tracks]) for name in ("points", "speeds"))
-        return cls(times[later], points[later], speeds[later])
+    def joined(cls, parts: Sequence[Points]) -> "Track":
+        samples = np.concatenate(parts)
+        return cls.of(samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])])
 
     def at(self, times: Vector) -> Points:
         return np.column_stack([np.interp(times, self.times, axis) for axis in self.points.T])

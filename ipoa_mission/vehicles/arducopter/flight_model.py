@@ -22,7 +22,7 @@ from ipoa_mission.forecast.timing.flight_model import (
     corner_deg,
 )
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Place
+from ipoa_mission.geometry import Place, Points
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
@@ -90,7 +90,7 @@ class ArduCopterModel(FlightModel):
             except MissionError as lost:
                 raise lost.at(f"item {visit.seq}") from None
             times.append(flight.copter.state.time)
-        track = Track.joined(flight.tracks)
+        track = Track.joined(flight.samples)
         done = np.array(times, dtype=np.float64)
         first_legs = np.array([UNCERTAINTY.first_leg(visit.item) for visit in itinerary.visits]).reshape(-1, 2)
         early, late = np.maximum.accumulate(first_legs).T
@@ -117,7 +117,7 @@ class ArduCopterModel(FlightModel):
         doubt = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (done - ordered.time)
         touched = flight.touched
         off = UNCERTAINTY.contingency_s + UNCERTAINTY.contingency_share * (touched - ordered.time)
-        track = Track.joined(flight.tracks)
+        track = Track.joined(flight.samples)
         between = touched - off, touched, touched + off
         return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
 
@@ -140,7 +140,7 @@ class _Flight:
         self.copter.start_at((0.0, 0.0, height or 0.0))
         self.airborne, self.until, self.touched = height is not None, math.inf, math.nan
         self.remarks: list[str] = []
-        self.tracks: list[Track] = []
+        self.samples: list[Points] = []
         self.note()
 
     @property
@@ -245,13 +245,13 @@ class _Flight:
     def run(self) -> float:
         """Fly the leg; return its highest level speed [m/s]."""
         flown = self.copter.run(self.until)
-        self.tracks.append(Track.of(flown))
+        self.samples.append(flown.copy())
         self.note()
         return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
 
     def note(self) -> None:
         state = self.copter.state
-        self.tracks.append(Track.of(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]])))
+        self.samples.append(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]]))
 
 
 MODEL = ArduCopterModel()

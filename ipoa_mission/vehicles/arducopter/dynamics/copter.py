@@ -185,7 +185,9 @@ class Copter:
 
         `turns`: the yaw follows the path. `ends_near`: it ends within the acceptance radius.
         """
-        self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if turns else 0.0)
+        slew = self.limits.yaw_rate * STEP if turns else 0.0
+        if slew != self._tuning.slew:
+            self._tuning = self._tuning._replace(slew=slew)
         planned, state = self.following, self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
             straight = self.this.kind == STRAIGHT
@@ -203,7 +205,7 @@ class Copter:
                 self._left = speed_left(onward)
         elif this.kind == SPLINE:
             this = this._replace(leave=speed_left(this))
-        self._begin(this._replace(ends_near=float(ends_near)), onward)
+        self._begin(this._replace(ends_near=1.0) if ends_near else this, onward)
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
         """Return a leg from `here`, at rest or at the speed of an unfinished spline; never an arc."""
