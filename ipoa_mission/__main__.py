@@ -5,12 +5,14 @@ import sys
 
 def main() -> None:
     try:
+        import atexit
         import gc
         import os
 
-        gc.set_threshold(50_000)  # imports make many objects but no garbage
+        gc.set_threshold(200_000)  # imports make no garbage
+        atexit.register(gc.freeze)  # else exit visits all objects
         os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # its search reads all installed packages
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # starting its threads takes longer than the matrices here
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads take longer than the matrices here
 
         from ipoa_mission.cli.app import main as run
 

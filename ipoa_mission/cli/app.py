@@ -143,7 +143,3 @@ def main() -> None:
         output.discard_output()
         output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
-
-
-if __name__ == "__main__":
-    main()
