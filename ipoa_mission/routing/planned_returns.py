@@ -177,10 +177,10 @@ class _RallySearch:
         self._paths, forecast = paths, paths.forecast
         self._tried = set[tuple[int, ...]]()
         self._margins = self._away = np.zeros((0, 0))
-        self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(forecast))])
+        self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(paths))])
         self._sample(np.unique([*np.linspace(*paths.in_air, EFFORT.sample_count), *times]))
         if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
-            own = int(np.searchsorted(self._times, forecast.guarantee.flight.cruise_span[1]))
+            own = int(np.searchsorted(self._times, paths.flight.cruise_span[1]))
             keep = self._margins[min(own, len(self._times) - 1)] >= 0.0
             keep[0] = True
             self._goals, self._margins, self._away = self._goals[keep], self._margins[:, keep], self._away[:, keep]
@@ -232,9 +232,9 @@ def _margins(paths: ContingencyPaths, stopped: Points, height: NDArray[np.float6
     return np.asarray(near - paths.required).reshape(len(stopped), len(goals))
 
 
-def _places(forecast: Forecast) -> Points:
+def _places(paths: ContingencyPaths) -> Points:
     """Return ground places along the path (n, 3)."""
-    track = forecast.guarantee.flight.pieces.points
+    track = paths.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
     at = np.arange(0.0, traveled[-1] + EFFORT.place_step, EFFORT.place_step)
@@ -248,7 +248,7 @@ def _places(forecast: Forecast) -> Points:
                 if min(float(np.hypot(*(spot - other))) for other in spaced) >= EFFORT.least_separation:
                     spaced.append(spot)
     level = np.array(spaced[1:]).reshape(-1, 2)
-    return np.column_stack([level, forecast.world.airspace.ground(level)])
+    return np.column_stack([level, paths.forecast.world.airspace.ground(level)])
 
 
 def _with_room(paths: ContingencyPaths, places: Points) -> Points:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
-from ipoa_mission import plan_flight
+from ipoa_mission import Forecast, plan_flight, read_mission
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.flight.flight import Flight
@@ -187,3 +187,15 @@ def test_a_refusal_names_the_return_its_obstacle_and_the_way_out() -> None:
     with refuses("no-path", "", "RTL", "of roof") as refused:
         plan_flight(scene(Autopilot.PX4, SLAB, parameters="RTL_RETURN_ALT = 55", top=200.0), seed=0)
     assert 'returns = "warn"' in str(refused.value.hint)
+
+
+def test_another_return_altitude_has_the_same_flight() -> None:
+    scenario, mission = read_scenario(MISSIONS / "sitl.toml"), read_mission(MISSIONS / "sitl.plan")
+    raised = mission.with_parameters({"RTL_RETURN_ALT": 60.0})
+    shared, alone = (Forecast(raised, scenario) for _ in range(2))
+    paths = Forecast(mission, scenario).cached(ContingencyPaths).returning(shared).samples(Contingency.RTL)
+    own = alone.cached(ContingencyPaths).samples(Contingency.RTL)
+    assert "guarantee" in alone.__dict__
+    assert "guarantee" not in shared.__dict__
+    for name in ("times", "paths", "possible", "near", "which", "slack"):
+        assert np.array_equal(getattr(paths, name), getattr(own, name))

@@ -18,6 +18,7 @@ from ipoa_mission.autopilot.autopilot import STATIONARY_SPEED
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, ReturnBy
 from ipoa_mission.forecast.contingency.return_routes import WHERE, ReturnRoutes
+from ipoa_mission.forecast.deviation.clearance_guarantee import PredictedFlight
 from ipoa_mission.forecast.deviation.kept_limits import clearance_task
 from ipoa_mission.forecast.deviation.margins import with_margins
 from ipoa_mission.forecast.forecast import Forecast
@@ -73,28 +74,6 @@ class StoppingPoints:
             for points in (self.places, self.stops)
         )
         return places, stops
-
-
-def stopping_points_of(forecast: Forecast, begin: float, end: float, contingency: Contingency) -> StoppingPoints:
-    mission, flight, autopilot = forecast.mission, forecast.guarantee.flight, forecast.mission.autopilot
-    step_s = 0.2
-    times = np.append(np.arange(begin, end, step_s), end)
-    then = np.minimum(times + autopilot.flies_on(contingency), end)
-    before, places, at_then, after = map(flight.pieces.at, (then - step_s, times, then, then + step_s))
-    velocity = (after - before) / (2 * step_s)
-    speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
-    along = velocity[:, :2] / speed[:, None]
-    gains = np.gradient(np.hypot(*velocity[:, :2].T), step_s) if len(times) > 1 else np.zeros(1)
-    accel, stops = (after[:, :2] + before[:, :2] - 2 * at_then[:, :2]) / step_s**2, at_then.copy()
-    del before, after, at_then
-    accel += along * (gains - (accel * along).sum(axis=1))[:, None]
-    if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
-        path = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
-        stops[:, 2] += velocity[:, 2] * path / speed
-    stops[:, :2] += autopilot.stopping_offset(mission.parameters, velocity[:, :2], accel, contingency)
-    seqs = np.array([visit.seq for visit in flight.route.visits])
-    ahead = np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)
-    return StoppingPoints(times, places, stops, seqs[ahead])
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,11 +142,11 @@ class ContingencyPaths:
     def __init__(
         self, forecast: Forecast, enlarged: PathTask | None = None, shared: "ContingencyPaths | None" = None
     ) -> None:
-        """Share the stopping points of paths `shared`, of another RTL or world."""
+        """Share flight and stopping points of `shared`, of another RTL or world."""
         self.forecast, self.mission, self._enlarged = forecast, forecast.mission, enlarged
         self.required, self.rally = forecast.world.limits.obstacle_distance, rally_places(self.mission)
         self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
-        self.routes, self._in_air = ReturnRoutes(forecast, self.rally), None if shared is None else shared.in_air
+        self.routes, self._flight = ReturnRoutes(forecast, self.rally), None if shared is None else shared.flight
         if shared is not None:
             self._stops = shared._stops
             if shared.forecast is forecast:
@@ -177,11 +156,8 @@ class ContingencyPaths:
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
         """Return the paths of a forecast whose RTL alone differs: all else is taken over."""
-        return forecast.cached(ContingencyPaths, self._of_another)
-
-    def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
-        returns = any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items)
-        return ContingencyPaths(forecast, self.enlarged, None if returns else self)
+        shared = None if any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items) else self
+        return forecast.cached(ContingencyPaths, lambda other: ContingencyPaths(other, self.enlarged, shared))
 
     @cached_property
     def enlarged(self) -> PathTask:
@@ -192,18 +168,41 @@ class ContingencyPaths:
         """Paths without room for the deviation bound."""
         return ContingencyPaths(self.forecast, self.forecast.world, self)
 
+    @property
+    def flight(self) -> PredictedFlight:
+        return self._flight or self.forecast.guarantee.flight
+
     @cached_property
     def in_air(self) -> tuple[float, float]:
-        if self._in_air is not None:
-            return self._in_air
-        track = self.forecast.guarantee.flight.pieces
+        track = self.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + 1.0]  # [m]; lower it can end in place
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
         if contingency not in self._stops:
-            self._stops[contingency] = stopping_points_of(self.forecast, *self.in_air, contingency)
+            self._stops[contingency] = self._stopping_points(contingency)
         return self._stops[contingency]
+
+    def _stopping_points(self, contingency: Contingency) -> StoppingPoints:
+        flight, mission, autopilot = self.flight, self.mission, self.mission.autopilot
+        (begin, end), step_s = self.in_air, 0.2
+        times = np.append(np.arange(begin, end, step_s), end)
+        then = np.minimum(times + autopilot.flies_on(contingency), end)
+        before, places, at_then, after = map(flight.pieces.at, (then - step_s, times, then, then + step_s))
+        velocity = (after - before) / (2 * step_s)
+        speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
+        along = velocity[:, :2] / speed[:, None]
+        gains = np.gradient(np.hypot(*velocity[:, :2].T), step_s) if len(times) > 1 else np.zeros(1)
+        accel, stops = (after[:, :2] + before[:, :2] - 2 * at_then[:, :2]) / step_s**2, at_then.copy()
+        del before, after, at_then
+        accel += along * (gains - (accel * along).sum(axis=1))[:, None]
+        if not autopilot.guidance.climb_ends_at_once:  # else it stops within 0.5 m
+            path = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
+            stops[:, 2] += velocity[:, 2] * path / speed
+        stops[:, :2] += autopilot.stopping_offset(mission.parameters, velocity[:, :2], accel, contingency)
+        seqs = np.array([visit.seq for visit in flight.route.visits])
+        ahead = np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)
+        return StoppingPoints(times, places, stops, seqs[ahead])
 
     def why_unknown(self) -> str | None:
         if self.routes.why_unknown is not None:
@@ -236,7 +235,7 @@ class ContingencyPaths:
         elif contingency is Contingency.RTL:
             paths, possible = self._returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
-            home = np.broadcast_to(self.forecast.guarantee.flight.pieces.points[0], (len(times), 1, 1, 3))
+            home = np.broadcast_to(self.flight.pieces.points[0], (len(times), 1, 1, 3))
             paths = np.concatenate([paths, home], axis=2)
         near, which = self._near(paths)
         if contingency is Contingency.SMART_RTL:
@@ -307,7 +306,7 @@ class ContingencyPaths:
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, samples: ContingencySamples, end: int) -> ContingencySamples:
-        begin, last = self.forecast.guarantee.flight.cruise_span
+        begin, last = self.flight.cruise_span
         near, which, slack = samples.near.copy(), samples.which.copy(), samples.slack.copy()
         in_cruise = np.flatnonzero((samples.times >= begin) & (samples.times <= last))
         paths, terrain = samples.paths[in_cruise, :, :end], self.forecast.world.airspace.terrain
