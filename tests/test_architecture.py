@@ -43,11 +43,15 @@ MAY_IMPORT = {
 VEHICLES = ("arducopter", "px4_multicopter")
 MAY_IMPORT["vehicles"] = {"compiled", "forecast", "link", "logs", "simulator", *_MISSION}
 _BELOW_THE_CLI = set(MAY_IMPORT) - {"vehicles"}
-MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"world"}
-MAY_IMPORT["paper"] = {"optimize", "planning", "cli"}
-MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | {"cli"}
-MAY_IMPORT["survey"] = _BELOW_THE_CLI - {"flight"} | {"cli"}
-MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"cli", "survey"}
+#: Options and output that verbs of all rooms share.
+_OF_VERBS = {"options", "terminal"}
+MAY_IMPORT["options"] = {"autopilot", "link", "mission", "optimize"}
+MAY_IMPORT["terminal"] = set()
+MAY_IMPORT["cli"] = _BELOW_THE_CLI - {"optimize", "world"} | _OF_VERBS
+MAY_IMPORT["paper"] = {"optimize", "planning", "cli"} | _OF_VERBS
+MAY_IMPORT["learn"] = _BELOW_THE_CLI - {"link"} | _OF_VERBS
+MAY_IMPORT["survey"] = _BELOW_THE_CLI - {"flight"} | {"cli"} | _OF_VERBS
+MAY_IMPORT["studio"] = _BELOW_THE_CLI | {"survey"} | _OF_VERBS
 USE_PUBLIC_API = {"survey", "paper", "learn", "studio"}  # they import from `ipoa_mission` where they can
 PLUG_INS = {"vehicles", "paper", "learn", "survey", "studio"}
 

@@ -12,11 +12,11 @@ from typing import Annotated, Any
 
 import typer
 
-from ipoa_mission.cli import checking, comparing, flying, linking, mocking, output, planning, showing
+from ipoa_mission.cli import checking, comparing, flying, linking, mocking, planning, showing
 from ipoa_mission.cli.interrupting import interruptible
-from ipoa_mission.cli.output import print_lines, shown
 from ipoa_mission.cli.planners import grouped
 from ipoa_mission.errors import MissionError
+from ipoa_mission.terminal import discard_output, print_error, print_lines, replace_unencodable, shown
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 
@@ -127,7 +127,7 @@ def command() -> Any:
 
 
 def main() -> None:
-    output.replace_unencodable()
+    replace_unencodable()
     for asked, shell in pairwise(sys.argv[1:]):
         if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
             os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a shell's name
@@ -135,11 +135,11 @@ def main() -> None:
         interruptible(lambda changes: command()(prog_name="ipoa-mission"))()
     except MissionError as error:
         with suppress(KeyboardInterrupt):
-            output.print_error(error, as_json="--json" in sys.argv[1:])
+            print_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-        output.discard_output()
-        output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
+        discard_output()
+        print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)

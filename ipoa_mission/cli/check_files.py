@@ -11,14 +11,14 @@ from ipoa_mission.checks.check import check as check_forecast
 from ipoa_mission.checks.check import guarantee_if_flown
 from ipoa_mission.checks.unsafe import with_strict_vehicle_class
 from ipoa_mission.cli.groups import ContingencyOptions
-from ipoa_mission.cli.options import expect_mission
-from ipoa_mission.cli.output import notes
 from ipoa_mission.cli.reading import read_requested
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.options import expect_mission
 from ipoa_mission.rules import RULES
+from ipoa_mission.terminal import notes
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:

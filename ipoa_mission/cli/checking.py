@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import ContingencyOptions, WorldOptions
-from ipoa_mission.cli.options import ANYWAY, FileArgument, JsonOption
-from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
+from ipoa_mission.options import ANYWAY, FileArgument, JsonOption
+from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import RequestedMission

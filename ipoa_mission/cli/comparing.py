@@ -9,9 +9,9 @@ import typer
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
-from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
+from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
+from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.post_flight import FlownClearance
@@ -64,12 +64,12 @@ def compare(
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
-    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.flight.post_flight import flown_clearance, landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
     from ipoa_mission.logs.vehicle_file import read_vehicle
     from ipoa_mission.report.compare import Assumptions, compare_logged
+    from ipoa_mission.terminal import expect_free
     from ipoa_mission.wind import CALM
 
     number, picture = how.number, how.picture

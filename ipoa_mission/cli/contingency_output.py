@@ -5,7 +5,6 @@ from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade, bars_of
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
@@ -15,6 +14,7 @@ from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
+from ipoa_mission.terminal import picked, print_lines, print_table
 
 CELLS = 50  # characters
 #: The first one present is drawn.

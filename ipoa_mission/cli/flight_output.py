@@ -7,7 +7,6 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.cli.check_files import clearance_words, wind_words
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import FlownJob, Job
-from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -15,6 +14,7 @@ from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.report.summary import passed_over_as_json
+from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 from ipoa_mission.unread import unread_as_json
 
 

@@ -13,11 +13,11 @@ import typer
 from ipoa_mission.cli.groups import FaultOptions, FileOutput, FlightOptions, FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
 from ipoa_mission.cli.linking import connect_to, states_firmware
-from ipoa_mission.cli.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
-from ipoa_mission.cli.output import expect_folder, expect_log, print_json, progress_bar, shown
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
+from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
+from ipoa_mission.terminal import expect_folder, expect_log, print_json, progress_bar, shown
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.mission_source import FlownJob, Job

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.options import (
+from ipoa_mission.errors import OptionConflict
+from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.options import (
     ANYWAY,
     AutopilotOption,
     Backend,
@@ -31,9 +33,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
-from ipoa_mission.cli.output import expect_free
-from ipoa_mission.errors import OptionConflict
-from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.terminal import expect_free
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.version import Version

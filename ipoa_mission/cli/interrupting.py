@@ -13,9 +13,9 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Concatenate, ParamSpec
 
-from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import recorded_writes
+from ipoa_mission.terminal import progress_bar
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.procedure import Stage

@@ -11,7 +11,9 @@ import typer
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
-from ipoa_mission.cli.options import (
+from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
+from ipoa_mission.files import MISSIONS, recorded_writes
+from ipoa_mission.options import (
     AutopilotOption,
     Backend,
     FileArgument,
@@ -22,9 +24,7 @@ from ipoa_mission.cli.options import (
     UnmeasuredVersionOption,
     signer_of,
 )
-from ipoa_mission.cli.output import expect_free, expect_log, notes, print_json, print_lines, progress_bar
-from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
-from ipoa_mission.files import MISSIONS, recorded_writes
+from ipoa_mission.terminal import expect_free, expect_log, notes, print_json, print_lines, progress_bar
 
 if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle

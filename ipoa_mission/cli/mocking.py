@@ -9,7 +9,8 @@ import typer
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.cli.groups import FaultOptions
-from ipoa_mission.cli.options import (
+from ipoa_mission.errors import BadInput, OptionConflict
+from ipoa_mission.options import (
     HomeOption,
     JsonOption,
     KeyOption,
@@ -23,8 +24,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     signer_of,
 )
-from ipoa_mission.cli.output import notes, print_json, print_lines
-from ipoa_mission.errors import BadInput, OptionConflict
+from ipoa_mission.terminal import notes, print_json, print_lines
 
 if TYPE_CHECKING:
     from ipoa_mission.geodesy import Geodetic

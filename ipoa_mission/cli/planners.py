@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeAlias
 
 from ipoa_mission.cli.groups import FileOutput, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import ChangesMade
-from ipoa_mission.cli.options import IgnoreOption
 from ipoa_mission.files import unused
+from ipoa_mission.options import IgnoreOption
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.mission_source import FlownJob, Job

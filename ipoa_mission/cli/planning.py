@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
-from ipoa_mission.cli.options import ForceOption, HomeOption, JsonOption, expect_scenario
-from ipoa_mission.cli.output import expect_folder, expect_free, notes, print_json, print_lines
 from ipoa_mission.cli.planners import Planners, PlanOptions, planner_of, planners
 from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import write_atomically
+from ipoa_mission.options import ForceOption, HomeOption, JsonOption, expect_scenario
+from ipoa_mission.terminal import expect_folder, expect_free, notes, print_json, print_lines
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -102,7 +102,7 @@ def new(
 
     Example: `ipoa-mission new town.toml --buildings town.geojson`
     """
-    from ipoa_mission.scenario.new import new_scenario
+    from ipoa_mission.scenario import new_scenario
 
     if target.suffix.lower() != ".toml":
         raise WrongSuffix(f'expected a name that ends in .toml, not in "{target.suffix}"', place=target)

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import ContingencyOptions
-from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
-from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
+from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
+from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.report.table import Row
@@ -127,11 +127,11 @@ def export(
 
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
-    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.cli.reading import read_world, taken_for
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
     from ipoa_mission.report.exports import EXPORTS, forecast_text
+    from ipoa_mission.terminal import expect_free
 
     form = how.form
     if target == Path("-") and form is None:

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption
-from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.files import MISSIONS
+from ipoa_mission.options import ForceOption, JsonOption, LogSystemOption
+from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.learned import LearnedVehicle
@@ -36,10 +36,10 @@ def learn(
     """
     from dataclasses import asdict, replace
 
-    from ipoa_mission.cli.output import expect_free
     from ipoa_mission.files import write_atomically
     from ipoa_mission.learn.fit import PRIOR_DEVIATIONS, cross_validate, energy_error, fit, median_errors
     from ipoa_mission.logs.vehicle_file import write_vehicle
+    from ipoa_mission.terminal import expect_free
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files, system)

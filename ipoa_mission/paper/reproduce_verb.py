@@ -5,9 +5,9 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.interrupting import ChangesMade, interruptible
-from ipoa_mission.cli.options import JsonOption
-from ipoa_mission.cli.output import print_json, print_lines, progress_bar
 from ipoa_mission.files import make_folder
+from ipoa_mission.options import JsonOption
+from ipoa_mission.terminal import print_json, print_lines, progress_bar
 
 
 @dataclass

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_packed
-from ipoa_mission.cli.output import print_json, print_lines
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.options import JsonOption, ScenarioOption, SeedOption, or_packed
+from ipoa_mission.terminal import print_json, print_lines
 
 LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")
 

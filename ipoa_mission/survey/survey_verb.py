@@ -7,10 +7,10 @@ import typer
 
 from ipoa_mission.cli.groups import FileOutput
 from ipoa_mission.cli.interrupting import ChangesMade
-from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import confirm, print_json, print_lines, print_table
 from ipoa_mission.cli.planners import FlyJob, FlyOptions, PlanOptions
 from ipoa_mission.errors import OptionConflict
+from ipoa_mission.options import LogSystemOption
+from ipoa_mission.terminal import confirm, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

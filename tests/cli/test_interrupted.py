@@ -11,7 +11,6 @@ import typer
 
 from ipoa_mission.cli import flight_output, linking
 from ipoa_mission.cli.interrupting import Change, ChangesMade, Interrupted
-from ipoa_mission.cli.output import confirm
 from ipoa_mission.flight import procedure
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage
@@ -20,6 +19,7 @@ from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.terminal import confirm
 from tests.cli.conftest import Run, Serve
 
 WRITTEN = "stopped: parameters were written: MPC_XY_CRUISE, RTL_RETURN_ALT"

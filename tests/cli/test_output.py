@@ -13,15 +13,15 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli import output
+from ipoa_mission import terminal
 from ipoa_mission.cli.app import listen_to_log
-from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.paper import reproduce
 from ipoa_mission.planning import planner
 from ipoa_mission.report.exports import EXPORTS
+from ipoa_mission.terminal import progress_bar
 from tests.cli.conftest import Run, verbs
 
 VERBS = sorted(verbs())
@@ -92,7 +92,7 @@ def test_the_program_that_is_installed_completes_names(tmp_path: Path) -> None:
 
 
 def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "ipoa_mission.cli.app", "mock", "--link", "tcpin:127.0.0.1:0", "--json"]
+    command = [sys.executable, "-m", "ipoa_mission", "mock", "--link", "tcpin:127.0.0.1:0", "--json"]
     with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as mock:
         assert mock.stdout is not None
         assert json.loads(mock.stdout.readline())["autopilot"] == "px4"
@@ -126,7 +126,7 @@ def test_a_terminal_gets_color_unless_no_color_says_otherwise(tmp_path: Path, no
     environment = {name: value for name, value in os.environ.items() if name != "NO_COLOR"} | {"TERM": "xterm-256color"}
     if no_color:
         environment["NO_COLOR"] = "1"
-    command = [sys.executable, "-m", "ipoa_mission.cli.app", "show", "nothing.plan"]
+    command = [sys.executable, "-m", "ipoa_mission", "show", "nothing.plan"]
     ended = subprocess.run(command, stdout=ours, stderr=ours, env=environment, cwd=tmp_path, timeout=300, check=False)
     os.close(ours)
     text = os.read(theirs, 10_000).decode()
@@ -282,9 +282,9 @@ OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
 
 
 def test_control_characters_are_shown_in_results_tables_errors_and_logs(capsys: pytest.CaptureFixture[str]) -> None:
-    output.print_lines(WICKED, "\ta tab")
-    output.print_table(WICKED, ["words", "n"], [(WICKED, "1")])
-    output.print_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
+    terminal.print_lines(WICKED, "\ta tab")
+    terminal.print_table(WICKED, ["words", "n"], [(WICKED, "1")])
+    terminal.print_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
     for level in (logging.WARNING, logging.DEBUG):
         listen_to_log(level)
         logging.getLogger("ipoa_mission.link").warning("%s", WICKED)
@@ -296,7 +296,7 @@ def test_control_characters_are_shown_in_results_tables_errors_and_logs(capsys: 
 
 
 def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    output.print_json({"name": WICKED, "town": "Zürich"})
+    terminal.print_json({"name": WICKED, "town": "Zürich"})
     captured = capsys.readouterr().out
     assert not OBEYED.search(captured)
     assert "Zürich" in captured
@@ -304,11 +304,11 @@ def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: p
 
 
 def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = stderr_as_terminal(monkeypatch)
-    with output.progress_bar("flying") as show:
+    screen = stderr_as_terminal(monkeypatch)
+    with terminal.progress_bar("flying") as show:
         show(0.5, "\x1b]0;owned\x07[red]")
-    assert r"\x1b]0;owned\x07[red]" in terminal.getvalue()
-    assert "\x07" not in terminal.getvalue()
+    assert r"\x1b]0;owned\x07[red]" in screen.getvalue()
+    assert "\x07" not in screen.getvalue()
 
 
 def test_names_in_files_do_not_reach_the_terminal_as_commands(run: Run, missions: Path) -> None:
@@ -337,7 +337,7 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     row = ("12", "NAV_RETURN_TO_LAUNCH", "1234.5", "321", "+123.4", "6543.2", "leg of the first of three passes")
-    output.print_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
+    terminal.print_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
     words = capsys.readouterr().out.split()
     assert set(row) - {row[1], row[-1]} <= set(words)
     assert row[1] in words or columns < 80  # a name is folded where it must be
