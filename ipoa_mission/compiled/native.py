@@ -1,7 +1,7 @@
 """Call numba's machine code without numba, in its calling convention of words.
 
 A tuple is packed as its parts; an array as two unused words, size, item size, address, shape and strides. The result is
-written to the first argument in the same layout.
+written to the first argument, as a C struct: a boolean takes a byte.
 
 Types: "float", "int", "bool", an array's element type and dimensions ("<f8 2"; "|V16 1" for records), or lists for
 tuples.
@@ -33,9 +33,9 @@ class Native:
         release = library["release"]
         release.argtypes = [ctypes.c_void_p]
         release.restype = None
-        self._returned = struct.Struct("=" + _layout(result or []))
+        self._returned = struct.Struct("@" + _struct(result or []))
         self._result = None if result is None else _unpacker(result, release)
-        self._room = ctypes.c_char * (self._returned.size + 8)  # last: numba's error information
+        self._room = ctypes.c_char * (8 * words(result or []) + 8)  # last: numba's error information
 
     def __call__(self, *values: Any) -> Any:
         """Return new arrays.
@@ -126,6 +126,12 @@ def _array(kind: str) -> tuple[np.dtype[Any], int]:
 
 def words(kind: Type) -> int:
     return len(_layout(kind))
+
+
+def _struct(kind: Type) -> str:
+    if not isinstance(kind, str):
+        return f"0q{''.join(map(_struct, kind))}0q"  # aligned
+    return "?" if kind == "bool" else _layout(kind)
 
 
 def _layout(kind: Type) -> str:

@@ -1,15 +1,21 @@
 import ast
+import ctypes
 import json
 import os
 import pickle
+import struct
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ipoa_mission.compiled import called_by, library, njit
+from ipoa_mission.compiled.native import _struct
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY
@@ -139,3 +145,30 @@ def test_a_cache_of_other_module_names_is_compiled_again(tmp_path: Path, monkeyp
     index.parent.mkdir(parents=True, exist_ok=True)
     index.write_bytes(pickle.dumps(numba.__version__) + b"cgone_module\nKernel\n.")
     assert kernel(2) == 3
+
+
+KINDS = st.recursive(st.sampled_from(["float", "int", "bool"]), lambda kinds: st.lists(kinds, min_size=1, max_size=4))
+C_TYPES = {"float": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_bool}
+
+
+def c_type(kind: Any) -> Any:
+    """Return a type as a C struct, which has a number so that it is aligned."""
+    if isinstance(kind, str):
+        return C_TYPES[kind]
+    fields = [(f"field{n}", c_type(part)) for n, part in enumerate([*kind, "int"])]
+    return type("Result", (ctypes.Structure,), {"_fields_": fields})
+
+
+def with_number(kind: Any) -> Any:
+    return kind if isinstance(kind, str) else [*map(with_number, kind), "int"]
+
+
+@given(kind=st.lists(KINDS, min_size=1, max_size=5))
+def test_a_result_has_the_layout_of_a_c_struct(kind: Any) -> None:
+    values = struct.Struct("@" + _struct(with_number(kind)))
+    expected = c_type(kind)
+    assert values.size == ctypes.sizeof(expected)
+    for n, part in enumerate(kind):
+        before = struct.Struct("@" + "".join(map(_struct, map(with_number, kind[:n]))) + _struct(with_number(part)))
+        offset: int = getattr(expected, f"field{n}").offset
+        assert before.size == offset + ctypes.sizeof(c_type(part))

@@ -52,9 +52,9 @@ def test_contingencies_begin_at_the_place_of_a_late_vehicle(forecast: Forecast, 
     assert set(rows) == {Contingency.RTL, Contingency.LAND}
     for contingency, (row, seconds) in rows.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
-        lasts = contingencies.duration_s(contingency, time)
-        assert lasts is not None
-        assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
+        predicted = contingencies.predicted(contingency, time)
+        assert predicted is not None
+        assert seconds == pytest.approx(sum(predicted.duration_s) / 2, rel=0.25, abs=3.0)
 
 
 def test_duration_is_given_also_where_it_jumps() -> None:
@@ -63,10 +63,10 @@ def test_duration_is_given_also_where_it_jumps() -> None:
     contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []
     for time in np.linspace(12.0, 26.0, 29):
-        lasts = contingencies.duration_s(Contingency.RTL, float(time))
-        assert lasts is not None
+        predicted = contingencies.predicted(Contingency.RTL, float(time))
+        assert predicted is not None
         ((_, seconds),) = [row for row in now.at(float(time)) if row[0].contingency is Contingency.RTL]
-        took.append(sum(lasts) / 2)
+        took.append(sum(predicted.duration_s) / 2)
         assert seconds == pytest.approx(took[-1], abs=6.0)
     assert max(took) - min(took) > 40.0
 

@@ -13,7 +13,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULAT
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
-from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, SimulationConstants
 from ipoa_mission.wind import CALM
 
@@ -92,7 +92,7 @@ def kernels() -> Iterator[Kernel]:
     leg, still = records([NO_LEG], CopterLeg), tuning(copter_limits({}), ARDUPILOT_SIMULATOR, CALM)
     flown = {
         fly_leg: (records([State()], State), leg, leg, leg, still, _numbers(2)),
-        fly: (records([], Order), records([], SimulationConstants), 0.0, (1.0, 1.0), 0),
+        fly: (records([], Order), records([], SimulationConstants), at_start(0.0, 1), 1.0, 0),
     }
     for function, given in flown.items():
         yield Kernel(f"{function.__module__}.{function.__name__}", compiled(function), given)

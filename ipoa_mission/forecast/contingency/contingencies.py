@@ -196,11 +196,9 @@ class Contingencies:
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
         """Times of the same places: of a flight with exact position, and in the mean of all."""
-        noise_free, mean = self.forecast.guarantee.flight.prediction.done, self.forecast.expected.done
-        tail_s = 1e6  # both clocks run alike
-        return np.concatenate([[0.0], noise_free, noise_free[-1:] + tail_s]), np.concatenate(
-            [[0.0], mean, mean[-1:] + tail_s]
-        )
+        flown, tail_s = (self.forecast.guarantee.flight.prediction, self.forecast.expected), 1e6  # both run alike there
+        noise_free, mean = (np.concatenate([[0.0], each.done, each.done[-1:] + tail_s]) for each in flown)
+        return noise_free, mean
 
     def _mean(self, times: Vector) -> Vector:
         return np.asarray(np.interp(times, *self._clocks))
@@ -273,8 +271,9 @@ class Contingencies:
         unclear = ~(samples.clear[after - 1] & samples.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if unclear.any():
-            predicted = self.paths.as_flown.at(contingency, self._noise_free(evenly[unclear]))
-            nearer[unclear] = predicted.all_nearer(self.paths.required)
+            flown = self.paths.as_flown.at(contingency, self._noise_free(evenly[unclear]))
+            is_near = flown.near.min(axis=2) < self.paths.required
+            nearer[unclear] = (is_near | ~flown.possible).all(axis=1)
         return evenly, nearer
 
     def _row(self, contingency: Contingency, samples: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
@@ -323,10 +322,6 @@ class Contingencies:
         takes = (min(each.low for each in used), max(each.high for each in used)) if used else None
         remarks = tuple(dict.fromkeys(remark for each in flown for remark in each.remarks))
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes, remarks=remarks)
-
-    def duration_s(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
-        prediction = self.predicted(contingency, time)
-        return None if prediction is None else prediction.duration_s
 
     def predicted(self, contingency: Contingency, time: float) -> PredictedContingency | None:
         try:

@@ -30,7 +30,7 @@ class ContingenciesNow:
     def __init__(self, forecast: Forecast, ordered: tuple[Contingency, ...] = TIMED) -> None:
         self._contingencies = forecast.cached(Contingencies)
         self._rows = {contingency: self._contingencies.rows(contingency, timed=False) for contingency in ordered}
-        self._duration_s = lru_cache(maxsize=256)(self._contingencies.duration_s)
+        self._predicted = lru_cache(maxsize=256)(self._contingencies.predicted)
         self._late_s = 0.0
 
     def at(self, time: float) -> tuple[tuple[ContingencyRow, float | None], ...]:
@@ -76,8 +76,8 @@ class ContingenciesNow:
         end = begin + DURATIONS.step_s
         while True:
             times = np.clip([begin, end], *self._contingencies.paths.in_air)
-            ranges = ((t, self._duration_s(row.contingency, t)) for t in times.tolist())
-            lasts = {t: sum(both) / 2 for t, both in ranges if both is not None}
+            predicted = ((t, self._predicted(row.contingency, t)) for t in times.tolist())
+            lasts = {t: sum(each.duration_s) / 2 for t, each in predicted if each is not None}
             middle, took, step_s = (begin + end) / 2, list(lasts.values()), end - begin
             if step_s <= DURATIONS.min_step_s or len(took) < 2 or abs(took[1] - took[0]) < DURATIONS.max_slope * step_s:
                 return float(np.interp(time, [*lasts], took)) if lasts else None

@@ -116,9 +116,6 @@ class ContingencySamples:
             near[max(least - 1, 0) : least + 1] = self.slack[least] < SAMPLING.max_slack
         return near[:-1]
 
-    def all_nearer(self, required: float) -> NDArray[np.bool_]:
-        return np.asarray(((self.near.min(axis=2) < required) | ~self.possible).all(axis=1))
-
     @classmethod
     def following(cls, parts: "Iterable[ContingencySamples]", count: int) -> "ContingencySamples":
         whole, begin = dict[str, NDArray[Any]](), 0

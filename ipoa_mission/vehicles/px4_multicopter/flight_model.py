@@ -7,7 +7,7 @@ the mean and spread.
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -32,18 +32,16 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, SensorModel, airframe_of
-from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_start, fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
-    landing_orders,
+    contingency_orders,
     orders_of_itinerary,
-    return_orders,
     simulation_constants,
-    stopping_place,
     with_patience,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order, SimulationConstants
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_BEGUN, Order, Progress, SimulationConstants, State
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
 from ipoa_mission.wind import CALM, Wind
@@ -122,13 +120,14 @@ class Px4Model(FlightModel):
         steps, remarks = np.diff(exact_times), list[str]()
 
         def once(seed: int) -> Vector:
-            run, begun = flights.flown_with(ordered.contingency, ordered.time, seed, None)
-            order_time = exact_times[begun - 1] + min(ordered.time - run.done[begun - 1], steps[begun - 1])
-            return np.array([order_time, run.done[-1] - run.touched, run.done[-1] - ordered.time])
+            until, run = flights.flown_with(ordered, seed)
+            last = min(len(until.done), len(orders)) - 1  # order begun
+            order_time = exact_times[last] + min(ordered.time - until.done[last], steps[last])
+            return np.array([order_time, run.done[-1] - run.progress.touched, run.done[-1] - ordered.time])
 
         order_times, times_on_ground, durations = _noisy_times(once, RUNS.contingency_share, remarks).T
         mean_order_time, mean = float(np.mean(order_times)), float(np.mean(durations))
-        noise_free, _ = flights.flown_with(ordered.contingency, mean_order_time, None, None)
+        _, noise_free = flights.flown_with(replace(ordered, time=mean_order_time), None)
         doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
         half_width = RUNS.contingency_deviations * math.sqrt(float(np.var(durations)) + doubt + RUNS.landing_s**2)
         touched = ordered.time + mean - float(np.mean(times_on_ground))
@@ -223,14 +222,11 @@ def spread_of(path: Track, runs: list[Points]) -> Points:
 
 
 class FlownOnce(NamedTuple):
-    """Times [s] at the start and after each order (n + 1,), samples (m, 7), touchdown [s].
-
-    A sample is time, place and velocity.
-    """
+    """Times [s] at the start and after each order (n + 1,), samples (m, 7) of time, place and velocity, progress."""
 
     done: Vector
     samples: Points
-    touched: float
+    progress: Progress
 
 
 class Flights:
@@ -245,51 +241,36 @@ class Flights:
         with_noise = simulation_constants(self.limits, self.airframe, senses, wind, RUNS.step_s)
         self.noise_free_constants = with_noise._replace(noisy=False, turns=turns)
 
-    def flown_with(
-        self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
-    ) -> tuple[FlownOnce, int]:
-        """Fly up to a time [s], with a seed's noise or none, then the contingency.
-
-        Returns also the number of orders begun by then.
-        """
-        orders = tuple(order._replace(until=time) for order in self.mission_orders.orders)
-        until = self.flown(orders, seed is not None, fast, RUNS.most * time / RUNS.step_s, True)(seed or 0)
-        begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(orders))
-        onward = self.orders_of(contingency, until.samples[-1])
-        then = with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay)
-        return self.flown((*orders[:begun], *then), seed is not None, fast, RUNS.most * time / RUNS.step_s)(
-            seed or 0
-        ), begun
-
-    def orders_of(self, contingency: Contingency, at: Vector) -> list[Order]:
-        here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.itinerary.ground
-        if contingency is Contingency.RTL:
-            goal = Enu(*self.itinerary.goal_of_return((here.east, here.north, here.up)))
-            return return_orders(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
-        stop = stopping_place(here, speed, self.limits)
-        down = stop._replace(up=ground.at(stop.east, stop.north))
-        return landing_orders(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
+    def flown_with(self, ordered: OrderedContingency, seed: int | None) -> tuple[FlownOnce, FlownOnce]:
+        """Return a flight at an order and at its end, with a seed's noise or none."""
+        noisy, steps = seed is not None, RUNS.most * ordered.time / RUNS.step_s
+        until = self.flown(self.mission_orders.orders, noisy, None, steps, True)(seed or 0, until=ordered.time)
+        onward = contingency_orders(ordered.contingency, until.samples[-1], self.itinerary, self.limits)
+        then = tuple(with_patience(onward, onward[0].start, self.limits, self.airframe.landing_delay))
+        begins = until._replace(done=until.done[-1:], progress=until.progress._replace(steps=NOT_BEGUN))
+        return until, self.flown(then, noisy, None, steps)(begins)
 
     def flown(
         self, orders: tuple[Order, ...], noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
-    ) -> Callable[[int], FlownOnce]:
-        """Return a function of a seed that flies `orders`; `sampled` or without noise it records samples.
+    ) -> Callable[..., FlownOnce]:
+        """Return a function of a seed, or of a flight, that flies `orders`; `sampled` or noise-free it records samples.
 
         `steps`: expected number. It raises MissionError without progress.
         """
-        height = flying_already(self.itinerary) or 0.0
         machine, constants = jit_if_faster(fly, fast, steps), [self.noise_free_constants._replace(noisy=noisy)]
         inputs: Any = orders
         if machine is not fly:
             inputs, constants = records(orders, Order), records(constants, SimulationConstants)
 
-        def once(seed: int) -> FlownOnce:
-            first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-            done, samples, touched = machine(
-                inputs, constants, height, (first, second), RUNS.sample_steps if sampled or not noisy else 0
-            )
-            if len(done) > len(orders):
-                return FlownOnce(np.asarray(done), np.asarray(samples).reshape(-1, 7), touched)
+        every = RUNS.sample_steps if sampled or not noisy else 0
+
+        def once(begun: int | FlownOnce, until: float = math.inf) -> FlownOnce:
+            flight = self.at_start(begun) if isinstance(begun, int) else begun
+            left = inputs[len(flight.done) - 1 :]
+            times, places, (state, of_order, touched) = machine(left, constants, flight.progress, until, every)
+            done, progress = np.append(flight.done, times), Progress(State(*state), of_order, touched)
+            if len(done) > len(orders) or progress.state.time >= until:
+                return FlownOnce(done, np.vstack([flight.samples, places]), progress)
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
@@ -299,6 +280,10 @@ class Flights:
             )
 
         return once
+
+    def at_start(self, seed: int) -> FlownOnce:
+        height = flying_already(self.itinerary) or 0.0
+        return FlownOnce(np.zeros(1), np.array([[0.0, 0.0, 0.0, height, 0.0, 0.0, 0.0]]), at_start(height, seed))
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
         """Return why visit n was slow, by samples at these times (m,) [s]."""

@@ -5,9 +5,10 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from ipoa_mission.autopilot.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
-from ipoa_mission.geometry import GRAVITY
+from ipoa_mission.geometry import GRAVITY, Vector
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
@@ -102,6 +103,16 @@ def return_orders(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> l
     low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
     waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
     return [*climb, *legs, *waits, down]
+
+
+def contingency_orders(contingency: Contingency, at: Vector, itinerary: Itinerary, limits: Px4Limits) -> list[Order]:
+    here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), itinerary.ground
+    if contingency is Contingency.RTL:
+        goal = Enu(*itinerary.goal_of_return((here.east, here.north, here.up)))
+        return return_orders(here, limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
+    stop = stopping_place(here, speed, limits)
+    down = stop._replace(up=ground.at(stop.east, stop.north))
+    return landing_orders(stop, down, limits, limits.cruise, limits.disarm_delay)
 
 
 def orders_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:

@@ -12,7 +12,7 @@ from ipoa_mission.wind import WindLevel
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # orders
 ON_LINE, BEYOND, BEFORE, OFF_LINE, UNKNOWN = 0, 1, 2, 3, 4
-NOT_YET = -1.0
+NOT_YET, NOT_BEGUN = -1.0, -1
 
 
 class Enu(NamedTuple):
@@ -25,7 +25,7 @@ class Order(NamedTuple):
     """Fly from `start` to `goal`, and on to `beyond` (the goal: stop).
 
     Done `hold_s` after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
-    estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s, aborted at `until` [s].
+    estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s.
     """
 
     kind: int
@@ -40,7 +40,6 @@ class Order(NamedTuple):
     may_turn_first: bool = False
     follows_home: bool = True
     patience: float = math.inf
-    until: float = math.inf
 
 
 class SimulationConstants(NamedTuple):
@@ -157,6 +156,14 @@ class State(NamedTuple):
     begun: float
     reached: float
     been_there: bool
+
+
+class Progress(NamedTuple):
+    """A flight's state, steps of its order or NOT_BEGUN, touchdown [s] or NOT_YET."""
+
+    state: State
+    steps: int
+    touched: float
 
 
 ZERO = Enu(0.0, 0.0, 0.0)

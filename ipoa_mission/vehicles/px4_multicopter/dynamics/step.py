@@ -257,9 +257,6 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Return whether the order was held long enough, or its time `until` passed."""
-    if state.time >= order.until:
-        return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, NOTICED_S)
 
 
