@@ -78,10 +78,7 @@ class Bounds:
         """Return the least margin of the leg `a` to `b` [m], and its place."""
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
-            inner = (
-                self.footprint.break_parameters(a[:2], b[:2]),
-                self.footprint.balance_parameters(a[:2], b[:2], np.zeros((0, 3)), inside=False),
-            )
+            inner = (self.footprint.break_parameters(a[:2], b[:2]), self.footprint.balance_parameters(a[:2], b[:2]))
             fractions = np.concatenate([fractions, *(t[(t > 0) & (t < 1)] for t in inner)])
         points = a + fractions[:, None] * (b - a)
         margins = self.margin(points)
@@ -197,9 +194,8 @@ class Airspace:
         if not self.obstacles:
             return NOTHING_NEAR
         starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
-        reach = within + ROUNDING
-        if not np.isfinite(within):
-            reach = float(self.obstacle_distance(points).min()) + ROUNDING
+        known = within if np.isfinite(within) else float(self.obstacle_distance(points).min())
+        reach = known + ROUNDING
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
         tracks[upright] = shapely.points(starts[upright, :2])

@@ -112,14 +112,11 @@ class Polygon:
         ]
         return np.concatenate([feet, crossings, *abreast])
 
-    def balance_parameters(self, a: Vector, b: Vector, others: NDArray[np.float64], inside: bool) -> Vector:
-        """Return the parameters of the leg a-b, inside or outside, that may be farthest from the outline.
-
-        `others`: squared distances to walls, coefficients (k, 3) of 1, t, t^2.
-        """
+    def balance_parameters(self, a: Vector, b: Vector) -> Vector:
+        """Return the parameters of the leg a-b where it may be farthest outside."""
         from ipoa_mission.world._polygon import balance
 
-        return np.asarray(balance(self.starts, self.ends, others, a, b, inside))
+        return np.asarray(balance(self.starts, self.ends, np.zeros((0, 3)), a, b, False))
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:

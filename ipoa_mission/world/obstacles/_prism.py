@@ -7,22 +7,40 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.world._polygon import from_edge
+from ipoa_mission.world._polygon import balance, from_edge
 
 TRIED_PER_EDGE = 8
+TOUCHING = 1e-6  # below, a leg may be inside [m]
 
 
 @njit(inline="always")
-def _distance(starts, ends, base, top, place):
-    x, y, z = place
-    nearest, inside = math.inf, False
-    for k in range(len(starts)):
+def _distance(prism, place, least):
+    """Return the distance; one above `least` may be wrong."""
+    (starts, ends, base, top), (x, y, z) = prism, place
+    nearest, inside, above = math.inf, False, max(base - z, z - top)
+    shallow = least * least * (1.0 - 1e-9) if least < 0.0 else 0.0
+    for k in range(len(starts) if above <= least else 0):
         east, north, crosses = from_edge(starts[k], ends[k], x, y)
         nearest = min(nearest, east * east + north * north)
+        if nearest < shallow:
+            break
         inside = inside != crosses
-    aside, above = math.sqrt(nearest), max(base - z, z - top)
-    aside = -aside if inside else aside
+    aside = -math.sqrt(nearest) if inside else math.sqrt(nearest)
     return math.hypot(max(aside, 0.0), max(above, 0.0)) + min(max(aside, above), 0.0)
+
+
+@njit(inline="always")
+def _least(prism, leg, tried, known):
+    """Return the least distance at parameters (n,) of a leg, and its parameter."""
+    (a, step), least, where = leg, math.inf, 0.0
+    for k in range(len(tried)):
+        t = tried[k]
+        if k < 2 or 0.0 < t < 1.0:
+            place = a[0] + t * step[0], a[1] + t * step[1], a[2] + t * step[2]
+            distance = _distance(prism, place, min(least, known))
+            if distance < least:
+                least, where = distance, t
+    return least, where
 
 
 @njit(inline="always")
@@ -67,11 +85,8 @@ def _rims(starts, ends, a, step, tried):
 
 @njit(cache=True, error_model="numpy")
 def nearest(starts, ends, base, top, a, b):
-    """Return the least distance [m] of the leg a-b to a prism with edges (m, 2), and its fraction.
-
-    Within the prism the distance may be less between the tried parameters.
-    """
-    step = b - a
+    """Return the least distance [m] of the leg a-b to a prism with edges (m, 2), and its fraction."""
+    step, prism = b - a, (starts, ends, base, top)
     tried = np.zeros(TRIED_PER_EDGE * len(starts) + 5)
     tried[1] = 1.0
     count = 2 + _feet(starts, ends, a, step, tried[2:])
@@ -79,14 +94,15 @@ def nearest(starts, ends, base, top, a, b):
         for height in (base, top, 0.5 * (base + top)):
             tried[count] = (height - a[2]) / step[2]
             count += 1
-    for height in (base, top):
-        count += _rims(starts, ends, (a[0], a[1], a[2] - height), step, tried[count:])
-    least, where = math.inf, 0.0
-    for k in range(count):
-        t = tried[k]
-        if k < 2 or 0.0 < t < 1.0:
-            place = a[0] + t * step[0], a[1] + t * step[1], a[2] + t * step[2]
-            distance = _distance(starts, ends, base, top, place)
-            if distance < least:
-                least, where = distance, t
+    caps = np.empty((2, 3))
+    for k in range(2):
+        height = a[2] - (top if k else base)
+        count += _rims(starts, ends, (a[0], a[1], height), step, tried[count:])
+        caps[k, 0], caps[k, 1], caps[k, 2] = height * height, 2.0 * height * step[2], step[2] * step[2]
+    least, where = _least(prism, (a, step), tried[:count], math.inf)
+    if least <= TOUCHING:
+        inner = balance(starts, ends, caps, a[:2], b[:2], True)
+        deepest, there = _least(prism, (a, step), inner, least)
+        if deepest < least or (deepest == least and there < where):
+            return deepest, there
     return least, where

@@ -6,11 +6,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.nearest import least, straightened, upright_distance
+from ipoa_mission.world.obstacles.nearest import straightened, upright_distance
 from ipoa_mission.world.obstacles.obstacle import PRISM, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
-
-TOUCHING = 1e-6  # below, a leg may be inside [m]
 
 
 @dataclass(frozen=True)
@@ -76,13 +74,7 @@ class Prism(Part):
         from ipoa_mission.world.obstacles._prism import nearest
 
         a, b = np.asarray(a, dtype=np.float64), np.asarray(straightened(a, b), dtype=np.float64)
-        distance, where = nearest(self.footprint.starts, self.footprint.ends, self.base, self.top, a, b)
-        if distance > TOUCHING:
-            return distance, where
-        height, climb = a[2] - np.array([self.base, self.top]), b[2] - a[2]
-        caps = np.column_stack([height**2, 2 * height * climb, np.full(2, climb**2)])
-        inner = self.footprint.balance_parameters(a[:2], b[:2], caps, inside=True)
-        return min((distance, where), least(self, a, b, inner))
+        return nearest(self.footprint.starts, self.footprint.ends, self.base, self.top, a, b)  # type: ignore[no-any-return]
 
     def outline(self) -> tuple[Plane, ...]:
         return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
