@@ -222,13 +222,13 @@ class Autopilot(metaclass=_ByName):
 
     def facts(self, version: Version | None) -> dict[str, object]:
         """Return the assumed firmware and its table's source as JSON values."""
-        own = self.firmware(version)
+        firmware = self.firmware(version)
         return {
             "autopilot": self.name,
             "version": str(version or self.newest),
-            "table": f"{own.version.major}.{own.version.minor}",
-            "source": own.commit,
-            "date": own.date,
+            "table": f"{firmware.version.major}.{firmware.version.minor}",
+            "source": firmware.commit,
+            "date": firmware.date,
             "measured": self.is_measured(version),
         }
 

@@ -59,8 +59,8 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 
 def is_too_long(mission: Mission) -> bool:
-    own = mission.autopilot.firmware(mission.firmware_version)
-    return len(mission.items) + own.home_is_item_0 > own.max_items
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    return len(mission.items) + firmware.home_is_item_0 > firmware.max_items
 
 
 def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Finding]:

@@ -159,15 +159,15 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
 
 
 def _reasons_against(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
-    own = autopilot.firmware()
+    firmware = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
-        at, placed = f"item {seq} ({command_name(item.command)})", item.command in own.placed
-        if not own.takes(item.command):
-            yield f"{at}: {own.name} does not take it"
-        elif placed and item.frame not in own.frames:
-            yield f"{at}: {own.name} does not take frame {item.frame}"
+        at, placed = f"item {seq} ({command_name(item.command)})", item.command in firmware.placed
+        if not firmware.takes(item.command):
+            yield f"{at}: {firmware.name} does not take it"
+        elif placed and item.frame not in firmware.frames:
+            yield f"{at}: {firmware.name} does not take frame {item.frame}"
         elif item.command in TAKEOFFS and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
             if not item.is_here(autopilot):
-                yield f"{at}: {own.name} would take off to latitude 0, longitude 0"
-        elif any(map(math.isnan, item.params)) and not own.nan_holds:
-            yield f"{at}: files for {own.name} hold no NaN"
+                yield f"{at}: {firmware.name} would take off to latitude 0, longitude 0"
+        elif any(map(math.isnan, item.params)) and not firmware.nan_holds:
+            yield f"{at}: files for {firmware.name} hold no NaN"

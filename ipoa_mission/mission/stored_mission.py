@@ -20,9 +20,9 @@ from ipoa_mission.mission.items import Item, Mission
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
     """PX4 requires frame 2 without a position. NaN becomes 0 where ArduPilot refuses NaN."""
-    own = mission.autopilot.firmware(mission.firmware_version)
-    items = tuple(_sent(item, own) for item in mission.items)
-    return (home_item(mission.home), *items) if own.home_is_item_0 else items
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    items = tuple(_sent(item, firmware) for item in mission.items)
+    return (home_item(mission.home), *items) if firmware.home_is_item_0 else items
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
@@ -31,15 +31,15 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     Raises:
         MissionError: a PX4 list comes without a home.
     """
-    own = autopilot.firmware()
-    if own.home_is_item_0:
+    firmware = autopilot.firmware()
+    if firmware.home_is_item_0:
         first, items = items[:1], items[1:]
         if home is None and first:
             home = Geodetic(first[0].latitude_deg, first[0].longitude_deg, first[0].altitude)
     if home is None:
-        words = f"{own.name} sent no home with its mission, and none is known"
+        words = f"{firmware.name} sent no home with its mission, and none is known"
         raise MissionError(words, hint="wait until the vehicle has a position fix", code="home-missing", place="home")
-    return Mission(home, tuple(_received(item, own) for item in items), autopilot)
+    return Mission(home, tuple(_received(item, firmware) for item in items), autopilot)
 
 
 def resolve_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
@@ -53,8 +53,8 @@ def home_item(home: Geodetic) -> Item:
 
 def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | None = None) -> tuple[Item, ...]:
     """Return sent items as stored: single precision, no `_INT`; ArduPilot's home as sent."""
-    own = autopilot.firmware(version)
-    return tuple(_stored(item, own) for item in items)
+    firmware = autopilot.firmware(version)
+    return tuple(_stored(item, firmware) for item in items)
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ def _sent(item: Item, firmware: Firmware) -> Item:
         item = replace(item, frame=int(Frame.MISSION))
     if firmware.takes_nan is None:
         return item
-    own = firmware.takes_nan.get(item.command, frozenset())
-    params = [0.0 if math.isnan(p) and n not in own else p for n, p in enumerate(item.params, start=1)]
+    nan_params = firmware.takes_nan.get(item.command, frozenset())
+    params = [0.0 if math.isnan(p) and n not in nan_params else p for n, p in enumerate(item.params, start=1)]
     return replace(item, params=(params[0], params[1], params[2], params[3]))
 
 
