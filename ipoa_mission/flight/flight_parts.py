@@ -133,7 +133,7 @@ class _Parts:
 
 
 def _refused(flight: Forecast) -> MissionError | None:
-    errors = [one for one in check(flight) if one.severity is Severity.ERROR]
+    errors = [finding for finding in check(flight) if finding.severity is Severity.ERROR]
     return MissionError(errors[0].message, hint=errors[0].hint) if errors else None
 
 

@@ -24,7 +24,7 @@ def expect_way_home(attempt: "Attempt") -> None:
     if not attempt.is_guaranteed:
         return
     after = attempt.guarantee.flight.cruise_span[1]
-    lands = any(one.comes_down and one.time > after for one in attempt.short)
+    lands = any(shortfall.comes_down and shortfall.time > after for shortfall in attempt.short)
     returns = attempt.forecast.ways_home
     if lands or not clear_in(scenario)(returns) or any(broken_limits(leg, scenario) for leg in returns):
         raise WayHomeBlocked("the straight way home is not clear")

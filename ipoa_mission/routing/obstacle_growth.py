@@ -38,30 +38,27 @@ class ObstacleGrowth:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "ObstacleGrowth":
-        guarantee, curve = attempt.guarantee, attempt.plan.curve
-        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in guarantee.broken if kept.in_cruise}
-        low = [
-            one.missing * GROWTH_FACTOR + GROWTH_MARGIN
-            for one in attempt.short
-            if not one.body and one.part < ReturnLeg.RETURNS
-        ]
-        short["ground"] = max([short.get("ground", 0.0), *low])
-        near = [one.to for one in guarantee.broken if one.in_cruise and one.limit == "obstacles"]
+        guarantee, curve, shortfalls = attempt.guarantee, attempt.plan.curve, attempt.short
+        tightening = {kept.limit: _needed(-kept.slack) for kept in guarantee.broken if kept.in_cruise}
+        low = [shortfall for shortfall in shortfalls if not shortfall.body and shortfall.part < ReturnLeg.RETURNS]
+        tightening["ground"] = max([tightening.get("ground", 0.0), *(_needed(shortfall.missing) for shortfall in low)])
+        near = [kept.to for kept in guarantee.broken if kept.in_cruise and kept.limit == "obstacles"]
         names = [body.name for body in scenario.airspace.obstacles]
-        wanted = [([n for n, name in enumerate(names) if name == to], short["obstacles"]) for to in near]
-        aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
-        wanted += [([one.number], one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
+        wanted = [([n for n, name in enumerate(names) if name == to], tightening["obstacles"]) for to in near]
+        for shortfall in shortfalls:
+            if shortfall.body and not shortfall.overhead and not shortfall.comes_down:
+                wanted.append(([shortfall.number], _needed(shortfall.missing)))
         growth = self.growth
         spots = curve.sample(max(2, int(curve.length / SAMPLE_STEP)))
         for which, missing in wanted:
             growth = np.maximum(growth, _growth(spots, which, missing, scenario))
         return ObstacleGrowth(
             growth,
-            _wider(self.below_overhangs, (one for one in attempt.short if one.overhead)),
-            _wider(self.above_landings, (one for one in attempt.short if one.comes_down)),
-            self.above + short.get("ground", 0.0),
-            self.below + short.get("ceiling", 0.0),
-            self.inside + short.get("bounds", 0.0),
+            _wider(self.below_overhangs, (shortfall for shortfall in shortfalls if shortfall.overhead)),
+            _wider(self.above_landings, (shortfall for shortfall in shortfalls if shortfall.comes_down)),
+            self.above + tightening.get("ground", 0.0),
+            self.below + tightening.get("ceiling", 0.0),
+            self.inside + tightening.get("bounds", 0.0),
         )
 
     def enlarge(self, enlarged: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
@@ -82,10 +79,14 @@ class ObstacleGrowth:
         return problem_of(enlarged).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 
 
+def _needed(missing: float) -> float:
+    return missing * GROWTH_FACTOR + GROWTH_MARGIN
+
+
 def _wider(rooms: Vector, short: Iterable[Shortfall]) -> Vector:
     """Widen the free volumes (n,) by the missing distance."""
     wider = rooms.copy()
-    for n, missing in {one.number: one.missing for one in short}.items():
+    for n, missing in {shortfall.number: shortfall.missing for shortfall in short}.items():
         wide = rooms[n]
         wider[n] = 0.0 if wide < 0.0 else wide + missing * GROWTH_FACTOR + GROWTH_MARGIN
     return wider
@@ -124,5 +125,5 @@ def initial_growth(scenario: Scenario) -> ObstacleGrowth:
     """Return no growth, but above landings if the vehicle may land by choice."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
-    lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)
+    lands = scenario.safety.returns == "planned" and any(failsafe.lands_by_choice for failsafe in failsafes)
     return ObstacleGrowth(np.zeros_like(none), none, np.zeros_like(none) if lands else none)

@@ -50,17 +50,17 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
     short = find_return_shortfalls(ways)
-    if braking or any(one.part < ReturnLeg.CLIMBS for one in short):  # needs another path
-        return forecast, (*braking, *(one for one in short if one.part < ReturnLeg.RETURNS))
+    if braking or any(shortfall.part < ReturnLeg.CLIMBS for shortfall in short):  # needs another path
+        return forecast, (*braking, *(shortfall for shortfall in short if shortfall.part < ReturnLeg.RETURNS))
     tried = [(forecast, short)]
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
         tried = try_return_altitudes(ways, forecast, short)
-    if any(one.part >= ReturnLeg.RETURNS for one in tried[0][1]) and not forecast.mission.rally:
+    if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in tried[0][1]) and not forecast.mission.rally:
         for altitude in tried[:RALLIED_ALTITUDES]:
             tried.append(rallied := _with_rally_points(ways, *altitude))
-            if not any(one.part >= ReturnLeg.RETURNS for one in rallied[1]):
+            if not any(shortfall.part >= ReturnLeg.RETURNS for shortfall in rallied[1]):
                 break
-        tried.sort(key=lambda one: any(short.part >= ReturnLeg.RETURNS for short in one[1]))
+        tried.sort(key=lambda result: any(shortfall.part >= ReturnLeg.RETURNS for shortfall in result[1]))
     return tried[0][0], tuple(tried[0][1])
 
 
@@ -73,7 +73,7 @@ def _with_rally_points(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """Return the fewest rally points that make RTL clear with a slow landing."""
-    times = [one.time for one in short if one.part >= ReturnLeg.RETURNS]
+    times = [shortfall.time for shortfall in short if shortfall.part >= ReturnLeg.RETURNS]
     search, seen = _RallySearch(ways.returning(forecast), times), set[Shortfall]()
     for _ in range(EFFORT.max_proved):
         if (rally := search.propose()) is None:
@@ -84,12 +84,12 @@ def _with_rally_points(
             continue
         landing = Forecast(mission, forecast.scenario, forecast.wind)
         left = find_return_shortfalls(ways.returning(landing))
-        if not (unclear := {one for one in left if one.part >= ReturnLeg.RETURNS}):
+        if not (unclear := {shortfall for shortfall in left if shortfall.part >= ReturnLeg.RETURNS}):
             return landing, left
         if unclear & seen:  # wherever it returns to
             break
         seen |= unclear
-        search.add_samples([one.time for one in unclear])
+        search.add_samples([shortfall.time for shortfall in unclear])
     return forecast, short
 
 
@@ -138,7 +138,8 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
     """Yield how long a LAND may come down on an obstacle."""
     ways = forecast.cached(ContingencyPaths)
     samples = ways.samples(Contingency.LAND)
-    names = list(dict.fromkeys(one.body or "the ground" for one in find_shortfalls(ways, Contingency.LAND, samples)))
+    shortfalls = find_shortfalls(ways, Contingency.LAND, samples)
+    names = list(dict.fromkeys(shortfall.body or "the ground" for shortfall in shortfalls))
     if names:
         lasts, whole = np.diff(samples.times), samples.times[-1] - samples.times[0]
         seconds = lasts[~(samples.clear[1:] & samples.clear[:-1])].sum()

@@ -60,8 +60,8 @@ def _too_near(attempt: Attempt) -> Iterator[int]:
     for limit in attempt.guarantee.forbidding:
         yield min(int(np.searchsorted(ends, limit.item)), len(ends) - 1)
     flight = attempt.guarantee.flight
-    for one in attempt.short:
-        then = min(int(np.searchsorted(flight.prediction.done, one.time)), len(flight.route.visits) - 1)
+    for shortfall in attempt.short:
+        then = min(int(np.searchsorted(flight.prediction.done, shortfall.time)), len(flight.route.visits) - 1)
         yield min(int(np.searchsorted(ends, flight.route.visits[then].seq)), len(ends) - 1)
 
 
