@@ -215,8 +215,8 @@ class ConformanceMonitor:
         begin = 0.0 if before is None else items[before].done_s
         end = math.inf if target is None else items[target].done_s
         first, last = np.searchsorted(self._times, [begin - LIMITS.item_tolerance_s, end + LIMITS.item_tolerance_s])
-        taken = slice(min(int(first), len(self._times) - 1), int(last) + 1)
-        limits = self._bound[taken] + np.maximum(LIMITS.margin_factor * self._bound[taken], LIMITS.min_margin)
+        span = slice(min(int(first), len(self._times) - 1), int(last) + 1)
+        limits = self._bound[span] + np.maximum(LIMITS.margin_factor * self._bound[span], LIMITS.min_margin)
         if commands[visit] in TAKEOFFS:
             limits = LIMITS.takeoff_factor * limits
         goal = None if target is None else self._goal(target)
@@ -233,7 +233,7 @@ class ConformanceMonitor:
         visits = self._visits[near.start : near.stop]
         waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in visits)
         is_compared = not waits and self._unknown.isdisjoint(each.seq for each in visits)
-        return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, target is None, is_compared)
+        return _Leg(self._points[span], limits, goal, excursion, comes_back, longest, target is None, is_compared)
 
     def _direct(self, place: Vector) -> Points | None:
         if (goal := self._leg(self._visit).goal) is None:

@@ -22,26 +22,26 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     """Yield places (k, 3) before, in and behind the gaps up to `widest` [m]."""
     shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
-    one, other = tree.query(tree.geometries, "dwithin", widest)
-    one, other = one[one < other], other[one < other]
-    ends = shapely.get_coordinates(shapely.shortest_line(shapes[one], shapes[other])).reshape(-1, 2, 2)
+    first, second = tree.query(tree.geometries, "dwithin", widest)
+    first, second = first[first < second], second[first < second]
+    ends = shapely.get_coordinates(shapely.shortest_line(shapes[first], shapes[second])).reshape(-1, 2, 2)
     across = ends[:, 1] - ends[:, 0]
     apart = np.linalg.norm(across, axis=1)
-    width = apart - radii[one] - radii[other]
+    width = apart - radii[first] - radii[second]
     gaps = (width > LEAST_GAP) & (width < widest)
-    one, other, width = one[gaps], other[gaps], width[gaps]
+    first, second, width = first[gaps], second[gaps], width[gaps]
     across = across[gaps] / apart[gaps, None]
-    middle = ends[gaps, 0] + across * (radii[one] + (width + required[one] - required[other]) / 2)[:, None]
+    middle = ends[gaps, 0] + across * (radii[first] + (width + required[first] - required[second]) / 2)[:, None]
     ahead = np.column_stack([-across[:, 1], across[:, 0]])
-    length = np.minimum(_extent(shapes[one], ahead, radii[one]), _extent(shapes[other], ahead, radii[other]))
+    length = np.minimum(_extent(shapes[first], ahead, radii[first]), _extent(shapes[second], ahead, radii[second]))
     places_either_way = np.ceil(2 * (np.minimum(length / cell, LONGEST_GAP) + REACH_BEYOND)).astype(int)
-    low, high = np.maximum(levels[one, 0], levels[other, 0]), np.minimum(levels[one, 1], levels[other, 1])
+    low, high = np.maximum(levels[first, 0], levels[second, 0]), np.minimum(levels[first, 1], levels[second, 1])
     gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
     count = 2 * places_either_way[gap] + 1
-    for some in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // BATCH_SIZE))[0] + 1):
-        place = np.repeat(some, count[some])
-        before = np.cumsum(count[some]) - count[some]
-        along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[some]], count[some])
+    for batch in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // BATCH_SIZE))[0] + 1):
+        place = np.repeat(batch, count[batch])
+        before = np.cumsum(count[batch]) - count[batch]
+        along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[batch]], count[batch])
         flat = middle[gap[place]] + 0.5 * cell * along[:, None] * ahead[gap[place]]
         yield np.column_stack([flat, heights[level[place]]])
 

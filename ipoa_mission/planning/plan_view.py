@@ -88,16 +88,16 @@ class _View:
         piece, side = self.piece(share), self.area.exterior
         tree = shapely.STRtree(self.shapes)
         reach = 2 * float((self.radii + self.required).max()) + DISTANCE_TOLERANCE
-        one, other = tree.query(self.shapes, "dwithin", reach)
-        one, other = one[one < other], other[one < other]
+        first, second = tree.query(self.shapes, "dwithin", reach)
+        first, second = first[first < second], second[first < second]
         lines = [
-            *shapely.shortest_line(self.shapes[one], self.shapes[other]),
+            *shapely.shortest_line(self.shapes[first], self.shapes[second]),
             *shapely.shortest_line(self.shapes, side),
         ]
-        inner = np.concatenate([self.radii[one] + self.radii[other], self.radii])
-        needed = np.concatenate([self.required[one] + self.required[other], self.required])
+        inner = np.concatenate([self.radii[first] + self.radii[second], self.radii])
+        needed = np.concatenate([self.required[first] + self.required[second], self.required])
         width = shapely.length(lines) - inner
-        names = [*zip(one, other, strict=True), *((k, -1) for k in range(len(self.shapes)))]
+        names = [*zip(first, second, strict=True), *((k, -1) for k in range(len(self.shapes)))]
         called = [*self.names, "the edge of the area"]
         short = width - share * needed
         for k in np.argsort(np.abs(short)):

@@ -71,12 +71,12 @@ class PreparedProblem:
         look = even_basis(len(encoding.origin), self.nodes)
         changed = np.nonzero(look @ np.abs(encoding.matrix).max(axis=(0, 2)))[0]
         look = look[max(changed[0] - 2, 0) : changed[-1] + 3]
-        some = np.nonzero(look.any(axis=0))[0]
-        look = np.ascontiguousarray(look[:, some].T)
-        start, span = _by_axis(encoding.origin[None, some])[0], _by_axis(encoding.matrix[:, some])
+        active = np.nonzero(look.any(axis=0))[0]
+        look = np.ascontiguousarray(look[:, active].T)
+        start, span = _by_axis(encoding.origin[None, active])[0], _by_axis(encoding.matrix[:, active])
 
         def cost(x: Candidates) -> Costs:
-            control = (x @ span + start).reshape(-1, len(some))
+            control = (x @ span + start).reshape(-1, len(active))
             return np.asarray(path_costs((control @ look).reshape(len(x), 3, -1), self.grid, self.rules))
 
         return cost

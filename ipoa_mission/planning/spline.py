@@ -83,9 +83,9 @@ def even_basis(n: int, count: int) -> NDArray[np.float64]:
 
 def basis(n: int, u: Vector) -> NDArray[np.float64]:
     """Return the n basis functions at u (k,), eq. (12), (k, n)."""
-    first, some = local_basis(n, u)
+    first, nonzero = local_basis(n, u)
     values = np.zeros((len(u), n))
-    np.put_along_axis(values, first[:, None] + np.arange(DEGREE + 1), some, axis=1)
+    np.put_along_axis(values, first[:, None] + np.arange(DEGREE + 1), nonzero, axis=1)
     return values
 
 

@@ -136,7 +136,7 @@ def broken_limits(path: Points, task: ClearanceTask) -> list[Check]:
 
 def _least_clearance(airspace: Airspace, stretches: list[Points], required: float) -> Clearance:
     """Return a lower bound; exact if that decides whether the required distance is kept."""
-    bounds = (airspace.obstacle_clearance(thinned(one)).minus(THINNING_TOLERANCE) for one in stretches)
+    bounds = (airspace.obstacle_clearance(thinned(stretch)).minus(THINNING_TOLERANCE) for stretch in stretches)
     least = min(bounds, key=lambda clearance: clearance.distance)
     if not required - 2 * THINNING_TOLERANCE <= least.distance < required:
         return least
@@ -236,15 +236,15 @@ class PredictedFlight:
         return [*parts, (begin, end)] if end > begin or not parts else parts
 
     def _obstacles(
-        self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
+        self, part: Pieces, law: DeviationLaw, chance: float | None, chosen: NDArray[np.bool_], name: str
     ) -> KeptLimit:
         airspace, required = self.task.path.airspace, self.task.path.limits.obstacle_distance
-        nominal = _least_clearance(airspace, [*runs(part.points, taken)], required if name else -np.inf)
+        nominal = _least_clearance(airspace, [*runs(part.points, chosen)], required if name else -np.inf)
         least, to, place = nominal.distance, nominal.what, nominal.place
         guaranteed = least
         if chance is not None:
             near = proximity_risks(part, airspace, law, least)
-            near = near.of(taken[near.piece])
+            near = near.of(chosen[near.piece])
             guaranteed = min(near.clearance_at(chance), least)
             if len(near.piece):
                 piece, body = near.likeliest(guaranteed)

@@ -50,8 +50,8 @@ def round_places(points: Points, tight: tuple[TightPlace, ...]) -> NDArray[np.in
     return at
 
 
-def runs(points: Points, taken: NDArray[np.bool_]) -> Iterator[Points]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], taken, [False]]).astype(int)))
+def runs(points: Points, chosen: NDArray[np.bool_]) -> Iterator[Points]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(int)))
     for first, last in edges.reshape(-1, 2).tolist():
         yield points[first : last + 1]
 

@@ -22,18 +22,18 @@ Numbers = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class _Draws:
-    """Pairs `taken` (n,), with the index of their `draw` (n,): an obstacle in a `window` of time (m,)."""
+    """Each `pair` (n,), with the index of its `draw` (n,): an obstacle in a `window` of time (m,)."""
 
-    taken: Numbers
+    pair: Numbers
     draw: Numbers
     window: Numbers
 
     def chance(self, chances: Vector, sides: float) -> float:
         """Return the probability of any pair; each obstacle counts by its likeliest, a window for at most `sides`."""
-        if len(self.taken) == 0:
+        if len(self.pair) == 0:
             return 0.0
         likeliest = np.zeros(len(self.window))
-        np.maximum.at(likeliest, self.draw, chances[self.taken])
+        np.maximum.at(likeliest, self.draw, chances[self.pair])
         greatest = np.zeros(int(self.window.max()) + 1)
         np.maximum.at(greatest, self.window, likeliest)
         summed = np.bincount(self.window, likeliest, len(greatest))
@@ -73,9 +73,9 @@ class ProximityRisks:
         wider = np.hypot(lateral, np.where(self.is_over, down, up) * above)
         return np.asarray(np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0))
 
-    def of(self, taken: NDArray[np.bool_]) -> "ProximityRisks":
+    def of(self, chosen: NDArray[np.bool_]) -> "ProximityRisks":
         columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "widening", "sides")
-        return replace(self, **{name: getattr(self, name)[taken] for name in columns})
+        return replace(self, **{name: getattr(self, name)[chosen] for name in columns})
 
     def likeliest_passings(self, clearance: float, chance: float) -> Numbers:
         """Return the passings that are likeliest nearer than `clearance` [m]; all others sum up to `chance`."""
@@ -139,12 +139,12 @@ class ProximityRisks:
     def _high(self) -> _Draws:
         return self._draws(self.by_height, self.law.height_memory)
 
-    def _draws(self, taken: NDArray[np.bool_], memory: float) -> _Draws:
-        during = self.seconds[taken] // memory
+    def _draws(self, chosen: NDArray[np.bool_], memory: float) -> _Draws:
+        during = self.seconds[chosen] // memory
         during = (during - during.min(initial=np.inf)).astype(np.intp)
         count = int(self.obstacle.max()) + 1
-        numbers, likeliest = np.unique(during * count + self.obstacle[taken], return_inverse=True)
-        return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
+        numbers, likeliest = np.unique(during * count + self.obstacle[chosen], return_inverse=True)
+        return _Draws(np.flatnonzero(chosen), likeliest, numbers // count)
 
     def clearance_at(self, chance: float) -> float:
         """Return the clearance [m] that a flight falls short of with this chance."""

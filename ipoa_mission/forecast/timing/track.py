@@ -38,8 +38,8 @@ class Track:
         return int(np.argmin(np.abs(self.times - time)))
 
     def between(self, begin: float, end: float) -> "Track":
-        taken = slice(np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right"))
-        return Track(self.times[taken], self.points[taken], self.speeds[taken])
+        span = slice(np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right"))
+        return Track(self.times[span], self.points[span], self.speeds[span])
 
     def local(self) -> "Track":
         """Convert `up` from a round Earth to home's tangent plane."""
@@ -59,14 +59,14 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
     is_kept[0] = True
     batch_size = 20_000  # points, limited by memory
     for first in range(0, len(path) - 1, batch_size):
-        some = slice(first, first + batch_size + 1)
-        numbers = np.arange(len(path))[some]
-        top_view, side_view = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
+        batch = slice(first, first + batch_size + 1)
+        numbers = np.arange(len(path))[batch]
+        top_view, side_view = path[batch, :2], np.column_stack([traveled[batch], path[batch, 2]])
         for view in (top_view, side_view):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
             few = shapely.simplify(numbered, stray, preserve_topology=False)  # checked by `_folded`
             is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
-        is_kept[some] |= _folded(path[some], np.flatnonzero(is_kept[some]), 1.5 * stray)
+        is_kept[batch] |= _folded(path[batch], np.flatnonzero(is_kept[batch]), 1.5 * stray)
     return np.asarray(path[is_kept])
 
 
