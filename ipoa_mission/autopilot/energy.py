@@ -251,8 +251,8 @@ class Consumption:
 
     def lasting(self, least_s: float, most_s: float) -> "Consumption":
         """Return a copy for this duration interval [s]: both uncertainties combined."""
-        lasts, taken = float(self.times[-1] - self.times[0]), self.between
-        below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
+        lasts, energy = float(self.times[-1] - self.times[0]), self.between
+        below, above = 1.0 - energy.low / energy.likely, energy.high / energy.likely - 1.0
         earlier, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
         low = max(1.0 - np.hypot(below, earlier), 0.0) / max(1.0 - below, 1e-9)
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
@@ -294,7 +294,7 @@ def by_curve(curve: PowerCurve, path: TimedPath, wind: Wind = CALM, head_wind: f
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     """Return the refusal of this energy [Wh]; its upper bound may use the reserve."""
-    left, most = (1 - taken / battery.capacity_wh for taken in (used.likely, used.high))
+    left, most = (1 - energy_wh / battery.capacity_wh for energy_wh in (used.likely, used.high))
     rounding = 1e-9
     if left >= battery.reserve - rounding and most >= -rounding:
         return None

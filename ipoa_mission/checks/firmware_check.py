@@ -232,8 +232,8 @@ def check_aboard(
     aboard = replace(mission, autopilot=autopilot, firmware_version=reported or mission.firmware_version)
     if aboard.firmware_version is not None:
         return aboard, ()
-    taken = autopilot.checked_for(None)
-    why = f"the vehicle does not report its version: whether it was measured is unknown; {taken} is assumed"
+    assumed = autopilot.checked_for(None)
+    why = f"the vehicle does not report its version: whether it was measured is unknown; {assumed} is assumed"
     return aboard, (_finding(why, mission.unmeasured_version),)
 
 

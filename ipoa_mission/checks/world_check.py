@@ -156,8 +156,8 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("battery-short", Severity.ERROR, seq, words, short.hint)
         return
     if budget.battery is not None and budget.used.between.high > budget.battery.usable_wh:
-        taken, usable = budget.used.between, budget.battery.usable_wh
-        needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
+        energy, usable = budget.used.between, budget.battery.usable_wh
+        needs = f"the flight needs {energy.low:.0f} to {energy.high:.0f} Wh (nine flights in ten)"
         words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
         learned = forecast.mission.vehicle or forecast.world.vehicle.learned
         hint = (

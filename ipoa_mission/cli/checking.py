@@ -120,11 +120,11 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
             f"{item.done_s:.1f}",
             f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
             f"{100 * item.missed.share:.0f} %, {item.missed.cost_s:.0f} s" if item.missed.share else "",
-            "" if taken is None else f"{taken.takes.likely:.1f}",
-            "" if taken is None or taken.left is None else f"{max(taken.left.likely, 0.0):.0%}",
+            "" if used is None else f"{used.takes.likely:.1f}",
+            "" if used is None or used.left is None else f"{max(used.left.likely, 0.0):.0%}",
             item.reason,
         )
-        for item, taken in zip(prediction.items, items, strict=True)
+        for item, used in zip(prediction.items, items, strict=True)
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "takes\nWh", "left"]
     columns.append("slowed by")

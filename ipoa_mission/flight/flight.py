@@ -264,13 +264,13 @@ def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
     for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
         budget = budget_of(part)
         assert budget is not None, "it was split by its energy"
-        taken = budget.used.between
-        left = budget.left(taken)
+        energy = budget.used.between
+        left = budget.left(energy)
         flights.append({
             "file": path.name,
             "items": len(part.mission.items),
             "time_s": rounded(part.estimate.total_s),
-            "energy_wh": [rounded(wh) for wh in taken],
+            "energy_wh": [rounded(wh) for wh in energy],
             "left": None if left is None else [rounded(share) for share in left],
         })  # fmt: skip
     return whole.summary() | {"flights": flights}

@@ -110,15 +110,15 @@ class _Parts:
     def part(self, begin: int, end: int, path: Sequence[Item] = ()) -> Forecast:
         items = self.mission.items
         until = len(items) if end == self.last else self.turns[end - 1] + 1
-        taken = list(items[:until])
+        kept = list(items[:until])
         if begin > 0:
             at = self.turns[begin - 1]
             before = items[self.start : at]
             speeds = [item for item in before if item.command == Command.DO_CHANGE_SPEED][-1:]
-            taken = [*items[: self.start], *speeds, *path, items[at], *_in_force(before), *items[at + 1 : until]]
-        if end < self.last or not any(item.command in LANDINGS for item in taken):
-            taken += [*_ended(taken), return_to_launch()]
-        return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
+            kept = [*items[: self.start], *speeds, *path, items[at], *_in_force(before), *items[at + 1 : until]]
+        if end < self.last or not any(item.command in LANDINGS for item in kept):
+            kept += [*_ended(kept), return_to_launch()]
+        return Forecast(replace(self.mission, items=tuple(kept), scanned=()), self.whole.scenario)
 
     def _paths_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
         """Yield paths to the resumed waypoint: straight, then as high as an RTL."""
@@ -142,11 +142,11 @@ def _in_force(before: Sequence[Item]) -> Iterator[Item]:
     yield from (before[n] for n in sorted(last.values()))
 
 
-def _ended(taken: Sequence[Item]) -> Iterator[Item]:
-    triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
+def _ended(items: Sequence[Item]) -> Iterator[Item]:
+    triggers = [item for item in items if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     if triggers and triggers[-1].params[0] > 0.0:
         yield camera_trigger(0.0, at_once=False)
     pictures = (Command.IMAGE_START_CAPTURE, Command.IMAGE_STOP_CAPTURE)
-    captures = [item.command for item in taken if item.command in pictures]
+    captures = [item.command for item in items if item.command in pictures]
     if captures and captures[-1] == Command.IMAGE_START_CAPTURE:
         yield Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)

@@ -43,7 +43,7 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
     owners = [row.owner for row in rows]
     autopilots = (owner for owner in owners if owner is not None and owner[1] == "1")  # MAV_COMP_ID_AUTOPILOT1
     owner = next(autopilots, owners[0] if owners else None)
-    parameters = {name: row.value for name, row in _taken(rows, owner).items()}
+    parameters = {name: row.value for name, row in _in_force(rows, owner).items()}
     return ParameterFile(parameters, gathered(_unread(Path(path).name, text, rows, owner)))
 
 
@@ -51,7 +51,7 @@ def parameter_path(path: Path) -> Path:
     return path.with_suffix(".params")
 
 
-def _taken(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
+def _in_force(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
     return {row.name: row for row in rows if row.owner in (owner, None)}
 
 
@@ -80,23 +80,23 @@ def _row(text: str, line: int, place: str) -> _Row:
 
 
 def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Iterator[Unread]:
-    taken = _taken(rows, owner)
+    in_force = _in_force(rows, owner)
     for row in rows:
         if row.owner not in (owner, None):
             source = "vehicle {}, component {}".format(*row.owner or ())
             yield Unread(file, "parameters of another vehicle or component", f"line {row.line}: {source}", row.name)
-        elif row.value != taken[row.name].value:
+        elif row.value != in_force[row.name].value:
             words = "values of parameters that a later line overrides"
             yield Unread(file, words, f"line {row.line}: {row.name}", f"{row.value:g}")
     for autopilot in registered():
-        yield from _doubtful(file, taken, autopilot)
+        yield from _doubtful(file, in_force, autopilot)
     known = known_names()
-    others = [row for name, row in taken.items() if name not in known]
-    flies = firmware_of(taken)
-    if len(others) < 100:  # more: a vehicle's complete list
-        yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in others)
+    unused = [row for name, row in in_force.items() if name not in known]
+    flies = firmware_of(in_force)
+    if len(unused) < 100:  # more: a vehicle's complete list
+        yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in unused)
     elif flies is not None:
-        there = flies.parameter_table.by_old_names(dict.fromkeys(taken, 0.0))
+        there = flies.parameter_table.by_old_names(dict.fromkeys(in_force, 0.0))
         for name in sorted(flies.parameter_table.moving.keys() - there.keys()):
             yield Unread(file, "parameters missing in the list: their defaults apply", name)
     header = re.search(r"^#\s*Vehicle:\s*(.*(?:wing|plane|vtol|rover|boat|sub|ground|heli|ship).*)$", text, re.I | re.M)
@@ -108,10 +108,10 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
         yield Unread(file, "the rest, if any: the last line has no line end", f"line {rows[-1].line}", rows[-1].name)
 
 
-def _doubtful(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
+def _doubtful(file: str, in_force: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
     table = autopilot.parameter_table
     for name, (old, unit) in table.renamed.items():
-        newer, older = taken.get(name), taken.get(old)
+        newer, older = in_force.get(name), in_force.get(old)
         if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
             yield Unread(file, f"old name next to {name}", f"line {older.line}: {old}", f"{older.value:g}")
         default = abs(table.moving.get(old, 0.0))
@@ -121,7 +121,7 @@ def _doubtful(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Ite
                 words = f"the unit of {row.name}, taken as documented: {ratio:.3g} times the default"
                 yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
     speeds = (table.meanings.get(meaning, "") for meaning in ("cruise speed", "climb speed", "descent speed"))
-    for row in filter(None, map(taken.get, speeds)):
+    for row in filter(None, map(in_force.get, speeds)):
         if table.units.get(row.name, 1.0) == 1.0 and row.value > table.fastest:
             words = f"the unit of {row.name}, taken as m/s: beyond {table.fastest:g} m/s"
             yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
