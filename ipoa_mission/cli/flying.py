@@ -199,8 +199,8 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
 
 def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
     """Refuse a vehicle's options without a link, and the built-in autopilot's with one."""
-    if on_vehicle.link is None and on_vehicle != (usual := FlightOptions()):
-        changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != usual.on_deviation)
+    if on_vehicle.link is None and on_vehicle != (defaults := FlightOptions()):
+        changed = (on_vehicle.begin != 1, on_vehicle.set_params, on_vehicle.on_deviation != defaults.on_deviation)
         raise OptionConflict(
             "needs --link",
             hint="the built-in autopilot begins at the first item, and flies by the forecast's model",

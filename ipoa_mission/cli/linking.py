@@ -116,8 +116,8 @@ def upload(
     flown_by = FlownByOptions(autopilot=how.autopilot, unmeasured_version=how.unmeasured_version)
     states, ignored = states_firmware(file, how.autopilot), expect_ignorable(how.ignore or ())
     read_mission_file(file, how.autopilot)
-    usual = file.with_name(f"{file.stem}-upload.tlog")
-    with connect_to(link, on_link, usual) as vehicle:
+    default_log = file.with_name(f"{file.stem}-upload.tlog")
+    with connect_to(link, on_link, default_log) as vehicle:
         requested = read_requested(file, flown_by, None if states else vehicle.autopilot)
         if not on_link.anyway:
             refuse_errors([finding for finding in requested.findings if finding.code not in ignored])
@@ -126,7 +126,7 @@ def upload(
         remarks = (*requested.remarks, *sent)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
-    about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}
+    about = counts | {"remarks": list(remarks), "written": on_link.written(default_log)}
     _report(how.as_json, vehicle, about, words)
 
 
@@ -153,14 +153,14 @@ def download(
     if file.suffix.lower() not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{file.suffix}"', place=file)
     expect_free([file], to.force, ask=not to.as_json)
-    usual = file.with_name(f"{file.stem}-download.tlog")
+    default_log = file.with_name(f"{file.stem}-download.tlog")
     with (
         changes.reporting(f"{file} was not written"),
-        connect_to(link, on_link, usual, reading=True) as vehicle,
+        connect_to(link, on_link, default_log, reading=True) as vehicle,
         progress_bar("download") as show,
     ):
         mission = vehicle.download(show)
-    remarks, log = write_mission(mission, file), on_link.written(usual)
+    remarks, log = write_mission(mission, file), on_link.written(default_log)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
     _report(to.as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)

@@ -36,8 +36,8 @@ class FlyOptions(PlanOptions):
     on_link: LinkOptions = field(default_factory=LinkOptions)
 
     def log_of(self, name: str) -> Path:
-        usual = self.files.folder / f"{name}.tlog"
-        return self.on_link.log or (usual if self.on_vehicle.link is None else unused(usual))
+        default_log = self.files.folder / f"{name}.tlog"
+        return self.on_link.log or (default_log if self.on_vehicle.link is None else unused(default_log))
 
 
 class Planner(Protocol):

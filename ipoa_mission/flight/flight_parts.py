@@ -128,8 +128,8 @@ class _Parts:
             where = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
             over, over_home = self.whole.returns_from(frame.local(where)[None])[0, 0, 1:]
             high = (frame.geodetic(point) for point in (over_home, over))
-            usual = self.mission.autopilot.waypoint_defaults(self.mission.firmware_version)
-            yield tuple(waypoint(place, place.altitude - home.altitude, *usual) for place in high)
+            defaults = self.mission.autopilot.waypoint_defaults(self.mission.firmware_version)
+            yield tuple(waypoint(place, place.altitude - home.altitude, *defaults) for place in high)
 
 
 def _refused(flight: Forecast) -> MissionError | None:

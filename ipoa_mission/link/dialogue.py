@@ -147,12 +147,12 @@ class Tempo:
         self._doubts = 0
 
     def wait_s(self, item: bool) -> float:
-        usual = self.patience.item_s if item else self.patience.answer_s
+        wait = self.patience.item_s if item else self.patience.answer_s
         if not self.patience.adapt:
-            return usual
+            return wait
         if self._mean is not None:
-            usual = max(self._mean + 4 * self._spread, self.FASTEST_S)
-        return min(usual * self._backoff, self.SLOWEST_S)
+            wait = max(self._mean + 4 * self._spread, self.FASTEST_S)
+        return min(wait * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
         """The question was sent once."""

@@ -59,16 +59,16 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         words = f"expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         raise BadInput(words, place="start")
     over_home = starts_over_home(route)
-    usual = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
+    defaults = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
-        *(_waypoint_of(route, n, place, usual, scenario) for n, place in enumerate(others[:-1], 1)),
-        spline_waypoint(*others[-1]) if route.spline and route.brakes_on_curve else waypoint(*others[-1], *usual),
+        *(_waypoint_of(route, n, place, defaults, scenario) for n, place in enumerate(others[:-1], 1)),
+        spline_waypoint(*others[-1]) if route.spline and route.brakes_on_curve else waypoint(*others[-1], *defaults),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(cruise),
-        *([] if over_home else [waypoint(*first, *usual)]),
+        *([] if over_home else [waypoint(*first, *defaults)]),
     ]
     for leg, item in enumerate(flown_to):
         items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
@@ -98,15 +98,17 @@ def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _waypoint_of(route: Route, n: int, at: tuple[Geodetic, float], usual: WaypointDefaults, scenario: Scenario) -> Item:
+def _waypoint_of(
+    route: Route, n: int, at: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario
+) -> Item:
     place, height = at
     if route.spline:
         if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown
-            return waypoint(place, height, 1.0, usual.radius)
+            return waypoint(place, height, 1.0, defaults.radius)
         return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
     radius = float(np.broadcast_to(route.radius, len(route.points))[n])
-    return waypoint(place, height, usual.hold, usual.radius if via.any() or radius == 0.0 else radius)
+    return waypoint(place, height, defaults.hold, defaults.radius if via.any() or radius == 0.0 else radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

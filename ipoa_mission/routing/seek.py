@@ -59,8 +59,8 @@ def expect_wide(scenario: Scenario) -> None:
 
 def least_reach(law: DeviationLaw, chance: float) -> float:
     """Return the least extra distance next to an obstacle [m]; less above and below it."""
-    usual = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
-    facing = min(1.0, min(usual) / law.level.distance(TYPICAL_CHANCE))
+    vertical = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
+    facing = min(1.0, min(vertical) / law.level.distance(TYPICAL_CHANCE))
     reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
     reach.append(facing * law.level.distance(chance))
     if law.farthest is not None:
