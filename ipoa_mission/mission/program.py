@@ -111,12 +111,12 @@ def is_passed(item: Item) -> bool:
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    following, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
-    if following is None or items[following].command not in guidance.flown_on_into:
+    next_index, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
+    if next_index is None or items[next_index].command not in guidance.flown_on_into:
         return None
-    if guidance.stops_at_terrain and over_terrain(items[following]) != over_terrain(items[n]):
+    if guidance.stops_at_terrain and over_terrain(items[next_index]) != over_terrain(items[n]):
         return None
-    return following
+    return next_index
 
 
 def next_navigated(
@@ -264,10 +264,10 @@ class Program:
 
     def ahead(self, index: int) -> Iterator[int]:
         for _ in self.items:
-            following = self.after(index, taking=False)
-            if following is None:
+            next_index = self.after(index, taking=False)
+            if next_index is None:
                 return
-            yield (index := following)
+            yield (index := next_index)
 
     def onward(self, index: int) -> int | None:
         return onward(self.items, index, self.autopilot, self.ahead(index))

@@ -176,8 +176,8 @@ def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, P
     leg, fraction = (np.concatenate(column) for column in zip(*cuts, strict=True))
     order = np.lexsort((fraction, leg))
     leg, fraction = leg[order], fraction[order]
-    following = legs[np.minimum(leg + 1, len(legs) - 1)]
-    points = legs[leg] + fraction[:, None] * (following - legs[leg])
+    ends = legs[np.minimum(leg + 1, len(legs) - 1)]
+    points = legs[leg] + fraction[:, None] * (ends - legs[leg])
     required = limits.required_height((points[:-1] + points[1:]) / 2)
     starts = np.concatenate([[0], np.nonzero(np.diff(required))[0] + 1, [len(required)]])
     for first, last in pairwise(starts.tolist()):

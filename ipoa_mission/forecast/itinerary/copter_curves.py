@@ -145,20 +145,20 @@ def reads_as_here(item: Item) -> bool:
     return item.command == Command.NAV_RETURN_TO_LAUNCH
 
 
-def place_after(spline: Item, following: Item, target: Place, named: Place) -> tuple[Place, bool] | None:
+def place_after(spline: Item, next_item: Item, target: Place, named: Place) -> tuple[Place, bool] | None:
     """Return the place that shapes the end of a spline to `target`, and whether a spline leads to it.
 
     Latitude and longitude 0 are the target's, altitude 0 its height. None: an end at rest, also where heights over
     terrain and over home meet.
     """
-    if following.command not in WITH_PLACE or over_terrain(following) != over_terrain(spline):
+    if next_item.command not in WITH_PLACE or over_terrain(next_item) != over_terrain(spline):
         return None
     east, north, up = named
-    if (following.latitude_deg, following.longitude_deg) == (0.0, 0.0):
+    if (next_item.latitude_deg, next_item.longitude_deg) == (0.0, 0.0):
         east, north, _ = target
-    if following.altitude == 0.0:
+    if next_item.altitude == 0.0:
         up = target[2]
-    return (east, north, up), following.command == Command.NAV_SPLINE_WAYPOINT
+    return (east, north, up), next_item.command == Command.NAV_SPLINE_WAYPOINT
 
 
 def spline_tangents(

@@ -150,7 +150,7 @@ class _LegBuilder:
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         origin, guidance = self.at, self.mission.autopilot.guidance
-        following = onward(self.mission.items, seq - 1, self.mission.autopilot)
+        next_index = onward(self.mission.items, seq - 1, self.mission.autopilot)
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
         if is_curve and np.linalg.norm(target - origin) > 1e-3:  # [m]
             self.curve = seq, origin, self.flown_in
@@ -161,13 +161,13 @@ class _LegBuilder:
             leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
             leg = self._to(seq, target, over_terrain(item))
-        self.flown_in, self.curve = None if following is None else target - origin, None
+        self.flown_in, self.curve = None if next_index is None else target - origin, None
         return leg
 
-    def _curve(self, seq: int, item: Item, target: Vector, following: int | None) -> Leg:
+    def _curve(self, seq: int, item: Item, target: Vector, next_index: int | None) -> Leg:
         items, after = self.mission.items, None
-        if following is not None:
-            after = place_after(item, items[following], self._over(item, target), self._named(items[following]))
+        if next_index is not None:
+            after = place_after(item, items[next_index], self._over(item, target), self._named(items[next_index]))
         begin = None if self.flown_in is None else triple(self.flown_in)
         ends = self._over(item, self.at), self._over(item, target)
         tangents = spline_tangents(*ends, begin, after)

@@ -56,8 +56,8 @@ def find_unknown(mission: Mission) -> Iterator[Unknown]:
             if before is not None and _turns_back(program, n, before, place):
                 why = f"it turns by more than {MAX_TURN_DEG:g} degrees: flown up to 1.6 m off its forecast"
                 yield Unknown(n + 1, why, "turn at two waypoints")
-        elif item.command in WAYPOINTS and (following := program.onward(n)) is not None:
-            yield from _payload_elsewhere(mission, program, n, following)
+        elif item.command in WAYPOINTS and (next_index := program.onward(n)) is not None:
+            yield from _payload_elsewhere(mission, program, n, next_index)
 
 
 def past_jumps(mission: Mission) -> Iterator[Unknown]:
@@ -123,12 +123,12 @@ def turn_deg(before: Place | Vector, at: Place | Vector, after: Place | Vector) 
     return math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
 
 
-def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
-    autopilot, item = mission.autopilot, program.items[following]
+def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: int) -> Iterator[Unknown]:
+    autopilot, item = mission.autopilot, program.items[next_index]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
     parameters = autopilot.complete(mission.parameters, mission.firmware_version)
     radius = parameters[autopilot.parameter_table.meanings["acceptance radius"]] / 100
-    if abs(program.place(following, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
+    if abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
-        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", "never-reached")
+        yield Unknown(next_index + 1, why, "give it the height of the waypoint before, or 0", "never-reached")
