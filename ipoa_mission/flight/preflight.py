@@ -44,11 +44,12 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
     planned = mission.autopilot.slow_stretch(mission.parameters)
     if mission.autopilot is not vehicle.autopilot or planned is None or forecast.ground.is_level:
         return
-    own = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
+    actual = vehicle.autopilot.slow_stretch(own_values(vehicle, vehicle.autopilot.slowed_by.decided_by))
     for landing in landings(forecast):
-        if own is not None and own.is_fast(landing.assumed_height) and not planned.is_fast(landing.assumed_height):
+        height = landing.assumed_height
+        if actual is not None and actual.is_fast(height) and not planned.is_fast(height):
             raise FastLanding(
-                f"{landing.words}: with the vehicle's own parameters, {landing.touches_down(own)}",
+                f"{landing.words}: with the vehicle's own parameters, {landing.touches_down(actual)}",
                 hint="set the mission's parameters (NAME.params) by `fly --set-params`; "
                 "--anyway flies with the vehicle's own",
             )

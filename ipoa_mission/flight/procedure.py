@@ -99,20 +99,20 @@ def _upload(
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
-        others, missing = other_values(vehicle, mission.parameters)
+        differing, missing = other_values(vehicle, mission.parameters)
     lacking = (f"the vehicle has no parameter {name}" for name in missing)
-    return others, (*([idle] if idle else []), *(f"{other}{remedy}" for other in others), *lacking)
+    return differing, (*([idle] if idle else []), *(f"{other}{remedy}" for other in differing), *lacking)
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
     """Report another mission's fence or rally points."""
     left: dict[MissionType, str] = {}
-    for kind, own, words in (
+    for kind, uploaded, words in (
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
         (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
     ):
         try:
-            if not own and vehicle.download_items(kind):
+            if not uploaded and vehicle.download_items(kind):
                 left[kind] = f"the vehicle holds {words}, and that was not checked"
         except Cancelled:
             raise
@@ -181,15 +181,15 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         if not anyway and MissionType.RALLY in left:
             hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
-    others, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
+    differing, notes = _upload(vehicle, mission, anyway, stages, ": --set-params writes it")
     with suppress(NoAnswer):
         vehicle.link_loss.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *notes):
         options.remark(words)
-    if not others or mission.autopilot is not vehicle.autopilot:
+    if not differing or mission.autopilot is not vehicle.autopilot:
         return forecast
-    own = mission.with_parameters({other.name: other.has for other in others})
-    return Forecast(own, forecast.scenario, None if forecast.scenario else forecast.wind)
+    with_values_aboard = mission.with_parameters({other.name: other.has for other in differing})
+    return Forecast(with_values_aboard, forecast.scenario, None if forecast.scenario else forecast.wind)
 
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
@@ -233,11 +233,11 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRem
 
 
 def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: ReportRemark) -> None:
-    others, _ = other_values(vehicle, mission.parameters)
-    names = ", ".join(other.name for other in others)
-    for n, other in enumerate(others):
-        show(n / len(others), names)
+    differing, _ = other_values(vehicle, mission.parameters)
+    names = ", ".join(other.name for other in differing)
+    for n, other in enumerate(differing):
+        show(n / len(differing), names)
         vehicle.set_parameter(other.name, other.wanted)
         remark(f"{other.name} set to {other.wanted:g} (it was {other.has:g})")
-    if others:
+    if differing:
         show(1.0, names)

@@ -100,8 +100,8 @@ class Vehicle(RemoteVehicle):
         """
         self.state.expect_flown()
         if mission.other_vehicle or mission.autopilot is not self.autopilot:
-            own = "a multicopter" if mission.other_vehicle else self.autopilot
-            words = f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {own}"
+            kind_aboard = "a multicopter" if mission.other_vehicle else self.autopilot
+            words = f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {kind_aboard}"
             raise BadInput(words, code="other-vehicle")
         with noted_interrupts() as interrupt, self._in_time():
             if checked:

@@ -33,16 +33,16 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     """Return differing values, and parameters that the vehicle lacks. ArduCopter 4.7 has renamed and rescaled some."""
     spelled = vehicle.autopilot.parameter_table.spellings
     values = vehicle.parameters([name for name, _ in spelled(parameter)] for parameter in wanted) if wanted else {}
-    others, missing = [], []
+    differing, missing = [], []
     for parameter, value in wanted.items():
         for name, unit in spelled(parameter):
             if name in values:
                 if not abs(values[name] - value * unit) <= 1e-6 * max(1.0, abs(value * unit)):  # single; NaN differs
-                    others.append(OtherValue(name, value * unit, values[name]))
+                    differing.append(OtherValue(name, value * unit, values[name]))
                 break
         else:
             missing.append(parameter)
-    return tuple(others), tuple(missing)
+    return tuple(differing), tuple(missing)
 
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:

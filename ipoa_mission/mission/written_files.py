@@ -70,9 +70,9 @@ def write_several(
     """Write missions (name, mission, `about`), then NAME.json."""
     written, digests = list[Path](), dict[str, str]()
     for part, mission, about_part in missions:
-        files, own = write_files(mission, folder, part, about_part)
+        files, part_digests = write_files(mission, folder, part, about_part)
         written += files
-        digests |= own
+        digests |= part_digests
     whole = folder / f"{name}.json"
     write_atomically(whole, _as_text({**about, "sha256": digests}))
     return (*written, whole)
@@ -87,13 +87,13 @@ def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     about = folder / f"{name}.json"
     digests = written_with(about)
     missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
-    others = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
+    differing = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
     if about.exists() and not digests:
-        others.append(about)
+        differing.append(about)
     page = folder / f"{name}.html"
     if report and page.exists() and '<meta name="generator" content="ipoa-mission">' not in _text(page):
-        others.append(page)
-    return others
+        differing.append(page)
+    return differing
 
 
 def _text(path: Path) -> str:
