@@ -152,9 +152,9 @@ def unconditional_rule(cause: str, action: FailsafeAction, needs: Mapping[str, f
     return FailsafeRule(cause, "", math.nan, {}, action, needs or {})
 
 
-def parameters_of(rules: Iterable[FailsafeRule], *others: str) -> tuple[str, ...]:
+def parameters_of(rules: Iterable[FailsafeRule], *further: str) -> tuple[str, ...]:
     names = (name for rule in rules for name in (rule.parameter, *rule.needs) if name)
-    return tuple(dict.fromkeys((*names, *others)))
+    return tuple(dict.fromkeys((*names, *further)))
 
 
 @dataclass(frozen=True)

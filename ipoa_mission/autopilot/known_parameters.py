@@ -47,20 +47,20 @@ def translated(
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
     """
-    own, left_out, words = dict[str, float](), list[str](), list[str]()
+    values, left_out, words = dict[str, float](), list[str](), list[str]()
     ours, theirs = autopilot.parameter_table.units, other.parameter_table.units
     for name, value in parameters.items():
         ((old, there),) = other.parameter_table.by_old_names({name: value}).items()
         counterpart = _counterpart(name, other, autopilot)
         if name in autopilot.parameter_names:
-            own[name] = value
+            values[name] = value
         elif counterpart in ours and old in theirs and value > 0.0:
-            own[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
-            words.append(f"{counterpart} = {own[counterpart]:g} for {name} = {value:g}")
+            values[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
+            words.append(f"{counterpart} = {values[counterpart]:g} for {name} = {value:g}")
         else:
             left_out.append(name)
     said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
-    return own, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
+    return values, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:

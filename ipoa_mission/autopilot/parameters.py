@@ -71,8 +71,8 @@ class ParameterTable:
 
     def speed_limit(self, parameters: Parameters) -> float:
         """Return `fastest`, or the vehicle's higher limit [m/s]."""
-        own = 0.0 if self.speed is None else self.by_old_names(parameters).get(self.speed.name, 0.0) * self.speed.unit
-        return max(self.fastest, own)
+        limit = 0.0 if self.speed is None else self.by_old_names(parameters).get(self.speed.name, 0.0) * self.speed.unit
+        return max(self.fastest, limit)
 
     def why_too_fast(self, speed: float, parameters: Parameters) -> str | None:
         limit = self.speed_limit(parameters)

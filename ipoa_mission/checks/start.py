@@ -69,8 +69,8 @@ def check_start(mission: Mission, scenario: "Scenario | None", first: int, there
 
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
-    others = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
-    for name, start in others:
+    starts = ((name, start) for name, section in scenario.added.items() for start in section.start_places)
+    for name, start in starts:
         if math.hypot(*start) <= HOME_RADIUS or math.dist(place[:2], start) >= np.hypot(*place[:2]):
             continue
         raise NotAtStart(

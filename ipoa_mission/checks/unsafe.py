@@ -43,9 +43,9 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
     """Refuse a flight with a finding about a planned return."""
     if forecast.world.safety.returns != "planned":
         return
-    own = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
+    rtl = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
     codes = {"return-too-near", "land-too-near"}
-    unclear = [each for each in findings if each.code in codes or (each.code == "leg-too-near" and each.seq in own)]
+    unclear = [each for each in findings if each.code in codes or (each.code == "leg-too-near" and each.seq in rtl)]
     if unclear:
         hints = dict.fromkeys(
             filter(None, (*(each.hint for each in unclear), '[safety] returns = "warn", to be warned only'))

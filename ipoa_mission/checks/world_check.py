@@ -56,16 +56,16 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
     Near home there may be none: an autopilot does not climb to it there.
     """
-    others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
+    advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
     by = mission.autopilot.parameter_table.return_height
     is_clear, land = clear_in(scenario), Remedy(("route", "ending"), "land")
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0)):
         name, value = by.name, by.spelled(altitude)
         if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
-            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
+            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {advice}"
             return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), land)
-    return others, (land,)
+    return advice, (land,)
 
 
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
@@ -131,9 +131,9 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
         if near:
             distances = [float(shapely.distance(line, thing.shape)) for thing in near]
             first, distance = near[int(np.argmin(distances))], min(distances)
-            others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
+            more_such = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
-            words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
+            words = f"{where} {first.name} on {first.file}, {first.reason}{more_such}"
             item = item_of(forecast.mission, leg.seq)
             sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]
             heights = tuple(Remedy(("maps", n, key), value) for key, value in first.heights for n in sections)

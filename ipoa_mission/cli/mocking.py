@@ -138,8 +138,8 @@ def mock_setup(
         raise OptionConflict("cannot be combined with --scenario, which defines home", place="--home")
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
-    own = world.vehicle if flies is world.vehicle.autopilot else None
-    values = flies.parameter_table.overridden(world.vehicle.parameters, parameters) if own else parameters
-    about = (own.learned, own.version) if own else ()
+    vehicle = world.vehicle if flies is world.vehicle.autopilot else None
+    values = flies.parameter_table.overridden(world.vehicle.parameters, parameters) if vehicle else parameters
+    about = (vehicle.learned, vehicle.version) if vehicle else ()
     conditions = Conditions(world.wind.air(), world.ground, *about)
     return MockSetup(flies, world.home.geodetic(), values, conditions)

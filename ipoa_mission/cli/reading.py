@@ -46,16 +46,16 @@ def read_requested(
     mission, remarks = read.mission, tuple(finding.message for finding in findings)
     remarks += taken_for(read)
     if flown_by.version is not None:
-        others = [each for each in with_this_version if each is not mission.autopilot]
+        possible = [each for each in with_this_version if each is not mission.autopilot]
         try:
             mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
         except BadInput as error:
-            raise error.at(hint=f"--autopilot {others[0]}" if others else None) from None
+            raise error.at(hint=f"--autopilot {possible[0]}" if possible else None) from None
     mission = replace(mission, unmeasured_version=flown_by.unmeasured_version)
     if mission.parameters:
-        some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
+        shown = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
-        remarks += (f"parameters from {parameter_path(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
+        remarks += (f"parameters from {parameter_path(file)}: {shown}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     remarks += flown_by.parameter_remarks

@@ -116,8 +116,8 @@ def meet(line: Line, system: int | None = None, options: ConnectionOptions | Non
     if (disbelieved := _rejected(line, system)) and not (autopilots if system is None else system in autopilots):
         raise disbelieved
     if system is not None and system not in autopilots:
-        others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
-        raise NoAnswer(f"no autopilot with system id {system} is heard{others}", code="not-heard")
+        heard_systems = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
+        raise NoAnswer(f"no autopilot with system id {system} is heard{heard_systems}", code="not-heard")
     if not autopilots:
         raise NoAnswer("no autopilot is heard", code="not-heard")
     if system is None and len(autopilots) > 1:

@@ -31,8 +31,8 @@ class MissionRecord(NamedTuple):
 
 def mission_record(path: Path, text: str) -> MissionRecord:
     """Return the data of the NAME.json next to `path`, if its digest matches `text`."""
-    own = path.with_suffix(".json")
-    for about in (own, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
+    same_name = path.with_suffix(".json")
+    for about in (same_name, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
         record = _read(about)
         if not record or _digests(record).get(path.name) != digest(text):
             continue
@@ -45,7 +45,7 @@ def mission_record(path: Path, text: str) -> MissionRecord:
         firmware = record.get("firmware")
         autopilot = firmware.get("autopilot") if isinstance(firmware, dict) else None
         autopilot = autopilot if isinstance(autopilot, str) else None
-        return MissionRecord(_finite(height) if about == own else None, planned, autopilot)
+        return MissionRecord(_finite(height) if about == same_name else None, planned, autopilot)
     return MissionRecord()
 
 

@@ -45,7 +45,7 @@ def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tup
     for part, item in zip(parts, items, strict=True):
         if part is not None:
             groups.setdefault(part.place, (part, []))[1].append(item)
-    return tuple(complex_item(own, part.value) for part, own in groups.values())
+    return tuple(complex_item(part_items, part.value) for part, part_items in groups.values())
 
 
 def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[Entry]:
@@ -69,9 +69,9 @@ def as_document(part: ComplexItem, number: int, simple: Sequence[dict[str, Any]]
     """`simple` are its items; the first is mission item `number`."""
     document: dict[str, Any] = json.loads(part.json_text)
     if part.has_items:
-        own = ("autoContinue", "command", "frame", "params", "type")
+        keys = ("autoContinue", "command", "frame", "params", "type")
         document[TRANSECTS][ITEMS] = [
-            {key: item[key] for key in own} | {"doJumpId": number + n} for n, item in enumerate(simple)
+            {key: item[key] for key in keys} | {"doJumpId": number + n} for n, item in enumerate(simple)
         ]
     return document
 
@@ -108,8 +108,8 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
     items = [waypoint(places[0], entrance), aim]
     for n in range(layers):
         up = first + n * (-height if descends else height)
-        begin, *others = (waypoint(place, up) for place in (*places, places[0]))
-        items += [begin, camera_trigger(spacing), *others, camera_trigger(0.0, at_once=False)]
+        begin, *corners = (waypoint(place, up) for place in (*places, places[0]))
+        items += [begin, camera_trigger(spacing), *corners, camera_trigger(0.0, at_once=False)]
     node.note(f"it holds no waypoints: {layers} rounds are laid out as QGroundControl does")
     items += [Item(Command.DO_SET_ROI_NONE, Frame.MISSION), waypoint(places[0], entrance)]
     return items, max(top - bottom, 0.0)

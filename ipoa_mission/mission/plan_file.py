@@ -120,8 +120,8 @@ def _listed(node: Node) -> list[ListedItem]:
     items = (node.get("TransectStyleComplexItem") or node).get("Items")
     if items is not None:  # no jump may lead into it
         return [replace(read_item(child), jump_id=None, part_of=node) for child in items.array()]
-    (first, *others), height = lay_out(node)
-    return [ListedItem(first, node, None, height, node), *(ListedItem(item, node, None, 0.0, node) for item in others)]
+    (first, *rest), height = lay_out(node)
+    return [ListedItem(first, node, None, height, node), *(ListedItem(item, node, None, 0.0, node) for item in rest)]
 
 
 def read_item(node: Node) -> ListedItem:

@@ -62,14 +62,14 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     if rows[-1][1].command in OTHER_LISTS:
         return _other_list(path, text, [item for _, item in rows], autopilot)
     findings = list(_check_numbers(rows))
-    (line, first), *others = rows
+    (line, first), *rest = rows
     if first.command not in (Command.NAV_WAYPOINT, 0):  # 0: in files of Mission Planner
         words = f"expected 16 (item 0 is home), not {first.command}"
         hint = "a file whose first item is a take-off lost its home item: put one before it"
         raise BadInput(words, hint=hint, code="home-missing", place=f"{line.where}: command")
     if abs(first.latitude_deg) > 90:
         raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{line.where}: latitude")
-    items = resolve_frames([item for _, item in others], autopilot)
+    items = resolve_frames([item for _, item in rest], autopilot)
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
@@ -175,11 +175,11 @@ class _Line:
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
-    first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    first, *lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
         first_line = f'"{first[:40]}"' if text.strip() else "an empty file"
         raise WrongFormat(f'expected "{FIRST_LINE}", not {first_line}', place=f"{path}: line 1")
-    for number, text_line in enumerate(others, start=2):
+    for number, text_line in enumerate(lines, start=2):
         if text_line.strip() and not text_line.lstrip().startswith("#"):
             line = _Line(path, number, text_line.split())
             yield line, _item(line)

@@ -142,8 +142,8 @@ def _plan(mission: Mission) -> dict[str, Any]:
 
 
 def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
-    own = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
-    for entry in entries(items, own):
+    parts = [replace(part, items=resolve_frames(part.items, mission.autopilot)) for part in mission.complex_items]
+    for entry in entries(items, parts):
         part = items[entry.first : entry.first + entry.count]
         simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
         yield simple[0] if entry.of is None else as_document(entry.of, entry.first + 1, simple)

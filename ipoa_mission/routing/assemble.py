@@ -62,9 +62,9 @@ def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
     quick = _first_guaranteed(_near_routes(plan, scenario))
     if not quick.is_guaranteed and quick.slack < promising:
         return quick
-    whole, *others = _routes(plan, scenario, scenario.route.mode)
-    if others:
-        return next((route for route in (whole, *others) if route.is_acceptable), whole)
+    whole, *rest = _routes(plan, scenario, scenario.route.mode)
+    if rest:
+        return next((route for route in (whole, *rest) if route.is_acceptable), whole)
     return whole if whole.is_guaranteed else max(quick, whole, key=lambda attempt: attempt.merit)
 
 
@@ -106,8 +106,8 @@ def _near_routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
     if mode == "spline" and not autopilot.guidance.flies_splines:
-        others = " and ".join(sorted({each.firmware_name for each in registered() if each.guidance.flies_splines}))
-        raise BadInput(f"expected even, corridor or fastest: spline waypoints are for {others}", place="route.mode")
+        firmwares = " and ".join(sorted({each.firmware_name for each in registered() if each.guidance.flies_splines}))
+        raise BadInput(f"expected even, corridor or fastest: spline waypoints are for {firmwares}", place="route.mode")
 
 
 def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:

@@ -54,15 +54,15 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         BadInput: the start is too low for a take-off to end there.
     """
     frame, home = scenario.frame, scenario.frame.home
-    first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
+    first, *onward = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
     if first[1] < LEAST_TAKEOFF_HEIGHT:
         words = f"expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         raise BadInput(words, place="start")
     over_home = starts_over_home(route)
     defaults = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
-        *(_waypoint_of(route, n, place, defaults, scenario) for n, place in enumerate(others[:-1], 1)),
-        spline_waypoint(*others[-1]) if route.spline and route.brakes_on_curve else waypoint(*others[-1], *defaults),
+        *(_waypoint_of(route, n, place, defaults, scenario) for n, place in enumerate(onward[:-1], 1)),
+        spline_waypoint(*onward[-1]) if route.spline and route.brakes_on_curve else waypoint(*onward[-1], *defaults),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
     items: list[Item] = [
@@ -73,7 +73,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     for leg, item in enumerate(flown_to):
         items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
         items.append(item)
-    items.append(return_to_launch() if scenario.route.ending == "rtl" else land(others[-1][0]))
+    items.append(return_to_launch() if scenario.route.ending == "rtl" else land(onward[-1][0]))
     return Mission(
         home=home,
         items=tuple(items),

@@ -181,8 +181,8 @@ class _RallySearch:
         self._goals = np.vstack([np.zeros(3), _with_room(paths, _places(paths))])
         self._sample(np.unique([*np.linspace(*paths.in_air, EFFORT.sample_count), *times]))
         if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:
-            own = int(np.searchsorted(self._times, paths.flight.cruise_span[1]))
-            keep = self._margins[min(own, len(self._times) - 1)] >= 0.0
+            end_of_cruise = int(np.searchsorted(self._times, paths.flight.cruise_span[1]))
+            keep = self._margins[min(end_of_cruise, len(self._times) - 1)] >= 0.0
             keep[0] = True
             self._goals, self._margins, self._away = self._goals[keep], self._margins[:, keep], self._away[:, keep]
 
