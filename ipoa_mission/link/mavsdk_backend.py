@@ -145,8 +145,8 @@ class MavsdkVehicle(Vehicle):
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         line = MavsdkLine(instance, system)
-        reported_name = system.autopilot_type().name
-        likely = next((one for one in registered() if one.firmware_name.upper() == reported_name), default_autopilot())
+        reported = system.autopilot_type().name
+        likely = next((each for each in registered() if each.firmware_name.upper() == reported), default_autopilot())
         kind = VehicleKind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: m.Heartbeat in self.state.heard, PRESENCE_S)):

@@ -143,10 +143,10 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
     if names:
         lasts, whole = np.diff(samples.times), samples.times[-1] - samples.times[0]
         seconds = lasts[~(samples.clear[1:] & samples.clear[:-1])].sum()
-        others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
             f"LAND in place may, in {seconds:.0f} of {whole:.0f} s in the air, end "
-            f"on or too near {', '.join(names[:NAMED])}{others} (`check --contingencies` says when)"
+            f"on or too near {', '.join(names[:NAMED])}{more} (`check --contingencies` says when)"
         )
 
 

@@ -170,7 +170,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = EFFORT.
             no_path = error
             continue
         if slow is not None:
-            return min(slow, attempt, key=lambda one: (not one.is_acceptable, one.quick_prediction.seconds))
+            return min(slow, attempt, key=lambda route: (not route.is_acceptable, route.quick_prediction.seconds))
         if attempt.is_acceptable:
             if delay < EFFORT.most_delay or plans == 1:
                 return attempt
@@ -224,8 +224,8 @@ def _first_margins(scenario: Scenario) -> Iterator[_Margins]:
             sought.append(margins)
             if (none.above_landings >= 0.0).any():
                 world = none.enlarge(world, scenario, margin.keep_gaps)
-            yield (one := _Margins(world, none))
-            closed = closed or one.closed
+            yield (tried := _Margins(world, none))
+            closed = closed or tried.closed
     yield _Margins(scenario, none)
 
 

@@ -83,8 +83,8 @@ class DeviationLaw:
 
     def in_wind(self, speed: float) -> "DeviationLaw":
         def longer(spread: Quantiles, share: float) -> Quantiles:
-            first, *others = spread.distances
-            return replace(spread, distances=(first, *(distance + share * speed for distance in others)))
+            first, *farther = spread.distances
+            return replace(spread, distances=(first, *(distance + share * speed for distance in farther)))
 
         if speed == 0.0:
             return self

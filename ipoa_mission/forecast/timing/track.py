@@ -23,8 +23,8 @@ class Track:
     @classmethod
     def of(cls, samples: Points, times: Vector | None = None) -> "Track":
         """Make a track of samples (n, 7) of time, place and velocity; copy all, so that they can be freed."""
-        own = samples[:, 0] if times is None else times
-        return cls(own.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
+        times = samples[:, 0] if times is None else times
+        return cls(times.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
 
     @classmethod
     def joined(cls, parts: Sequence[Points]) -> "Track":
