@@ -12,6 +12,7 @@ from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import RequestedMission
+    from ipoa_mission.forecast.contingency.energy_budget import Budget
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
@@ -95,11 +96,7 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     asked = forecast.mission_as_read
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
-    mission, prediction, budget = forecast.mission, forecast.estimate, None
-    if forecast.energy is not None:
-        from ipoa_mission.forecast.contingency.energy_budget import budget_of
-
-        budget = budget_of(forecast)
+    mission, prediction, budget = forecast.mission, forecast.estimate, known_budget(forecast)
     remarks = remarks_on(requested, forecast)
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
@@ -138,6 +135,14 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
         *([] if budget is None else budget.words),
     )
+
+
+def known_budget(forecast: "Forecast") -> "Budget | None":
+    if forecast.energy is None:
+        return None
+    from ipoa_mission.forecast.contingency.energy_budget import budget_of  # slow to import
+
+    return budget_of(forecast)
 
 
 def remarks_on(requested: "RequestedMission", forecast: "Forecast") -> tuple[str, ...]:

@@ -244,12 +244,7 @@ def _report(rows: list[_Row], title: str, remarks: list[str]) -> None:
 def _print_compared(compared: "ComparedFlight", title: str) -> None:
     comparison = compared.comparison
     rows = [
-        (
-            str(leg.seq),
-            *(f"{s:.1f}" for s in (leg.estimated_s, leg.flown_s)),
-            f"{leg.error_s:+.1f}",
-            f"{leg.flown_done_s:.1f}",
-        )
+        (str(leg.seq), f"{leg.estimated_s:.1f}", f"{leg.flown_s:.1f}", f"{leg.error_s:+.1f}", f"{leg.flown_done_s:.1f}")
         for leg in comparison.legs
     ]
     print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)

@@ -19,7 +19,6 @@ from ipoa_mission.unread import unread_as_json
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
-    """Return JSON values; items are numbered as in the file, home is 0."""
     return {
         "completed": record.completed,
         "armed": record.armed,

@@ -1,17 +1,21 @@
 import sys
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ipoa_mission.cli.checking import known_budget, remarks_on
 from ipoa_mission.cli.groups import ContingencyOptions
-from ipoa_mission.errors import OptionConflict, WrongSuffix
+from ipoa_mission.errors import MissionError, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
+    from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.report.table import Row
 
 
@@ -23,35 +27,18 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     from dataclasses import asdict
 
     from ipoa_mission.cli.check_files import number_of
-    from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_forecast
-    from ipoa_mission.errors import MissionError
     from ipoa_mission.mission.positions import refusals
-    from ipoa_mission.report.table import rows_of, shown
+    from ipoa_mission.report.table import rows_of
     from ipoa_mission.unread import unread_as_json
 
     if how.contingencies and as_json:
         words = "cannot be combined with --json"
         raise OptionConflict(words, hint="use `check --contingencies --json`", place="--contingencies")
     requested, forecast, world = read_forecast(file, how)
-    mission = forecast.mission
-    rows, errors = rows_of(forecast), refusals(mission)
-    done: dict[int, float] = {}
-    flown = 0.0
-    energy: list[str] = []
-    total = "no time: a position or height is not valid"
-    try:
-        if not errors:
-            timed = forecast.estimate
-            total = f"estimated {timed.total_s:.0f} s{timed.besides}"
-            flown = sum(item.length for item in timed.items)
-            done = {item.seq: item.done_s for item in timed.items}
-            if forecast.energy is not None:
-                from ipoa_mission.forecast.contingency.energy_budget import budget_of
-
-                energy = budget.words if (budget := budget_of(forecast)) else []
-    except MissionError as error:
-        total = f"no time: {error}"
+    mission, rows, errors = forecast.mission, rows_of(forecast), refusals(forecast.mission)
+    timed, total, energy = (None, "no time: a position or height is not valid", []) if errors else _estimated(forecast)
+    done = {} if timed is None else {item.seq: item.done_s for item in timed.items}
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
     remarks = remarks_on(requested, forecast) if done else (*requested.remarks, *errors, *of_world)
     if as_json:
@@ -59,34 +46,14 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
         unread = unread_as_json(() if world is None else world.unread)
         print_json({"items": items, "remarks": list(remarks), "unread": unread})
         return
-    cells = [
-        (
-            str(row.seq),
-            row.command,
-            shown(row.length),
-            shown(row.heading_deg, "03.0f"),
-            shown(row.climb, "+z.1f"),
-            shown(row.height),
-            shown(row.height_above_ground),
-            shown(done.get(row.seq)),
-            _detail(row),
-        )
-        for row in rows
-    ]
+    count = number_of(len(mission.items), "item")
+    print_lines(f"{file.name}: {count} for {mission.autopilot.checked_for(mission.firmware_version)}")
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    count = number_of(len(mission.items), "item")
-    print_lines(f"{file.name}: {count} for {mission.autopilot.checked_for(mission.firmware_version)}")
-    print_table(place, columns, cells)
-    climbs = [row.climb for row in rows if row.climb is not None]
-    up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
-    length = sum(row.length for row in rows if row.length is not None)
-    once = f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down"
-    if any(row.passes > 1 for row in rows):
-        print_lines("passes: leg of the first pass, time of the last")
-        once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
-    print_lines(f"{once}; {total}", *energy, *notes(remarks))
+    print_table(place, columns, [_cells(row, done.get(row.seq)) for row in rows])
+    flown = 0.0 if timed is None else sum(item.length for item in timed.items)
+    print_lines(*_lengths(rows, flown, total), *energy, *notes(remarks))
     if how.contingencies:
         from ipoa_mission.checks.check import guarantee_if_flown
         from ipoa_mission.cli.contingency_output import print_strip
@@ -94,6 +61,36 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
 
         is_flown = guarantee_if_flown(forecast) is not None
         print_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
+
+
+def _estimated(forecast: "Forecast") -> "tuple[Estimate | None, str, list[str]]":
+    """Return the estimate, and total and energy in words."""
+    timed = None
+    try:
+        timed = forecast.estimate
+        budget = known_budget(forecast)
+    except MissionError as error:
+        return timed, f"no time: {error}", []
+    return timed, f"estimated {timed.total_s:.0f} s{timed.besides}", budget.words if budget else []
+
+
+def _cells(row: "Row", done_s: float | None) -> tuple[str, ...]:
+    from ipoa_mission.report.table import shown
+
+    leg = (shown(row.length), shown(row.heading_deg, "03.0f"), shown(row.climb, "+z.1f"))
+    heights = (shown(row.height), shown(row.height_above_ground))
+    return (str(row.seq), row.command, *leg, *heights, shown(done_s), _detail(row))
+
+
+def _lengths(rows: "Sequence[Row]", flown: float, total: str) -> Iterator[str]:
+    climbs = [row.climb for row in rows if row.climb is not None]
+    up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
+    length = sum(row.length for row in rows if row.length is not None)
+    once = f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down"
+    if any(row.passes > 1 for row in rows):
+        yield "passes: leg of the first pass, time of the last"
+        once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
+    yield f"{once}; {total}"
 
 
 def _detail(row: "Row") -> str:
