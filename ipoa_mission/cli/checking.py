@@ -12,9 +12,9 @@ from ipoa_mission.terminal import notes, picked, print_json, print_lines, print_
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import RequestedMission
-    from ipoa_mission.forecast.contingency.energy_budget import Budget
+    from ipoa_mission.forecast.contingency.energy_budget import Budget, ItemEnergy
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.forecast.timing.estimate import Estimate
+    from ipoa_mission.forecast.timing.estimate import Estimate, ItemTime
 
 
 def check(
@@ -83,7 +83,6 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
-    from ipoa_mission.autopilot.commands import short_name
     from ipoa_mission.checks.firmware_check import check_version
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.cli.reading import read_forecast
@@ -107,22 +106,7 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         print_json(estimate_as_json(prediction) | energy | about)
         return
     items = budget.items if budget else (None,) * len(prediction.items)
-    rows = [
-        (
-            str(item.seq),
-            short_name(item.command),
-            _number(item.length),
-            _number(item.peak_speed if item.length else 0.0),
-            f"{item.duration_s:.1f}",
-            f"{item.done_s:.1f}",
-            f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
-            f"{100 * item.missed.share:.0f} %, {item.missed.cost_s:.0f} s" if item.missed.share else "",
-            "" if used is None else f"{used.takes.likely:.1f}",
-            "" if used is None or used.left is None else f"{max(used.left.likely, 0.0):.0%}",
-            item.reason,
-        )
-        for item, used in zip(prediction.items, items, strict=True)
-    ]
+    rows = [_cells(item, used) for item, used in zip(prediction.items, items, strict=True)]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "takes\nWh", "left"]
     columns.append("slowed by")
     title = f"{file.name} on {mission.autopilot.checked_for(mission.firmware_version)}, from arming"
@@ -135,6 +119,19 @@ def estimate(file: FileArgument, how: WorldOptions, as_json: JsonOption = False)
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
         *([] if budget is None else budget.words),
     )
+
+
+def _cells(item: "ItemTime", used: "ItemEnergy | None") -> tuple[str, ...]:
+    from ipoa_mission.autopilot.commands import short_name
+
+    peak = _number(item.peak_speed if item.length else 0.0)
+    margin = max(item.done_s - item.low_s, item.high_s - item.done_s)
+    missed = f"{100 * item.missed.share:.0f} %, {item.missed.cost_s:.0f} s" if item.missed.share else ""
+    takes = "" if used is None else f"{used.takes.likely:.1f}"
+    left = "" if used is None or used.left is None else f"{max(used.left.likely, 0.0):.0%}"
+    leg = (short_name(item.command), _number(item.length), peak)
+    times = (f"{item.duration_s:.1f}", f"{item.done_s:.1f}", f"{margin:.1f}")
+    return (str(item.seq), *leg, *times, missed, takes, left, item.reason)
 
 
 def known_budget(forecast: "Forecast") -> "Budget | None":
@@ -188,10 +185,9 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
         for item in estimate.items
     ]
     waits = {"waits": list(estimate.waits)} if estimate.waits else {}
-    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {
-        "qgroundcontrol_counts": COUNTED_TERMS
-    }
-    return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)} | waits
+    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s")
+    terms = {"qgroundcontrol_counts": COUNTED_TERMS, "route": route_summary(estimate)}
+    return times | terms | {"items": items, "remarks": list(estimate.remarks)} | waits
 
 
 def _number(value: float) -> str:
