@@ -1,5 +1,5 @@
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ipoa_mission.logs.flight_log import LoggedFlight
     from ipoa_mission.mission.flight_record import FlightRecord
     from ipoa_mission.mission.items import Mission
-    from ipoa_mission.report.compare import ComparedFlight
+    from ipoa_mission.report.compare import Assumptions, ComparedFlight
     from ipoa_mission.scenario import Scenario
 
 
@@ -65,14 +65,13 @@ def compare(
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
     from ipoa_mission.cli.reading import read_world
-    from ipoa_mission.flight.post_flight import flown_clearance, landed_elsewhere
+    from ipoa_mission.flight.post_flight import landed_elsewhere
     from ipoa_mission.logs.flight_log import read_flights
     from ipoa_mission.logs.vehicle_file import read_vehicle
-    from ipoa_mission.report.compare import Assumptions, compare_logged
+    from ipoa_mission.report.compare import Assumptions
     from ipoa_mission.terminal import expect_free
     from ipoa_mission.wind import CALM
 
-    number, picture = how.number, how.picture
     if len(files) > 2:
         raise OptionConflict("expected a mission and a log at most", place=files[2])
     *missions, log = files
@@ -81,40 +80,28 @@ def compare(
     if flown_by.autopilot not in (None, flown.autopilot):
         message = f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}"
         raise BadInput(message, code="other-autopilot", place=log)
-    own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
-    mission, beside = own or (None, ())
-    if number is not None and number > len(flown.flights):
-        message = f"expected a number up to {len(flown.flights)}, the flights in {log}"
-        raise BadInput(message, place=f"--flight {number}")
-    numbers = range(1, len(flown.flights) + 1) if number is None else [number]
-    if picture is not None and len(numbers) > 1:
-        raise OptionConflict(f"needs --flight N, as {log} has {len(numbers)} flights", place="--picture")
-    if picture is not None:
-        expect_free([picture], how.force, ask=not as_json)
-    parameters, air = flown_by.parameters, flown_by.air
+    mission, remarks = None, list[str]()
+    if file is not None:
+        mission, remarks = _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
+    numbers = _numbers(how, log, len(flown.flights))
+    if how.picture is not None:
+        expect_free([how.picture], how.force, ask=not as_json)
     version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
-    world = read_world(how.scenario, air)
+    world = read_world(how.scenario, flown_by.air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
-    assumed = Assumptions(parameters, learned, air or CALM, version)
-    rows = []
-    for n in numbers:
-        flight = flown.flights[n - 1]
-        compared = compare_logged(flight, mission, assumed) if flight.in_mission else None
-        record = flight.record() if compared is None else compared.record
-        flown_mission = None if compared is None else compared.forecast.mission
-        clearance = None if world is None else flown_clearance(record, world, flown_mission)
-        rows.append(_Row(n, flight, record, compared, clearance))
-    if picture is not None and rows[0].compared is not None:
-        _draw(rows[0].compared, picture, (file or log).stem)
+    assumed = Assumptions(flown_by.parameters, learned, flown_by.air or CALM, version)
+    rows = [_row(number, flown.flights[number - 1], mission, assumed, world) for number in numbers]
+    drawn = []
+    if how.picture is not None and rows[0].compared is not None:
+        _draw(rows[0].compared, how.picture, (file or log).stem)
+        drawn = [str(how.picture)]
     landed = (words for row in rows if row.compared for words in landed_elsewhere(row.compared.forecast, row.record))
-    remarks = [*beside, *flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
+    remarks += [*flown_by.parameter_remarks, *flown.remarks, *_remarks(rows, log, world), *landed]
     beyond = flown.autopilot.beyond_the_model(flown.version)
-    on = f"{flown.autopilot} {flown.version}".strip()
-    title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     useless = all(row.compared is None and row.clearance is None for row in rows)
-    error = LogUseless(f"{_useless(rows, log)}", hint="compare FILE LOG with the flown mission", place=log)
-    drawn = [] if picture is None or rows[0].compared is None else [str(picture)]
     if not as_json:
+        on = f"{flown.autopilot} {flown.version}".strip()
+        title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
         _report(rows, title, remarks if beyond is None else [*remarks, beyond])
         print_lines(*(f"written: {path}" for path in drawn))
     elif not useless:
@@ -123,12 +110,35 @@ def compare(
         about["remarks"] = [*remarks, *_flights_remarks(rows)]
         print_json({**next(entry for entry in flights if entry.get("legs") or world), **about, "flights": flights})
     if useless:
-        raise error
+        raise LogUseless(_useless(rows, log), hint="compare FILE LOG with the flown mission", place=log)
     if any(row.clearance is not None and not row.clearance.kept for row in rows):
         raise typer.Exit(1)
 
 
-def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
+def _numbers(how: LogOptions, log: Path, count: int) -> Sequence[int]:
+    if how.number is not None and how.number > count:
+        message = f"expected a number up to {count}, the flights in {log}"
+        raise BadInput(message, place=f"--flight {how.number}")
+    numbers = range(1, count + 1) if how.number is None else [how.number]
+    if how.picture is not None and len(numbers) > 1:
+        raise OptionConflict(f"needs --flight N, as {log} has {len(numbers)} flights", place="--picture")
+    return numbers
+
+
+def _row(
+    number: int, flight: "LoggedFlight", mission: "Mission | None", assumed: "Assumptions", world: "Scenario | None"
+) -> _Row:
+    from ipoa_mission.flight.post_flight import flown_clearance
+    from ipoa_mission.report.compare import compare_logged
+
+    compared = compare_logged(flight, mission, assumed) if flight.in_mission else None
+    record = flight.record() if compared is None else compared.record
+    flown_mission = None if compared is None else compared.forecast.mission
+    clearance = None if world is None else flown_clearance(record, world, flown_mission)
+    return _Row(number, flight, record, compared, clearance)
+
+
+def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", list[str]]:
     from ipoa_mission.cli.reading import read_requested
 
     states = may_differ and file.suffix.lower() == ".plan"
@@ -138,7 +148,7 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
         words = f"expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}"
         hint = f"--autopilot {autopilot}, if that is what was flown"
         raise BadInput(words, hint=hint, code="other-autopilot", place=file)
-    return mission, requested.remarks
+    return mission, list(requested.remarks)
 
 
 def _no_mission(log: Path) -> str:
@@ -185,11 +195,8 @@ def _draw(compared: "ComparedFlight", picture: Path, title: str) -> None:
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
-    about: dict[str, Any] = {
-        "flight": row.number,
-        "armed_s": round(row.flight.armed_s, 3),
-        "in_mission": row.flight.in_mission,
-    }
+    flight = row.flight
+    about: dict[str, Any] = {"flight": row.number, "armed_s": round(flight.armed_s, 3), "in_mission": flight.in_mission}
     about |= {"flown_s": _known(row.record.total_s)} if row.compared is None else _compared_as_json(row.compared)
     if row.clearance is not None:
         about["clearance"] = _clearance_as_json(row.clearance)
