@@ -96,10 +96,10 @@ def balance(starts, ends, walls, a, b, inside):
         for k in range(len(walls)):
             for power in range(3):
                 squares[sides + k, power] = walls[k, power]
-        for one in range(sides + len(walls)):
-            for other in range(one):
-                c0, c1 = squares[one, 0] - squares[other, 0], squares[one, 1] - squares[other, 1]
-                c2 = squares[one, 2] - squares[other, 2]
+        for first in range(sides + len(walls)):
+            for second in range(first):
+                c0, c1 = squares[first, 0] - squares[second, 0], squares[first, 1] - squares[second, 1]
+                c2 = squares[first, 2] - squares[second, 2]
                 q = -0.5 * (c1 + math.copysign(math.sqrt(max(c1 * c1 - 4.0 * c2 * c0, 0.0)), c1))
                 if c2 != 0.0:
                     found[count] = q / c2

@@ -114,7 +114,7 @@ def spline_leg(
     tangents = spline_tangents(origin, target, flown_in, stop.after)
     level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
     return _leg(SPLINE, origin, target, speeds)._replace(
-        cubic=[Vector(*one) for one in cubic(origin, target, tangents)],
+        cubic=[Vector(*coefficient) for coefficient in cubic(origin, target, tangents)],
         end=Vector(*tangents[1]),
         accel=MotionLimits(level, vertical, vertical),
     )

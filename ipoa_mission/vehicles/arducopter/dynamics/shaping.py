@@ -20,13 +20,13 @@ def along(leg: CopterLeg, t: float) -> Triple:
         return 0.0, leg.profile.leave, leg.length
     while at > 0 and segments[at].begin > t:
         at -= 1
-    one = segments[at]
-    t -= one.begin
-    lasts, j, a, v, way = one.lasts, one.jerk, one.accel, one.speed, one.way
-    if one.shape == 0.0 or lasts <= 0.0:
+    segment = segments[at]
+    t -= segment.begin
+    lasts, j, a, v, way = segment.lasts, segment.jerk, segment.accel, segment.speed, segment.way
+    if segment.shape == 0.0 or lasts <= 0.0:
         return a + j * t, v + t * (a + j * t / 2), way + t * (v + t * (a / 2 + j * t / 6))
     b = lasts / math.pi
-    s = b if one.shape == 1.0 else -b
+    s = b if segment.shape == 1.0 else -b
     sine, cosine, half = math.sin(t / b), math.cos(t / b), j / 2
     return (
         a + half * (t - s * sine),

@@ -54,10 +54,10 @@ def take_off(top: Enu, limits: Px4Limits) -> Order:
 def waypoint(item: Item, order: Order, limits: Px4Limits) -> Order:
     """Return the order of a leg with the item's hold, radius and heading."""
     hold_s = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
-    own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
+    has_radius = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return order._replace(
         beyond=order.goal if hold_s > 0 else order.beyond,
-        radius=item.params[1] if own else limits.radius,
+        radius=item.params[1] if has_radius else limits.radius,
         hold_s=hold_s,
         heading=math.radians(item.params[3]),
         may_turn_first=True,
