@@ -297,7 +297,7 @@ def _name(vehicle: "Vehicle") -> str:
 def _report(
     as_json: bool, vehicle: "Vehicle", about: dict[str, Any], words: list[str], log: list[str] | None = None
 ) -> None:
-    """Print the result, as JSON with the vehicle, or in words with the files written (`log`: some)."""
+    """Print the result as JSON, or in words with the written files (`log`: some)."""
     if as_json:
         version = vehicle.version_heard
         who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}

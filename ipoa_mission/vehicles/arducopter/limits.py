@@ -49,7 +49,7 @@ class CopterLimits:
     jerk_z: float
     radius: float
     lean: float
-    lean_lag: float
+    lean_lag: float  # time constant
     spool_up: float
     land_speed: float
     land_speed_high: float

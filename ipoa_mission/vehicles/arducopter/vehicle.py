@@ -362,9 +362,8 @@ class ArduCopter(Autopilot):
         return OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Read in the source.
-
-        >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
+        """
+        >>> lost = next(f for f in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if f.cause == "radio control lost")
         >>> str(lost.action), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].action)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
         """

@@ -77,7 +77,7 @@ class Px4Touchdown(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """Motion limits in m, s, rad.
+    """Motion limits in m, s, rad; gains in 1/s. `px4_limits` has the parameter of each.
 
     LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. `splits_axes`: the vertical setpoint waits
     separately, up to `most_height_error` ahead, and a passed item is not flown back to.
@@ -86,7 +86,7 @@ class Px4Limits(NamedTuple):
     cruise: float
     most_speed: float
     corner_gain: float
-    most_error: float
+    most_lag: float
     accel: float
     jerk: float
     climb: float
@@ -97,16 +97,16 @@ class Px4Limits(NamedTuple):
     accel_down: float
     radius: float
     height_radius: float
-    p_xy: float
-    p_v: float
-    i_v: float
-    d_v: float
-    p_z: float
-    p_vz: float
-    i_vz: float
-    hover_learning: float
+    p_position: float
+    p_velocity: float
+    i_velocity: float
+    d_velocity: float
+    p_height: float
+    p_climb: float
+    i_climb: float
+    hover_learning: float  # time constant
     lean: float
-    lean_lag: float
+    lean_lag: float  # time constant
     spool_up: float
     takeoff_speed: float
     takeoff_ramp: float
@@ -155,7 +155,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         cruise=p["MPC_XY_CRUISE"],
         most_speed=p["MPC_XY_VEL_MAX"],
         corner_gain=p["MPC_XY_TRAJ_P"],
-        most_error=p["MPC_XY_ERR_MAX"],
+        most_lag=p["MPC_XY_ERR_MAX"],
         accel=p["MPC_ACC_HOR"],
         jerk=p["MPC_JERK_AUTO"],
         climb=climb,
@@ -166,13 +166,13 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         accel_down=p["MPC_ACC_DOWN_MAX"],
         radius=p["NAV_ACC_RAD"],
         height_radius=p["NAV_MC_ALT_RAD"],
-        p_xy=p["MPC_XY_P"],
-        p_v=p["MPC_XY_VEL_P_ACC"],
-        i_v=p["MPC_XY_VEL_I_ACC"],
-        d_v=p["MPC_XY_VEL_D_ACC"],
-        p_z=p["MPC_Z_P"],
-        p_vz=p["MPC_Z_VEL_P_ACC"],
-        i_vz=p["MPC_Z_VEL_I_ACC"],
+        p_position=p["MPC_XY_P"],
+        p_velocity=p["MPC_XY_VEL_P_ACC"],
+        i_velocity=p["MPC_XY_VEL_I_ACC"],
+        d_velocity=p["MPC_XY_VEL_D_ACC"],
+        p_height=p["MPC_Z_P"],
+        p_climb=p["MPC_Z_VEL_P_ACC"],
+        i_climb=p["MPC_Z_VEL_I_ACC"],
         hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
         lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
         lean_lag=1 / p["MC_ROLL_P"],

@@ -350,9 +350,8 @@ class Px4Multicopter(Autopilot):
         return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"])
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Read in the source.
-
-        >>> actions = {one.cause: one.action for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
+        """
+        >>> actions = {each.cause: each.action for each in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> actions["critical battery"].contingency, actions["critical battery"].after_s
         (<Contingency.RTL: 'rtl'>, 5.0)
         """

@@ -60,27 +60,25 @@ def controlled(
         east - body.speed.east - body.acceleration.east * dt,
         north - body.speed.north - body.acceleration.north * dt,
     )
-    ask_east = (
-        trajectory.east.acceleration + limits.p_v * east + was.integral.east - limits.d_v * body.acceleration.east
-    )
-    ask_north = (
-        trajectory.north.acceleration + limits.p_v * north + was.integral.north - limits.d_v * body.acceleration.north
-    )
+    ask_east = trajectory.east.acceleration + limits.p_velocity * east + was.integral.east
+    ask_north = trajectory.north.acceleration + limits.p_velocity * north + was.integral.north
+    ask_east -= limits.d_velocity * body.acceleration.east
+    ask_north -= limits.d_velocity * body.acceleration.north
     most_climb, foreseen, ramp = limits.most_climb, trajectory.up.acceleration, state.time - state.begun
     if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
-        none = -GRAVITY / limits.p_vz
+        none = -GRAVITY / limits.p_climb
         most_climb, foreseen = none + ramp / limits.takeoff_ramp * (most_climb - none), 0.0
-    climb = trajectory.up.speed + limits.p_z * (trajectory.up.place - body.place.up)
+    climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
     up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
-    thrust = max(foreseen + limits.p_vz * up + was.integral.up, -GRAVITY)
+    thrust = max(foreseen + limits.p_climb * up + was.integral.up, -GRAVITY)
     size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
     share = 1.0 if size <= constants.most_lean else constants.most_lean / size
     # anti-windup: with too little lean or thrust
-    back = 2.0 / limits.p_v * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
+    back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
     integral = Enu(
-        was.integral.east + limits.i_v * (east - back * ask_east) * dt,
-        was.integral.north + limits.i_v * (north - back * ask_north) * dt,
-        was.integral.up + (limits.i_vz * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
+        was.integral.east + limits.i_velocity * (east - back * ask_east) * dt,
+        was.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
+        was.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
     )
     return Enu(ask_east * share, ask_north * share, thrust), Control(integral, was.hover, thrust)
 
@@ -88,8 +86,8 @@ def controlled(
 def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
     x: Axis = trajectory.east
     y: Axis = trajectory.north
-    east = x.speed + limits.p_xy * (x.place - body.place.east - body.speed.east * dt)
-    north = y.speed + limits.p_xy * (y.place - body.place.north - body.speed.north * dt)
+    east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
+    north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
     size = math.sqrt(east * east + north * north)
     share = 1.0 if size <= limits.most_speed else limits.most_speed / size
     return east * share, north * share
@@ -227,7 +225,7 @@ def track_setpoint(state: State, order: Order, constants: SimulationConstants, v
     standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
     if standing or east * was.east.speed + north * was.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
-    pace = pace_up = 1.0 - min(behind / limits.most_error, 1.0)
+    pace = pace_up = 1.0 - min(behind / limits.most_lag, 1.0)
     if limits.splits_axes:
         pace_up, lead = 1.0, was.up.place - at.up
         if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
