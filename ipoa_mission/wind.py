@@ -1,3 +1,5 @@
+"""Wind by height."""
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -101,7 +103,7 @@ class Wind:
         words = f"{self.speed:.3g} m/s from {self.from_deg % 360:.0f} deg"
         if self.levels:
             blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]
-            each = [f"{one.speed:.3g} m/s from {one.from_deg:.0f} deg at {up:.0f} m" for up, one in blowing]
+            each = [f"{wind.speed:.3g} m/s from {wind.from_deg:.0f} deg at {up:.0f} m" for up, wind in blowing]
             words = f"{each[0]} to {each[-1]} above home"
         elif self.gradient_height > 0 and self.exponent > 0:
             words += f" from {self.gradient_height:g} m above home up, less below"

@@ -59,7 +59,6 @@ def write_vehicle(vehicle: LearnedVehicle) -> str:
 
 
 def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehicle:
-    """Read a vehicle, of this autopilot if given."""
     text = read_bytes(path, MAX_BYTES + 1)
     if len(text) > MAX_BYTES:
         raise TooLarge(f"expected a vehicle.toml of at most {MAX_BYTES} bytes", place=path)

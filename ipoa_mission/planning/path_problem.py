@@ -1,3 +1,5 @@
+"""The planner's task: a `Scenario`, or a `PathProblem`."""
+
 from dataclasses import dataclass, field, fields, replace
 from typing import TypeAlias
 

@@ -1,3 +1,5 @@
+"""A scenario: the tables of its file, and their world."""
+
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
