@@ -91,7 +91,7 @@ class MissionError(Exception):
 
     def _copied(self) -> Self:
         other = type(self).__new__(type(self), *self.args)
-        other.__dict__.update(self.__dict__)
+        vars(other).update(vars(self))
         return other
 
     def followed_by(self, *lines: str) -> Self:

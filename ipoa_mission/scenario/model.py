@@ -180,21 +180,15 @@ class Scenario(Section):
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """Return a copy, unchecked, which shares the world unless `update` changes it."""
         copied = super().model_copy(update=update, deep=deep)
-        return copied if (WORLD | added_sections().keys()) & (update or {}).keys() else copied._taking(self._cached())
+        is_elsewhere = (WORLD | added_sections().keys()) & (update or {}).keys()
+        return copied if is_elsewhere else copied.with_cached(self.cached_values(CACHED))
 
     def with_airspace(self, airspace: Airspace) -> "Scenario":
-        return self.model_copy()._taking({"_surroundings": replace(self._surroundings, airspace=airspace)})
+        return self.model_copy().with_cached({"_surroundings": replace(self._surroundings, airspace=airspace)})
 
     def in_world_of(self, other: "Scenario") -> "Scenario":
         """Return a copy with the frame and maps of another scenario."""
-        return self.model_copy()._taking(other._cached())
-
-    def _cached(self) -> dict[str, Any]:
-        return {key: self.__dict__[key] for key in CACHED if key in self.__dict__}
-
-    def _taking(self, cached: Mapping[str, Any]) -> "Scenario":
-        self.__dict__ |= cached
-        return self
+        return self.model_copy().with_cached(other.cached_values(CACHED))
 
     def with_wind_read(self) -> "Scenario":
         if self.wind.file is None:
