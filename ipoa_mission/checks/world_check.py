@@ -114,9 +114,7 @@ def _where(limit: KeptLimit) -> str:
 
 
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
-    things = [
-        thing for thing in forecast.world.passed_over if thing.may_be_obstacle and not shapely.is_empty(thing.shape)
-    ]
+    things = [each for each in forecast.world.passed_over if each.may_be_obstacle and not shapely.is_empty(each.shape)]
     for code in sorted({thing.code for thing in things}):
         yield from _near(forecast, [thing for thing in things if thing.code == code], code)
 

@@ -61,7 +61,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     over_home = starts_over_home(route)
     defaults = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
-        *(_waypoint_of(route, n, place, defaults, scenario) for n, place in enumerate(onward[:-1], 1)),
+        *(_item_at(route, n, place, defaults, scenario) for n, place in enumerate(onward[:-1], 1)),
         spline_waypoint(*onward[-1]) if route.spline and route.brakes_on_curve else waypoint(*onward[-1], *defaults),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
@@ -98,9 +98,7 @@ def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _waypoint_of(
-    route: Route, n: int, at: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario
-) -> Item:
+def _item_at(route: Route, n: int, at: tuple[Geodetic, float], defaults: WaypointDefaults, scenario: Scenario) -> Item:
     place, height = at
     if route.spline:
         if turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0:  # as a spline its path is unknown

@@ -99,10 +99,9 @@ class ClearanceGuarantee:
     @property
     def clearance(self) -> KeptLimit | None:
         """Return the least clearance on the way, shortfalls first."""
-        solid = [
-            k for k in self.limits if k.in_cruise and k.limit in ("obstacles", "ground") and np.isfinite(k.guaranteed)
-        ]
-        return min(solid, key=lambda limit: (not limit.falls_short, limit.guaranteed), default=None)
+        solid = [limit for limit in self.limits if limit.in_cruise and limit.limit in ("obstacles", "ground")]
+        finite = [limit for limit in solid if np.isfinite(limit.guaranteed)]
+        return min(finite, key=lambda limit: (not limit.falls_short, limit.guaranteed), default=None)
 
     @property
     def elsewhere(self) -> tuple[KeptLimit, ...]:

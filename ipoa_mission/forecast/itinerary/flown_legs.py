@@ -216,11 +216,10 @@ class _LegBuilder:
         if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
             self.heading = math.atan2(*(target - self.at)[:2])
         self.at = target
-        return Leg(
-            seq, Phase.CRUISE, self._following(points) if follow_terrain else points, over_terrain=follow_terrain
-        )
+        path = self._over_ground(points) if follow_terrain else points
+        return Leg(seq, Phase.CRUISE, path, over_terrain=follow_terrain)
 
-    def _following(self, ends: Points) -> Points:
+    def _over_ground(self, ends: Points) -> Points:
         steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
         along = np.linspace(0.0, 1.0, steps)
         points = ends[0] + along[:, None] * (ends[1] - ends[0])
