@@ -222,18 +222,23 @@ class ConformanceMonitor:
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
-            first, last = np.searchsorted(self._times, [begin, end])
-            away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
-            excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
-            mission, speed = self._forecast.mission, np.array([items[target].peak_speed])
-            braking = float(mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0])
-            comes_back = self._overshoot + braking
+            excursion = self._excursion(goal, begin, end)
+            comes_back = self._overshoot + self._braking_distance(items[target].peak_speed)
         longest = max(items[visit].high_s - begin + items[visit].missed.cost_s, LIMITS.min_leg_s)
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         visits = self._visits[near.start : near.stop]
         waits = any(each.item.command == Command.NAV_DELAY and not each.item.params[0] > 0.0 for each in visits)
         is_compared = not waits and self._unknown.isdisjoint(each.seq for each in visits)
         return _Leg(self._points[span], limits, goal, excursion, comes_back, longest, target is None, is_compared)
+
+    def _excursion(self, goal: Vector, begin: float, end: float) -> float:
+        first, last = np.searchsorted(self._times, [begin, end])
+        away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
+        return float((away - np.minimum.accumulate(away)).max(initial=0.0))
+
+    def _braking_distance(self, speed: float) -> float:
+        mission, speeds = self._forecast.mission, np.array([speed])
+        return float(mission.autopilot.braking_distance(mission.parameters, speeds, 0.0 * speeds)[0])
 
     def _direct(self, place: Vector) -> Points | None:
         if (goal := self._leg(self._visit).goal) is None:
