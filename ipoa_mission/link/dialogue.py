@@ -185,9 +185,8 @@ class Tempo:
 
     def repeated(self) -> None:
         """Back off a little on a lossy link, more on a slow one."""
-        self._backoff = min(
-            self._backoff * 1.5, self.LONGEST_BACKOFF if self._doubts < self.SLOW_LINK_REPEATS else 16.0
-        )
+        longest = self.LONGEST_BACKOFF if self._doubts < self.SLOW_LINK_REPEATS else 16.0
+        self._backoff = min(self._backoff * 1.5, longest)
 
 
 class Exchange(Generic[T]):

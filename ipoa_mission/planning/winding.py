@@ -42,9 +42,8 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
         steep = first + np.nonzero(_too_steep(way[first : last + 1], problem))[0]
         height = float(np.diff(way[:, 2])[steep].sum())
         level = way[first : last + 1].copy()
-        level[1:, 2] -= np.cumsum(
-            np.where(np.isin(np.arange(first, last), steep), np.diff(way[first : last + 1, 2]), 0)
-        )
+        steep_rises = np.where(np.isin(np.arange(first, last), steep), np.diff(way[first : last + 1, 2]), 0)
+        level[1:, 2] -= np.cumsum(steep_rises)
         climb = None
         high = abs(height) > 2 * step
         for at in np.unique(steep[[0, len(steep) // 2, -1]] - first) if high else ():

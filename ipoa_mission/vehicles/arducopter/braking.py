@@ -74,9 +74,8 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
     settled = math.acos(min(speed * math.cos(aside) ** 2 / (spin * radius), 1.0))
     if behind - aside < settled:
         # the angle from velocity to point after a turn at the speed limit
-        back = settled * math.tanh(
-            settled * max(abs(turn) - behind, 0.0) / 2.0 + math.atanh((behind - aside) / settled)
-        )
+        left = max(abs(turn) - behind, 0.0)
+        back = settled * math.tanh(settled * left / 2.0 + math.atanh((behind - aside) / settled))
         flown, behind = radius * math.cos(back) / math.cos(aside), aside + back
     pace, near = spin * flown, accel / limits.p_position**2
     runs_on = pace / limits.p_position if pace <= near else near / 2.0 + pace**2 / (2.0 * accel)
