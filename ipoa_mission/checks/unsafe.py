@@ -40,7 +40,6 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 
 def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> None:
-    """Refuse a flight with a finding about a planned return."""
     if forecast.world.safety.returns != "planned":
         return
     rtl = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}

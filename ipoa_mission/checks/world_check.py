@@ -232,7 +232,6 @@ def name_items(seqs: Sequence[int]) -> str:
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
-    """Warn where such a landing would come down on something."""
     if not forecast.mission.items or not lands_by_choice(forecast):
         return
     paths = forecast.cached(ContingencyPaths)

@@ -96,7 +96,7 @@ class Flight:
 
     @property
     def energy(self) -> Consumption | None:
-        """None without an airframe or a learned vehicle."""
+        """Return the energy; None without airframe or learned vehicle."""
         return self.forecast.energy
 
     @property

@@ -155,7 +155,7 @@ class Tempo:
         return min(wait * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
-        """The question was sent once."""
+        """Count the round trip of an unrepeated question."""
         self._backoff = 1.0
         self._doubts = 0
         if self._mean is None:
@@ -176,11 +176,11 @@ class Tempo:
         return max(self.patience.echo_s, self._shortest)
 
     def lost(self) -> None:
-        """The repeat is too late for an echo."""
+        """Note a repeat too late for an echo."""
         self._loses = True
 
     def doubt(self) -> None:
-        """A repeated question gives no round trip."""
+        """Note a repeated question: no round trip."""
         self._doubts += 1
 
     def repeated(self) -> None:

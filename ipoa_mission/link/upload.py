@@ -88,7 +88,7 @@ class Upload:
 
     @property
     def truncates(self) -> bool:
-        """ArduPilot drops its old list when a transfer begins, except its fence."""
+        """Return whether it drops its old list when a transfer begins: ArduPilot, except its fence."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
@@ -118,14 +118,14 @@ class MissionReports(VehicleTexts):
     is_named: bool = False  # since the list was read whole
 
     def reset_at_offer(self) -> None:
-        """Earlier reports concern other missions."""
+        """Forget earlier reports, which concern other missions."""
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
     def reset_at_reading(self) -> None:
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
 
     def reset_ids(self) -> None:
-        """The last id still counts."""
+        """Forget all ids but the last."""
         self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
         self.is_named = False
 

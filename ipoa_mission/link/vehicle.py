@@ -315,7 +315,7 @@ class Vehicle(RemoteVehicle):
                 self._tell(departure.subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """Incomplete after a deviation or a replaced mission."""
+        """Return the flight, incomplete after a deviation or replaced mission."""
         record, why_not = self._logbook.record(), self.changed or self.conformance.why_not
         record = replace(record, deviations=tuple(self.conformance.deviations))
         return replace(record, completed=False, why_not=why_not) if why_not else record
@@ -341,7 +341,7 @@ class Vehicle(RemoteVehicle):
         return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
     def home(self) -> Geodetic | None:
-        """None while the vehicle has none."""
+        """Return home; None while unknown."""
         return self._hold(orders.request_home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:

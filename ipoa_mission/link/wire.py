@@ -71,7 +71,7 @@ def scale(frame: int) -> int:
 
 
 def saturated(value: float, bits: int = 32) -> int:
-    """NaN gives 0: telemetry must not fail."""
+    """Return 0 for NaN: telemetry must not fail."""
     most = 2 ** (bits - 1) - 1
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
 

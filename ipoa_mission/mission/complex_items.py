@@ -116,7 +116,7 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
 
 
 def _round(polygon: Node, distance: float) -> list[Geodetic]:
-    """Clockwise from the polygon's first corner."""
+    """Return corners clockwise, from the polygon's first."""
     from shapely import Polygon  # slow to import
 
     places = [place.array(2, "numbers (latitude, longitude)") for place in polygon.array()]
@@ -146,7 +146,7 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
 
 
 def _area(plane: Points) -> float:
-    """Twice the area [m^2], positive counter-clockwise."""
+    """Return twice the area [m^2], positive counter-clockwise."""
     x, y = plane.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 

@@ -18,7 +18,7 @@ def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ..
 
 
 def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, ...]:
-    """ArduPilot's return point (5000) is left out."""
+    """Return the fence without ArduPilot's return point (5000)."""
     fence: list[FencePolygon | FenceCircle] = []
     at = 0
     while at < len(items):

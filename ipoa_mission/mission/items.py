@@ -235,7 +235,7 @@ def change_speed(speed: float) -> Item:
 
 
 def camera_trigger(distance: float, at_once: bool = True) -> Item:
-    """Every `distance` [m]; 0: stop."""
+    """Trigger every `distance` [m]; 0: stop."""
     return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, float(at_once), 0.0))
 
 

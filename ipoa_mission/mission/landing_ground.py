@@ -12,7 +12,7 @@ from ipoa_mission.mission.items import Mission
 
 
 def landing_height(mission: Mission) -> float | None:
-    """Above home [m], if known."""
+    """Return height above home [m], if known."""
     known = mission.landing_ground
     if known is None or (place := landing_place(mission)) is None:
         return None

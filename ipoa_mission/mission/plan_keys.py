@@ -66,7 +66,7 @@ EXPECTED = {
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
-    """Unread keys that may limit a flight are errors."""
+    """Report unread keys; those that may limit a flight as errors."""
     missing = {place for place in EXPECTED if _lacks(plan, place)}
     for unread in gathered(_unread(plan, missing)):
         words = unread.words.removeprefix(f"{unread.file}: ")

@@ -19,14 +19,14 @@ from ipoa_mission.mission.items import Item, Mission
 
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
-    """PX4 requires frame 2 without a position. NaN becomes 0 where ArduPilot refuses NaN."""
+    """Return items as sent: in frame 2 without a position for PX4, 0 for a NaN that ArduPilot refuses."""
     firmware = mission.autopilot.firmware(mission.firmware_version)
     items = tuple(_sent(item, firmware) for item in mission.items)
     return (home_item(mission.home), *items) if firmware.home_is_item_0 else items
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
-    """`home` is reported by the vehicle; without it ArduPilot's item 0 is home.
+    """Return the mission; without a reported `home`, ArduPilot's item 0 is home.
 
     Raises:
         MissionError: a PX4 list comes without a home.

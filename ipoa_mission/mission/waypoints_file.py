@@ -54,7 +54,7 @@ def left_out(mission: Mission) -> tuple[str, ...]:
 
 
 def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """CRLF, blank lines and `#` comments are accepted; a home at 0, 0 is replaced by the first place."""
+    """Accept CRLF, blank lines and `#` comments; replace a home at 0, 0 by the first place."""
     autopilot = autopilot or default_autopilot()
     rows = list(_rows(path, text))
     if not rows:
@@ -122,7 +122,7 @@ def _check(number: int, item: Item) -> None:
 
 
 def _without_nan(item: Item) -> Item:
-    """ArduPilot's ground stations cannot read NaN; 0 is the same to it."""
+    """Replace NaN, which ArduPilot's ground stations cannot read, by an equal 0."""
     p1, p2, p3, p4 = (0.0 if math.isnan(param) else param for param in item.params)
     return replace(item, params=(p1, p2, p3, p4))
 

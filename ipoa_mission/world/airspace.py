@@ -30,7 +30,6 @@ class Clearance:
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
     def minus(self, deviation: float) -> "Clearance":
-        """Subtract a deviation [m]."""
         return replace(self, distance=self.distance - deviation)
 
 

@@ -72,7 +72,7 @@ class Polygon:
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
 
     def distance(self, points: Plane) -> Vector:
-        """Negative inside."""
+        """Return distances, negative inside."""
         nearest = self.edge_distances(points).min(axis=1)
         return np.asarray(np.where(self.contains(points), -nearest, nearest))
 

@@ -39,7 +39,7 @@ class Quantiles:
 
     @property
     def _logs(self) -> tuple[Vector, float]:
-        """Logarithms of the chances, and their slope beyond the last distance."""
+        """Return logarithms of chances, and their slope beyond the last distance."""
         logs = np.log(self.chances)
         return logs, (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
 

@@ -321,7 +321,7 @@ class Px4Multicopter(Autopilot):
         return best
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """NAV_ACC_RAD is 10 m from 1.18 on."""
+        """Return NAV_ACC_RAD: 10 m from 1.18 on."""
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
