@@ -69,9 +69,8 @@ def check(
         print_json({"ok": not errors, "files": [{"file": str(each.file)} | each.as_json() for each in checked]})
     elif not is_one:
         warnings = sum(len(each.findings) for each in checked) - errors
-        print_lines(
-            f"{number_of(len(checked), 'file')}: {number_of(errors, 'error')}, {number_of(warnings, 'warning')}"
-        )
+        severities = f"{number_of(errors, 'error')}, {number_of(warnings, 'warning')}"
+        print_lines(f"{number_of(len(checked), 'file')}: {severities}")
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 

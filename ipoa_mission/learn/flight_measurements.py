@@ -47,9 +47,8 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     steady[:SMOOTHED_SAMPLES] = steady[-SMOOTHED_SAMPLES:] = False
     fast_s = (np.hypot(*velocity[steady, :2].T) > min_speed).sum() * SAMPLE_STEP_S
     if fast_s < min_time_s:
-        raise LogUseless(
-            f"expected {min_time_s:g} s or more of level flight over {min_speed:g} m/s, not {fast_s:.1f} s"
-        )
+        words = f"expected {min_time_s:g} s or more of level flight over {min_speed:g} m/s, not {fast_s:.1f} s"
+        raise LogUseless(words)
     velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
     airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
 

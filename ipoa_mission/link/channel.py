@@ -49,9 +49,8 @@ def parse_address(url: str) -> Address:
     if match := re.fullmatch(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", url, re.ASCII):
         return Address(Transport.SERIAL, device=match["device"], baud=int(match["baud"] or DEFAULT_BAUD))
     host = r"(?P<host>\[[0-9a-fA-F:.]+\]|[^:/\[\]]*)"
-    match = re.fullmatch(
-        rf"(?P<kind>udp|udpin|udpout|tcp|tcpout|tcpin):(//)?{host}:(?P<port>\d{{1,9}})/?", url, re.ASCII
-    )
+    address = rf"(?P<kind>udp|udpin|udpout|tcp|tcpout|tcpin):(//)?{host}:(?P<port>\d{{1,9}})/?"
+    match = re.fullmatch(address, url, re.ASCII)
     if match is None:
         raise BadInput(
             f"expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD, "

@@ -150,9 +150,8 @@ class Vehicle(RemoteVehicle):
             items, fenced, rallied = (lists[kind] for kind in LISTS)
             fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
-        self._onboard_lists = {
-            k: OnboardList(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS
-        }
+        jobs = {kind: Upload(lists[kind], self.autopilot, kind, self._checksum_numbers()) for kind in LISTS}
+        self._onboard_lists = {kind: OnboardList(job) for kind, job in jobs.items()}
         self._set_mission(mission)
         return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 

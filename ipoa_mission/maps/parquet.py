@@ -137,9 +137,8 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
             bad.place = f"{path}: row[{row}]"
             raise bad from error
         half = len(wkb) // 2
-        return np.concatenate(
-            [_drawn(wkb[:half], to_degrees, path, row), _drawn(wkb[half:], to_degrees, path, row + half)]
-        )
+        first = _drawn(wkb[:half], to_degrees, path, row)
+        return np.concatenate([first, _drawn(wkb[half:], to_degrees, path, row + half)])
 
 
 def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:

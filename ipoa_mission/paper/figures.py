@@ -117,9 +117,8 @@ def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> s
     for (case, scenario), above, front in zip(scenarios.items(), panels[::2], panels[1::2], strict=True):
         _draw_world(above, front, scenario)
         for name in ALGORITHMS:
-            best = min(
-                (row for row in rows if (row.trial.case, row.trial.algorithm) == (case, name)), key=lambda r: r.cost
-            )
+            trials = (row for row in rows if (row.trial.case, row.trial.algorithm) == (case, name))
+            best = min(trials, key=lambda row: row.cost)
             control = np.array(best.measures["control"], dtype=np.float64).reshape(-1, 3)
             path = Spline(control).points(np.linspace(0, 1, 300))
             style = "-" if best.measures["feasible"] else ":"

@@ -36,9 +36,8 @@ def map_scenario(case: str) -> Scenario:
     name, _, experiment = case.partition("/")
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
-        raise UnknownName(
-            f"expected one of {', '.join(MAPS)}, with or without /1, /2 or /3, not {case!r}", place="case"
-        )
+        words = f"expected one of {', '.join(MAPS)}, with or without /1, /2 or /3, not {case!r}"
+        raise UnknownName(words, place="case")
     scenario = paper_scenario(name)
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 

@@ -91,9 +91,8 @@ def blockage(problem: PreparedProblem) -> NoPath | None:
 
 def _entrance(lattice: Lattice, place: Vector) -> int:
     shape = np.array(lattice.slack.shape)
-    beside = (
-        np.round((place - lattice.corner) / lattice.spacing).astype(int) + np.indices((3, 3, 3)).reshape(3, -1).T - 1
-    )
+    nearest = np.round((place - lattice.corner) / lattice.spacing).astype(int)
+    beside = nearest + np.indices((3, 3, 3)).reshape(3, -1).T - 1
     nodes = np.ravel_multi_index(tuple(np.clip(beside, 0, shape - 1).T), lattice.slack.shape)
     return int(nodes[np.argmax(lattice.slack.ravel()[nodes])])
 

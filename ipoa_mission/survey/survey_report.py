@@ -121,9 +121,8 @@ def _hue(flight: int) -> str:
 def _rings(shape: Any) -> str:
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
     rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
-    return "".join(
-        "M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in ring) + "Z" for ring in rings if len(ring)
-    )
+    lines = ("L".join(f"{east:.1f} {north:.1f}" for east, north in ring) for ring in rings if len(ring))
+    return "".join(f"M{line}Z" for line in lines)
 
 
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:

@@ -86,8 +86,9 @@ class Cylinder(Part):
                 continue
             w_squared = np.array([height**2, 2 * height * climb, climb**2])
             slope, both = derivative(q), derivative(q + w_squared)
-            turning = np.pad(np.convolve(slope, slope), (0, 2))
-            candidates.append(roots(np.convolve(np.convolve(both, both), q) - self.radius**2 * turning))
+            slope_squared = np.pad(np.convolve(slope, slope), (0, 2))
+            quartic = np.convolve(np.convolve(both, both), q) - self.radius**2 * slope_squared
+            candidates.append(roots(quartic))
             if crosses:
                 balance = q - w_squared - 2 * self.radius * np.array([height, climb, 0]) - [self.radius**2, 0, 0]
                 candidates.append(quadratic_roots(*balance[:, None]))
