@@ -94,30 +94,31 @@ class Guard:
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
-def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
-    """Return the web application; `host` is its "name:port"."""
-    if tiles is not None:
-        sessions.send_everyone(tiles.shown)
+@dataclass(frozen=True)
+class _Handlers:
+    sessions: Sessions
+    bundle: Path
+    tiles: TileSource | None
 
-    def at(request: HTTPConnection) -> Host:
-        host = sessions.at(request.path_params["token"])
+    def _at(self, request: HTTPConnection) -> Host:
+        host = self.sessions.at(request.path_params["token"])
         assert host is not None, "the guard lets nobody else pass"
         return host
 
-    async def page(request: Request) -> Response:
+    async def page(self, request: Request) -> Response:
         name = request.path_params.get("name") or "index.html"
-        file = bundle / name
+        file = self.bundle / name
         if Path(name).name != name or not file.is_file() or file.suffix not in TYPES:
             return PlainTextResponse("Not found", 404)
         return FileResponse(file, media_type=TYPES[file.suffix])
 
-    async def drop(request: Request) -> Response:
+    async def drop(self, request: Request) -> Response:
         content = bytearray()
         async for chunk in request.stream():
             content += chunk
             if len(content) > LARGEST:
                 return JSONResponse({"message": f"expected a file of at most {LARGEST // 1_000_000} MB"}, 413)
-        host, name = at(request), request.path_params["name"]
+        host, name = self._at(request), request.path_params["name"]
         try:
             if isinstance(host, Lobby):
                 return JSONResponse({"address": await asyncio.to_thread(host.take, name, bytes(content))})
@@ -126,17 +127,17 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
         except MissionError as error:
             return JSONResponse({"message": str(error)}, 400)
 
-    def tile(request: Request) -> Response:
+    def tile(self, request: Request) -> Response:
         zoom, column, row = (request.path_params[name] for name in ("z", "x", "y"))
-        if tiles is None or tiles.read is None or zoom > DEEPEST:
+        if self.tiles is None or self.tiles.read is None or zoom > DEEPEST:
             return PlainTextResponse("Not found", 404)
-        picture = tiles.read(zoom, column, row)
-        headers = None if picture is None else headers_of(picture, tiles.shown.vector)
+        picture = self.tiles.read(zoom, column, row)
+        headers = None if picture is None else headers_of(picture, self.tiles.shown.vector)
         return Response(status_code=204) if headers is None else Response(picture, headers=headers)
 
-    async def talk(socket: WebSocket) -> None:
+    async def talk(self, socket: WebSocket) -> None:
         await socket.accept()
-        window, host = Window(), at(socket)
+        window, host = Window(), self._at(socket)
         sending = asyncio.create_task(_send(socket, window))
         host.join(window)
         try:
@@ -156,18 +157,29 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
             sending.cancel()
 
     @asynccontextmanager
-    async def alive(app: Starlette) -> AsyncIterator[None]:
-        running = asyncio.create_task(sessions.run())
+    async def alive(self, app: Starlette) -> AsyncIterator[None]:
+        running = asyncio.create_task(self.sessions.run())
         yield
         running.cancel()
         with suppress(asyncio.CancelledError):
             await running
 
-    routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
-    routes += [Route("/tiles/{z:int}/{x:int}/{y:int}", tile), Route("/", page), Route("/{name}", page)]
+
+def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
+    """Return the web application; `host` is its "name:port"."""
+    if tiles is not None:
+        sessions.send_everyone(tiles.shown)
+    handlers = _Handlers(sessions, bundle, tiles)
+    routes: list[BaseRoute] = [
+        WebSocketRoute("/talk", handlers.talk),
+        Route("/drop/{name}", handlers.drop, methods=["POST"]),
+        Route("/tiles/{z:int}/{x:int}/{y:int}", handlers.tile),
+        Route("/", handlers.page),
+        Route("/{name}", handlers.page),
+    ]
     policy = policy_for(None if tiles is None else tiles.origin)
     guard = Middleware(Guard, knows=lambda token: sessions.at(token) is not None, hosts=(host,), policy=policy)
-    return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=alive)
+    return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=handlers.alive)
 
 
 @dataclass(frozen=True)
