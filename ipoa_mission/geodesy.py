@@ -91,9 +91,8 @@ class LocalFrame:
 
     def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector | float) -> Points:
         """Return east, north, up (n, 3) [m]."""
-        lat, lon, alt = np.broadcast_arrays(
-            *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
-        )
+        arrays = (np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
+        lat, lon, alt = np.broadcast_arrays(*arrays)
         return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))
 
     def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:

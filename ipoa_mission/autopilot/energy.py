@@ -241,9 +241,8 @@ class Consumption:
     @property
     def _used(self) -> tuple[Vector, Vector, Vector]:
         lasts = np.diff(self.times) / JOULES_PER_WATT_HOUR
-        low, likely, high = (
-            np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in (self.least_w, self.spans_w, self.most_w)
-        )
+        spans = (self.least_w, self.spans_w, self.most_w)
+        low, likely, high = (np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in spans)
         return low, likely, high
 
     def widened(self, low: float, high: float) -> "Consumption":

@@ -40,9 +40,8 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
         raise BadInput(f"expected an item with a place and a height, and item {first + 1} has none", place="--from")
     for n, item in enumerate(mission.items[first:], first):
         if item.command in JUMPS and (target := jump_target(mission.items, n)) is not None and target < first:
-            raise BadInput(
-                f"cannot begin at item {first + 1}: item {n + 1} jumps back to item {target + 1}", place="--from"
-            )
+            words = f"cannot begin at item {first + 1}: item {n + 1} jumps back to item {target + 1}"
+            raise BadInput(words, place="--from")
     climb = max(height, 2.5)  # [m], at least this from the ground
     beginning = (LEFT_OUT,) * (first - 1) + (takeoff(home, climb),)
     return replace(mission, home=home, items=beginning + mission.items[first:])

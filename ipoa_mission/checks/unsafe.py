@@ -46,9 +46,8 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
     codes = {"return-too-near", "land-too-near"}
     unclear = [each for each in findings if each.code in codes or (each.code == "leg-too-near" and each.seq in rtl)]
     if unclear:
-        hints = dict.fromkeys(
-            filter(None, (*(each.hint for each in unclear), '[safety] returns = "warn", to be warned only'))
-        )
+        advice = (*(each.hint for each in unclear), '[safety] returns = "warn", to be warned only')
+        hints = dict.fromkeys(filter(None, advice))
         raise Unsafe("\n".join(each.message for each in unclear), hint="; or ".join(hints))
 
 

@@ -71,9 +71,8 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
 
 
 def _smoothed(values: Points) -> Points:
-    return np.column_stack(
-        [np.convolve(column, np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES, "same") for column in values.T]
-    )
+    window = np.ones(SMOOTHED_SAMPLES) / SMOOTHED_SAMPLES
+    return np.column_stack([np.convolve(column, window, "same") for column in values.T])
 
 
 @dataclass(frozen=True)

@@ -189,9 +189,8 @@ class TcpChannel(RealTime):
         self._listener: socket.socket | None = None
         self._connections: list[socket.socket] = []
         if address.transport is Transport.TCP_IN:
-            self._listener = socket.create_server(
-                (address.host, address.port), family=_family(address.host), backlog=self.MAX_CONNECTIONS
-            )
+            place, family = (address.host, address.port), _family(address.host)
+            self._listener = socket.create_server(place, family=family, backlog=self.MAX_CONNECTIONS)
             self._listener.setblocking(False)
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)

@@ -104,9 +104,8 @@ class MavsdkLine(Carrier):
         name, fields = wire.write(message)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
         text = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
-        self._direct.send_message(
-            self._message(name, m.STATION_SYSTEM, m.STATION_COMPONENT, target.system, target.component, text)
-        )
+        ids = (m.STATION_SYSTEM, m.STATION_COMPONENT, target.system, target.component)
+        self._direct.send_message(self._message(name, *ids, text))
 
     def receive(self, until: float) -> list[Heard]:
         try:

@@ -138,9 +138,8 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
     ahead = ((np.roll(ring, -1, axis=0) - ring) * forth).sum(axis=1)
     if not (np.isfinite(ring).all() and (ahead > MIN_SIDE).all() and Polygon(ring).is_valid):
         words = f"expected a round with room for each side at {distance:g} m from the structure"
-        raise BadInput(
-            words, hint="give the structure fewer corners, or scan it from a shorter distance", place=polygon.where
-        )
+        hint = "give the structure fewer corners, or scan it from a shorter distance"
+        raise BadInput(words, hint=hint, place=polygon.where)
     latitude, longitude = frame.to_geodetic(*ring.T)
     return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
 

@@ -46,9 +46,8 @@ class FlightDesk:
         if self._loaded is None:
             raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
         if self._loaded["revision"] != self._document.revision:
-            raise MissionError(
-                "not started: the document was changed after the upload", hint="upload again", code="upload-again"
-            )
+            words = "not started: the document was changed after the upload"
+            raise MissionError(words, hint="upload again", code="upload-again")
         for key in ("vehicle", "mission", "proof"):
             named, loaded = getattr(request, key), self._loaded[key]
             if named != loaded:

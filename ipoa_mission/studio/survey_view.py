@@ -195,9 +195,8 @@ def _least(overlap: Overlap, frame: LocalFrame) -> LeastOverlap:
 def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[SurveyLine]:
     for n, tour in enumerate(tours):
         for swath in tour.swaths:
-            begin, end, *photos = on_map(
-                scenario.frame, np.vstack([swath.begin, swath.end, photo_places(swath, sight).reshape(-1, 2)])
-            )
+            places = np.vstack([swath.begin, swath.end, photo_places(swath, sight).reshape(-1, 2)])
+            begin, end, *photos = on_map(scenario.frame, places)
             low, high = (scenario.airspace.ground(np.array([swath.begin, swath.end])) + sight.middle).round(1).tolist()
             yield SurveyLine(flight=n, begin=begin, end=end, up=(low, high), photos=tuple(photos))
 

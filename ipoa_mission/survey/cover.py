@@ -265,9 +265,8 @@ class CoverProblem:
 
 
 def _parted() -> MissionError:
-    return MissionError(
-        "no way leads between all parts of the area", hint="survey them one by one", code="area-parted", place="survey"
-    )
+    words = "no way leads between all parts of the area"
+    return MissionError(words, hint="survey them one by one", code="area-parted", place="survey")
 
 
 def _simpler(keep_out: Any, area: Any, spacing: float) -> Any:

@@ -25,9 +25,8 @@ def left_to_fly(
     swaths, transits, before = list[Swath](), list[Points](), -1
     for n, swath in enumerate(tour.swaths):
         for begin, end in _left(pieces[n], swath.length, sight):
-            piece = Swath(
-                swath.at(begin) if begin > 0.0 else swath.begin, swath.at(end) if end < swath.length else swath.end
-            )
+            first = swath.at(begin) if begin > 0.0 else swath.begin
+            piece = Swath(first, swath.at(end) if end < swath.length else swath.end)
             if swaths:
                 is_next = before == n - 1 and (swaths[-1].end == tour.swaths[before].end).all() and begin == 0.0
                 transits.append(tour.transits[n - 1] if is_next else transit(swaths[-1].end, piece.begin))

@@ -257,9 +257,8 @@ class GapCloser:
         places = np.array(route.places)
         from_, to = places[:-1], places[1:]
         leg = to - from_
-        share = np.clip(
-            np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
-        )
+        squares = np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12)
+        share = np.clip(np.einsum("ij,ij->i", center - from_, leg) / squares, 0, 1)
         away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
         away[np.array(route.is_on, bool)] = np.inf  # lines stay straight
         max_legs = 6

@@ -97,9 +97,8 @@ def _map(plan: SurveyPlan) -> str:
     seen = plan.coverage.seen.simplify(stroke / 10)
     layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
     for n, flight in enumerate(plan.flights):
-        lines = "".join(
-            f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ((s.begin, s.end) for s in flight.tour.swaths)
-        )
+        ends = ((swath.begin, swath.end) for swath in flight.tour.swaths)
+        lines = "".join(f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ends)
         transits = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in path) for path in flight.tour.transits)
         color = f"stroke:{_hue(n)};fill:none"
         layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')

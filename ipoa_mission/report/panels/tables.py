@@ -147,9 +147,8 @@ def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
         "one after the other. Each begins as the whole does, and continues where the one before returned."
     )
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
-    return (
-        f'<section><h2>Flights</h2><p class="note">{note}</p><div class="scroll" tabindex="0">{table}</div></section>'
-    )
+    scroll = f'<div class="scroll" tabindex="0">{table}</div>'
+    return f'<section><h2>Flights</h2><p class="note">{note}</p>{scroll}</section>'
 
 
 def search_panel(plan: Plan, scenario: Scenario) -> str:
