@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def plan(
     changes: ChangesMade,
     asked: PlanOptions,
-    others: Planners,
+    added: Planners,
     scenario: Annotated[
         Path | None,
         typer.Argument(
@@ -45,8 +45,8 @@ def plan(
 
     seed, air, to, out = asked.search.seed, asked.flown_by.air, asked.files, asked.files.folder
     expect_folder(out)
-    adapted = adapt_scenario(_read(scenario, others), asked.search, asked.flown_by).ignoring(asked.ignore or ())
-    if (planner := planner_of(adapted, others)) is not None:
+    adapted = adapt_scenario(_read(scenario, added), asked.search, asked.flown_by).ignoring(asked.ignore or ())
+    if (planner := planner_of(adapted, added)) is not None:
         planner.plan(adapted, asked, changes)
         return
     to.expect_plans([adapted.name])
@@ -70,14 +70,14 @@ def plan(
         print_planned(flight, files)
 
 
-def _read(path: Path | None, others: Planners) -> "Scenario":
+def _read(path: Path | None, added: Planners) -> "Scenario":
     from ipoa_mission.scenario import read_scenario
 
-    for planner in others:
+    for planner in added:
         if (scenario := planner.scenario(path)) is not None:
             return scenario
     if path is None:
-        raise OptionConflict(", or ".join(("expected a scenario", *(planner.instead for planner in others))))
+        raise OptionConflict(", or ".join(("expected a scenario", *(planner.instead for planner in added))))
     return read_scenario(path)
 
 
