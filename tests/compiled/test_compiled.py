@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.compiled import called_by, library, njit
-from ipoa_mission.compiled.native import _struct
+from ipoa_mission.compiled.library import _struct
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY

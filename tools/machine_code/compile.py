@@ -7,7 +7,7 @@ import llvmlite.binding as llvm
 import numba
 from numba import types
 
-from ipoa_mission.compiled.native import Type, words
+from ipoa_mission.compiled.library import Type, words
 from tools.machine_code.kernels import Kernel
 
 #: Functions for numba's compiled code. Memory: numba's `MemInfo` (count of references, destructor, its argument, the
@@ -67,7 +67,7 @@ define void @release(i8* %memory) {
 
 
 def type_of(kind: Any) -> Type:
-    """Return the numba type of a type of `ipoa_mission.compiled.native`."""
+    """Return the numba type of a type of `ipoa_mission.compiled.library`."""
     if isinstance(kind, types.Boolean):
         return "bool"
     if kind == types.int64:
