@@ -93,13 +93,6 @@ class Wind:
         return self.speed + self.spread
 
     def __str__(self) -> str:
-        """Describe the wind.
-
-        >>> print(Wind(8.0, 300.0, spread=2.0))
-        8 m/s from 300 deg, 2 m/s more or less
-        >>> print(Wind.of_profile([10.0, 110.0], [2.0, 8.0], [270.0, 280.0]))
-        2 m/s from 270 deg at 10 m to 8 m/s from 280 deg at 110 m above home
-        """
         words = f"{self.speed:.3g} m/s from {self.from_deg % 360:.0f} deg"
         if self.levels:
             blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]

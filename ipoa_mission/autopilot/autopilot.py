@@ -269,11 +269,7 @@ class Autopilot(metaclass=_ByName):
 
 @cache
 def _registered() -> dict[str, Autopilot]:
-    """Load the vehicle plug-ins.
-
-    Raises:
-        BadInput: one cannot be imported, or is no `Autopilot`; two have one name.
-    """
+    """Load the vehicle plug-ins. Raise BadInput for one that is no `Autopilot`, or has another one's name."""
     vehicles = dict[str, Autopilot]()
     for entry in entry_points(group="ipoa_mission.vehicles"):
         try:

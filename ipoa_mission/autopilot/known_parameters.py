@@ -23,11 +23,7 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
 
 
 def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
-    """Refuse names that a person wrote and the autopilot, or any if None, does not know.
-
-    Raises:
-        BadInput: the hint is the closest known name.
-    """
+    """Refuse names that the autopilot, or any if None, does not know; the hint is the closest one."""
     if autopilot is not None:
         expect_own(names, autopilot)
     existing = known_names() if autopilot is None else autopilot.parameter_names

@@ -97,6 +97,5 @@ def _expanded(group: Any) -> Iterator[inspect.Parameter]:
 
 
 def _made(group: Any, values: dict[str, Any]) -> Any:
-    """Take the options of a group out of `values`."""
     inner = {option.name: _made(option.type, values) for option in fields(group) if is_dataclass(option.type)}
     return group(**inner, **{option.name: values.pop(option.name) for option in fields(group) if option.name in values})

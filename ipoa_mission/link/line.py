@@ -74,7 +74,6 @@ class Carrier(Protocol):
         return self.receive(min(until, run.sent_s + run.wait_s))
 
     def note_answer(self, target: Target) -> None:
-        """Note that this target answers us."""
         return
 
     def no_reply_cause(self, target: Target) -> MissionError | None:

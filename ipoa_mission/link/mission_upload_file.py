@@ -39,11 +39,7 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Read the file back, and return its checksum.
-
-    Raises:
-        FileRefused: the vehicle has no such file, or keeps its old mission.
-    """
+    """Return the checksum of the file as read back. Raise FileRefused if the vehicle keeps its old mission."""
     total = len(job.items)
     done = 0
 

@@ -369,7 +369,6 @@ class Vehicle(RemoteVehicle):
         self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """Return sequence numbers if the vehicle has checksums."""
         has = (
             self.autopilot.protocol_profile.takes_mission_file
             and self._read_version().capabilities & orders.FILE_TRANSFER

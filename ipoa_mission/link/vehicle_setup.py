@@ -46,7 +46,6 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
-    """Return values by older names and units."""
     table = vehicle.autopilot.parameter_table
     return table.by_old_names(vehicle.parameters([name for name, _ in table.spellings(older)] for older in names))
 

@@ -159,7 +159,6 @@ class ModeWatch:
             self._modes = frozenset()
 
     def note(self, message: Message, now_s: float) -> None:
-        """Note a message after `state` did."""
         if isinstance(message, Text) and message.severity <= WARNING:
             self._warnings.append((now_s, message.text.strip()))
         mode = self.state.custom_mode

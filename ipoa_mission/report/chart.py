@@ -22,7 +22,6 @@ class GraphAxis:
         return np.asarray((np.asarray(values, float) - self.low) / (self.high - self.low))
 
     def ticks(self, most: int = 6) -> list[float]:
-        """Return at most `most` round values."""
         step = round_step((self.high - self.low) / most)
         return [n * step for n in range(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)]
 
@@ -88,7 +87,6 @@ class Graph:
         return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
 
     def _points(self, x: Vector, y: Vector) -> NDArray[np.float64]:
-        """Return points in the viewBox of 1000 by 1000, (n, 2)."""
         return np.column_stack([1000.0 * self.x.place(x), 1000.0 * (1 - self.y.place(y))])
 
     def _tick_labels(self) -> str:

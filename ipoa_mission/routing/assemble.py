@@ -43,11 +43,7 @@ def assemble_mission(plan: Plan, scenario: Scenario) -> Mission:
 
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
-    """Return the route of one mode that keeps the required clearance.
-
-    Raises:
-        NoRoute: no tried route does.
-    """
+    """Return the route of one mode that keeps the required clearance; raise NoRoute if no tried route does."""
     attempt = _routes(plan, scenario, mode)[0]
     if _keeps_limits(attempt):
         return attempt

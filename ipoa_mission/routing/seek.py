@@ -37,11 +37,7 @@ class TooNarrow(MissionError):
 
 
 def expect_wide(scenario: Scenario) -> None:
-    """Raise if every way leads through a gap narrower than the least deviation bound.
-
-    Raises:
-        TooNarrow: on a leg between given places.
-    """
+    """Raise TooNarrow if every way between given places leads through a gap below the least deviation bound."""
     chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return

@@ -63,7 +63,6 @@ def changed(text: str, changes: Iterable[Change]) -> str:
 
 
 def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change]) -> None:
-    """Apply changes to a table in place, formatted or plain."""
     for change in changes:
         try:
             _apply(document, change)

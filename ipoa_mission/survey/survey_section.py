@@ -226,7 +226,6 @@ def _away(scenario: Scenario, there: Geodetic) -> list[float]:
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    """Return the scenario from start place `n`, cached."""
     section, from_starts = survey_of(scenario), scenario.known.setdefault("from_starts", {})
     assert section is not None
     if section.start_places[n] == (0.0, 0.0):

@@ -120,7 +120,6 @@ class Polygon:
 
 
 def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
-    """Return the roots' real parts."""
     flat = np.asarray(c2 == 0)
     root = np.sqrt(np.maximum(c1**2 - 4 * c2 * c0, 0.0))
     q = -0.5 * (c1 + np.copysign(root, c1))

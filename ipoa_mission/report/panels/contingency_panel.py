@@ -61,7 +61,6 @@ def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
 
 
 def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
-    """Return no bars without a forecast."""
     if forecast.guarantee_if_known is None:
         return ()
     return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
