@@ -37,6 +37,7 @@ from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 AWAY = 50.0  # distance from the whole predicted path of a fly-away [m]
 LATE, LATE_S = 1.5, 60.0  # limits of the flight time: factor on the end of the interval, and seconds more
 LEVEL = 0.99
+MOST_LATE_S = 20.0  # of telemetry on a loaded machine
 COMPLETED, FLEW_AWAY, NOT_COMPLETED = "completed", "fly-away", "not completed"
 REFUSED, NOT_FLOWN = "refused", "not flown"
 
@@ -233,9 +234,10 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     mission = replace(read_mission(folder / "mission.plan", autopilot_named(autopilot)), firmware_version=version)
     done = {item["seq"]: float(item["done_s"]) for item in flight["items"]}
     if done:
-        flown = _on_the_way(folder, mission, sorted(done.values()), flight["outcome"] == COMPLETED)
         safety = scenario.safety.model_copy(update={"confidence": LEVEL})
-        row = _with_distances(row, flown, Forecast(mission, scenario.model_copy(update={"safety": safety})))
+        forecast = Forecast(mission, scenario.model_copy(update={"safety": safety}))
+        flown = _on_the_way(folder, forecast, sorted(done.values()), flight["outcome"] == COMPLETED)
+        row = _with_distances(row, flown, forecast)
     if flight["outcome"] != COMPLETED:
         return row
     expected = Forecast(landing_on(mission.assuming(scenario.vehicle.autopilot_parameters()), 0.0)).estimate
@@ -250,10 +252,19 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     )  # fmt: skip
 
 
-def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:
+def _on_the_way(folder: Path, forecast: Forecast, done: list[float], is_completed: bool) -> Points:
+    """Return the track from the take-off to the place nearest to the last waypoint, which may be reported late."""
     rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
-    rows = rows[(rows[:, 0] >= done[0]) & (rows[:, 0] <= (done[-2] if is_completed else np.inf))]
-    return LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + mission.home.altitude)
+    end = done[-2] if is_completed else np.inf
+    rows = rows[(rows[:, 0] >= done[0]) & (rows[:, 0] <= end)]
+    home = forecast.mission.home
+    flown = LocalFrame(home).to_local(rows[:, 1], rows[:, 2], rows[:, 3] + home.altitude)
+    if not is_completed:
+        return flown
+    flight = forecast.guarantee.flight
+    last = flight.prediction.track.at(np.array([flight.cruise_span[1]]))
+    late = np.flatnonzero(rows[:, 0] > end - MOST_LATE_S)
+    return flown[: late[np.argmin(np.linalg.norm(flown[late] - last, axis=1))] + 1] if len(late) else flown
 
 
 def _with_distances(row: Row, flown: Points, forecast: Forecast) -> Row:
