@@ -18,7 +18,7 @@ from ipoa_mission.mission.complex_items import as_document, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.parameter_file import parameter_path
-from ipoa_mission.mission.plan_keys import ALTITUDE_MODES, AltitudeMode, tidy
+from ipoa_mission.mission.plan_file import ALTITUDE_MODES, AltitudeMode, tidy
 from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
