@@ -13,14 +13,13 @@ import shapely
 from ipoa_mission.errors import TooLarge, Unreadable, WrongSuffix
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.feature import Feature, many_objects
-from ipoa_mission.maps.gdal_layers import FIRST_BYTES, read_layers
 from ipoa_mission.maps.geojson import Take, read_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
 from ipoa_mission.maps.map_window import Degrees, MapWindow
 from ipoa_mission.maps.osm import read_osm
-from ipoa_mission.maps.parquet import read_parquet
 from ipoa_mission.maps.pbf import read_pbf
 from ipoa_mission.maps.planar import flat
+from ipoa_mission.maps.table_layers import FIRST_BYTES, read_layers, read_parquet
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
 _WHOLE_FILE_READERS = {".kml": read_kml, ".kmz": read_kmz, ".osm": read_osm}
