@@ -12,8 +12,7 @@ from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.learned import LearnedVehicle
-    from ipoa_mission.learn.evidence import Evidence
-    from ipoa_mission.learn.fit import CrossValidation
+    from ipoa_mission.learn.fit import CrossValidation, Evidence
 
 
 def learn(
@@ -81,7 +80,7 @@ def learn(
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
     from ipoa_mission import read_mission
-    from ipoa_mission.learn.evidence import flights_in
+    from ipoa_mission.learn.fit import flights_in
 
     flights: list[Evidence] = []
     remarks: list[str] = []

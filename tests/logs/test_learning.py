@@ -18,8 +18,7 @@ from ipoa_mission.autopilot.learned import Learned, LearnedVehicle
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame
-from ipoa_mission.learn.evidence import Evidence, errors, evidence_between
-from ipoa_mission.learn.fit import cross_validate, fit, median_errors, timed
+from ipoa_mission.learn.fit import Evidence, cross_validate, errors, evidence_between, fit, median_errors, timed
 from ipoa_mission.logs.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly_built_in

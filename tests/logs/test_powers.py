@@ -19,8 +19,7 @@ from ipoa_mission.autopilot.energy import Interval, PowerCurve
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.cli.app import app
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.learn.evidence import flights_in
-from ipoa_mission.learn.fit import fit
+from ipoa_mission.learn.fit import fit, flights_in
 from ipoa_mission.learn.powers import PowerSeconds, learned_powers
 from ipoa_mission.logs.vehicle_file import read_vehicle
 from ipoa_mission.mission.mission_io import read_mission

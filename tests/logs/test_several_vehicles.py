@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.learn.evidence import flights_in
+from ipoa_mission.learn.fit import flights_in
 from ipoa_mission.logs.flight_log import read_flights
 from tests.logs.several import write_several
 from tests.refused import refuses
