@@ -125,6 +125,7 @@ class Airspace:
         return np.minimum(self.obstacle_distance(points), points[:, 2] - self.ground(points))
 
     def obstacle_distance(self, points: Points) -> Vector:
+        """Return distances (n,) [m], infinite without obstacles."""
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
@@ -136,6 +137,7 @@ class Airspace:
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
+        """Return the least clearance of the leg `a` to `b` [m]."""
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
