@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
+from ipoa_mission.checks.check import check
 from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
+from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.link.dialogue import Cancelled, NoAnswer
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import OtherValue, idle_fence, other_values, without_station
@@ -116,6 +118,8 @@ def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
                 left[kind] = f"the vehicle holds {words}, and that was not checked"
         except Cancelled:
             raise
+        except (NoAnswer, TimeUp) as silence:
+            left[kind] = f"it is unknown whether the vehicle holds {words}: {silence}"
         except MissionError:  # the list may be unsupported
             continue
     return left
@@ -167,6 +171,7 @@ def fly_mission(
 
 
 def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> Forecast:
+    """Upload, and return the forecast with the version and the parameters aboard; refuse its errors in its world."""
     mission, anyway, stages = forecast.mission_as_read, options.anyway, options.stages
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
@@ -186,10 +191,21 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         vehicle.link_loss.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *left.values(), *notes):
         options.remark(words)
-    if not differing or mission.autopilot is not vehicle.autopilot:
+    if mission.autopilot is not vehicle.autopilot:
         return forecast
-    with_values_aboard = mission.with_parameters({other.name: other.has for other in differing})
-    return Forecast(with_values_aboard, forecast.scenario, None if forecast.scenario else forecast.wind)
+    aboard = forecast.on(vehicle.firmware_version())
+    if differing:
+        values = {other.name: other.has for other in differing}
+        wind = None if forecast.scenario else forecast.wind
+        aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
+    if aboard is not forecast and aboard.scenario is not None and not anyway:
+        with stages(Stage.CHECK):
+            known = {finding.message for finding in check(forecast, options.ignore)}
+            findings = refuse_errors(check(aboard, options.ignore))
+        for finding in findings:
+            if finding.message not in known:
+                options.remark(f"with what is aboard: {finding.message}")
+    return aboard
 
 
 def begin_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions) -> FlightRecord:
@@ -223,13 +239,18 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: ReportRem
         if mission.autopilot is not vehicle.autopilot:
             words = f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}"
             raise MissionError(words, code="other-autopilot")
-        if first:
-            wind = None if forecast.scenario else forecast.wind
-            forecast = Forecast(begun_at(mission, first), forecast.scenario, wind)
-        return ConformanceMonitor(forecast)
+        return ConformanceMonitor(begun_forecast(forecast, first))
     except MissionError as unknown:
         remark(f"the flight is not compared with a forecast: {unknown}")
         return None
+
+
+def begun_forecast(forecast: Forecast, first: int) -> Forecast:
+    """Return the forecast from the item of index `first` on."""
+    if not first:
+        return forecast
+    wind = None if forecast.scenario else forecast.wind
+    return Forecast(begun_at(forecast.mission_as_read, first), forecast.scenario, wind)
 
 
 def _set_parameters(vehicle: Vehicle, mission: Mission, show: Progress, remark: ReportRemark) -> None:

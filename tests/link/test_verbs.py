@@ -1,4 +1,5 @@
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -6,6 +7,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
+from ipoa_mission.errors import Unsafe
 from ipoa_mission.flight.procedure import ProcedureOptions, load_mission, upload_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
@@ -27,6 +29,8 @@ from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
@@ -64,6 +68,43 @@ def test_rally_points_are_uploaded_and_set_current_counts_as_the_mission(autopil
     with pytest.raises((CommandRefused, NoAnswer)):
         vehicle.set_current(99)
     assert vehicle.record().path == ()
+
+
+@pytest.mark.parametrize("silence", [NoAnswer("no answer"), TimeUp("the time is over")])
+def test_silence_on_rally_points_refuses_the_flight(silence: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    vehicle = met(Autopilot.PX4)
+    plain = suited(vehicle, replace(MISSION, rally=()))
+
+    def download(kind: MissionType) -> None:
+        raise silence
+
+    monkeypatch.setattr(vehicle, "download_items", download)
+    vehicle.expect_on_ground()
+    with refuses("other-rally-points", "", "unknown", str(silence)):
+        load_mission(vehicle, Forecast(plain), ProcedureOptions())
+    remarks = upload_mission(vehicle, plain)
+    assert [f"unknown whether the vehicle holds {what} of" in " ".join(remarks) for what in ("rally points", "a fence")]
+
+
+@pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])
+def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: str) -> None:
+    text = (missions / "sitl.toml").read_text()
+    scenario = parse_scenario(re.sub("^safety_distance.*$", wider, text, flags=re.M) if wider else text, missions / "x")
+    mission = read_mission(missions / "sitl.plan")
+    vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
+    vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
+    remarks = list[str]()
+    options = ProcedureOptions(remark=remarks.append)
+    forecast = Forecast(mission, scenario)
+    planned = forecast.mission.parameters["RTL_RETURN_ALT"]
+    if wider:
+        with pytest.raises(Unsafe):
+            load_mission(vehicle, forecast, options)
+        load_mission(vehicle, forecast, replace(options, anyway=True))
+    else:
+        loaded = load_mission(vehicle, forecast, options)
+        assert (planned, loaded.mission.parameters["RTL_RETURN_ALT"]) == (70.0, 12.0)
+        assert [words for words in remarks if words.startswith("with what is aboard: ") and "RTL" in words]
 
 
 @pytest.mark.parametrize("autopilot", registered())
