@@ -146,8 +146,9 @@ class ContingencyDisplay:
         if path and self._vehicle.state.in_air:
             self._shown_s = message.time_s
             place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
-            time, _ = self._now.time_at(place, path[-1].time_s)
-            words = [self._now.words(time), *map(str, self._reserve(time))]
+            time, away = self._now.time_at(place, path[-1].time_s)
+            off = "off its path: not forecast from here"
+            words = [off if away > self._now.off_path else self._now.words(time), *map(str, self._reserve(time))]
             self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:

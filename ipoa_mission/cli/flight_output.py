@@ -67,9 +67,7 @@ def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
 
 def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
     job, record = flown.job, flown.record
-    before = () if job.flight else job.remarks  # printed with the plan
-    remarks = dict.fromkeys((*before, *flown.remarks))
-    print_lines(*notes(remarks), *(() if record.completed else record.messages))
+    print_lines(*notes(dict.fromkeys(flown.remarks)), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
     print_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     print_lines(

@@ -1,6 +1,6 @@
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
@@ -17,11 +17,12 @@ from ipoa_mission.cli.planners import FlyJob, FlyOptions, planner_of, planners
 from ipoa_mission.errors import MissionError, OptionConflict
 from ipoa_mission.files import in_folder
 from ipoa_mission.options import NAMES, ForceOption, JsonOption, OutOption, SeedOption, or_packed
-from ipoa_mission.terminal import expect_folder, expect_log, print_json, progress_bar, shown
+from ipoa_mission.terminal import expect_folder, expect_log, notes, print_json, print_lines, progress_bar, shown
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.mission_source import FlownJob, Job
     from ipoa_mission.flight.procedure import Stage
+    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.link.vehicle import Vehicle
     from ipoa_mission.mission.flight_record import FlightRecord
     from ipoa_mission.progress import Progress
@@ -81,6 +82,7 @@ def fly(
         job = Job(flight.name, flight.forecast, flight.remarks, flight)
     else:
         job = read_job(source, flown_by, ignore=ignore)
+        _print_notes(asked, job.remarks)
     with in_folder(to.folder):
         planned_files = [] if job.flight is None else [*job.flight.write(to.folder)]
         if job.flight is not None and not to.as_json:
@@ -127,51 +129,66 @@ def _fly_on_link(changes: ChangesMade, source: Path, asked: FlyOptions, job: "Jo
     try:
         with connect_to(on_vehicle.link or "", on_link, frames_log) as vehicle:
             if not states_firmware(source, asked.flown_by.autopilot):
+                before = job.remarks
                 job = read_job(source, asked.flown_by, vehicle.autopilot, job.ignore)
+                _print_notes(asked, [words for words in job.remarks if words not in before])
             vehicle.conformance.on_deviation = on_vehicle.on_deviation
             if asked.files.as_json:
                 vehicle.conformance.report = lambda deviation: print_json(
                     {"event": "deviation"} | deviation.as_json(), indent=None
                 )
             on_link.system = vehicle.system  # the next flight is this vehicle's, whatever else is heard
-            job = _begun_at_item(replace(job, forecast=job.forecast.on(vehicle.firmware_version())), on_vehicle.begin)
-            remarks, record = _fly_stages(changes, asked, vehicle, job)
+            planned = job.forecast
+            job = _begun_at_item(replace(job, forecast=planned.on(vehicle.firmware_version())), on_vehicle.begin)
+            remarks, record = _fly_stages(changes, asked, vehicle, job, planned)
             changes.note_flown(job.name, record.armed)
     except MissionError as error:
         error.known = {"completed": False, "armed": None, "in_air": None} | error.known
         raise
     left = ("the vehicle is no longer watched", vehicle.link_loss.meanwhile)
     unwatched = ["; ".join(filter(None, left))] if record.armed else []
-    return FlownJob(job, (*remarks, *unwatched, *landing_remarks(job, record)), record)
+    noted = remarks if asked.files.as_json else ()  # else printed as they arose
+    return FlownJob(job, (*noted, *unwatched, *landing_remarks(job, record)), record)
+
+
+def _print_notes(asked: FlyOptions, remarks: "Sequence[str]") -> None:
+    if not asked.files.as_json:
+        print_lines(*notes(remarks))
 
 
 def _fly_stages(
-    changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job"
+    changes: ChangesMade, asked: FlyOptions, vehicle: "Vehicle", job: "Job", planned: "Forecast"
 ) -> "tuple[list[str], FlightRecord]":
-    """Show contingencies in flight; they are computed before arming: in the air links must be served."""
+    """Show contingencies in flight; their clearances are computed before arming."""
     from ipoa_mission.cli.contingency_output import ContingencyDisplay
     from ipoa_mission.cli.flight_output import flight_as_json
-    from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, load_mission
+    from ipoa_mission.flight.procedure import ProcedureOptions, Stage, begin_mission, begun_forecast, load_mission
     from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 
-    remarks, contingencies = list[str](), list[ContingenciesNow]()
+    remarks, contingencies, flown = list[str](), list[ContingenciesNow](), job.forecast
+
+    def remark(words: str) -> None:
+        remarks.append(words)
+        _print_notes(asked, [words])
 
     @contextmanager
     def stages(stage: "Stage") -> "Iterator[Progress]":
         with changes.stage(stage, f"{asked.on_vehicle.link} --system {vehicle.system}") as show:
-            if stage is Stage.READY and job.forecast.scenario is not None:
+            if stage is Stage.READY and flown.scenario is not None:
                 with suppress(MissionError):
-                    contingencies.append(ContingenciesNow(job.forecast))
+                    contingencies.append(ContingenciesNow(flown))
             if stage is Stage.FLIGHT and contingencies:
-                display = ContingencyDisplay(job.forecast, vehicle, show, job.reserves, contingencies[0])
+                display = ContingencyDisplay(flown, vehicle, show, job.reserves, contingencies[0])
                 vehicle.overhearing, show = display.hear, display.show
             yield show
 
     first, set_params = asked.on_vehicle.begin - 1, asked.on_vehicle.set_params
-    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, set_params, stages, remarks.append)
+    options = ProcedureOptions(first, asked.on_link.anyway, job.ignore, set_params, stages, remark)
     try:
         with changes.reporting(""):  # between two stages
-            record = begin_mission(vehicle, load_mission(vehicle, job.forecast, options), options)
+            loaded = load_mission(vehicle, planned, options)
+            flown = begun_forecast(loaded, first)
+            record = begin_mission(vehicle, loaded, options)
     except MissionError as error:
         state = vehicle.state
         error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)

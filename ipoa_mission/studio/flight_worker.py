@@ -274,7 +274,9 @@ class Watch:
             unknown = self._unknown
             if self._contingencies is not None:
                 now, aside = self._contingencies.time_at(self._local(at), time_s)
-                is_away = aside > 10.0 or (self._vehicle.mode_change and not self._vehicle.order.is_held)
+                is_away = aside > ContingenciesNow.off_path or (
+                    self._vehicle.mode_change and not self._vehicle.order.is_held
+                )
                 unknown = "it is off its planned path: orders from here are not forecast" if is_away else ""
             self._orders = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._orders

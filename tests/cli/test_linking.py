@@ -8,6 +8,8 @@ import pytest
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link.item_run import ItemsSent
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.mission_io import read_mission, write_mission
 from tests.cli.conftest import Planned, Run, Serve
 
@@ -71,6 +73,24 @@ def test_upload_names_parameters_that_differ_between_mission_and_vehicle(
         "MPC_ACC_HOR is 3 on the vehicle, and the mission was made for 1.5",
         "the vehicle has no parameter MPC_XY_WARP",
     ]
+
+
+def test_fly_prints_notes_before_it_arms(
+    run: Run, autopilot: Serve, mission: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own = replace(read_mission(mission), parameters={"RTL_RETURN_ALT": 55.0})
+    write_mission(own, "own.plan")
+
+    def refuse(*_: object) -> None:
+        raise NotReady("not armed in this test")
+
+    monkeypatch.setattr(Vehicle, "start", refuse)
+    with autopilot() as link:
+        ended = run(f"fly own.plan --link {link} --out out")
+    assert ended.code == 1
+    before = ended.out.splitlines()
+    assert "note: parameters from own.params: RTL_RETURN_ALT 55" in before
+    assert [line for line in before if line.startswith("note: RTL_RETURN_ALT is ") and "made for 55" in line]
 
 
 def test_a_mission_made_for_the_other_firmware_is_refused(run: Run, autopilot: Serve, mission: Path) -> None:

@@ -114,6 +114,9 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     assert "battery 80%, " in printed[2]
     assert printed[4].endswith("NOT the 25% required")
     assert [reserve.left for reserve in reserves] == [0.8, 0.2]
+    far = forecast.frame.geodetic(contingencies.stops().at(np.array([time]))[0][0] + np.array([40.0, 40.0, 0.0]))
+    teller.hear(Position(time + 5.0, far.latitude_deg, far.longitude_deg, far.altitude, 20.0))
+    assert printed[-1].startswith("item 3 of 6  now: off its path: not forecast from here")
 
 
 def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Forecast) -> None:

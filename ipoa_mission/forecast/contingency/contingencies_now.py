@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,7 +26,9 @@ DURATIONS = DurationSampling()
 
 
 class ContingenciesNow:
-    """The contingencies that can be ordered, in flight."""
+    """The contingencies that can be ordered, in flight; `off_path` [m] and more away none is forecast."""
+
+    off_path: ClassVar = 10.0
 
     def __init__(self, forecast: Forecast, ordered: tuple[Contingency, ...] = TIMED) -> None:
         self._contingencies = forecast.cached(Contingencies)
