@@ -6,7 +6,6 @@ the mean and spread.
 
 import math
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -144,10 +143,14 @@ class Px4Model(FlightModel):
         orders, ends = flights.mission_orders.orders, [0, *flights.mission_orders.done]
         once, done, runs = flights.flown(orders, True, None, math.inf, True), [0.0, *predicted.done], list[Points]()
         for seed in range(1, RUNS.of_median + 1):
-            with suppress(MissionError):  # its duration is remarked
+            try:
                 run = once(seed)
-                runs.append(np.column_stack([np.interp(run.samples[:, 0], run.done[ends], done), run.samples[:, 1:4]]))
-        return spread_of(predicted.track, runs) if runs else None
+            except MissionError:  # it circles a waypoint; one of many is a remark of the duration
+                if seed > len(runs) + 1:
+                    raise
+                continue
+            runs.append(np.column_stack([np.interp(run.samples[:, 0], run.done[ends], done), run.samples[:, 1:4]]))
+        return spread_of(predicted.track, runs)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         limits = px4_limits(parameters)
