@@ -109,7 +109,6 @@ class ChangesMade:
             yield show_parameters if stage is Stage.PARAMETERS else show
 
     def report(self, hint: str | None = None, words: str = "", exact: str = "") -> Interrupted:
-        """Report `words` last, or their more exact form."""
         states = [state for state in self.states.values() if state != words]
         if exact and not states:
             return Interrupted(exact, hint)

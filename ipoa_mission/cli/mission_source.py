@@ -59,7 +59,6 @@ def landing_remarks(job: Job, record: FlightRecord) -> tuple[str, ...]:
 def read_job(
     source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, ignore: Sequence[str] = ()
 ) -> Job:
-    """Read a mission file; `autopilot` is the default."""
     requested = read_requested(source, flown_by, autopilot)
     forecast, mission = Forecast(requested.mission, wind=flown_by.air), requested.mission
     warnings = refuse_errors(check(forecast, ignore, requested.findings))

@@ -135,7 +135,6 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
 
 
 def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> FileTransfer:
-    """Add the answer's number to `asked`."""
     question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=LIST_FILES[kind].encode())
     asked.add((question.sequence + 1) & 0xFFFF)
     return question.pack()

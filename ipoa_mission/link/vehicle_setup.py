@@ -60,7 +60,6 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
-    """Warn of a mission's fence that the vehicle has disabled."""
     if not mission.fence:
         return None
     switch = vehicle.autopilot.parameter_table.fence_switch

@@ -40,7 +40,6 @@ def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
 
 
 def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
-    """`parts`: the complex item of each mission item."""
     groups: dict[str, tuple[Node, list[Item]]] = {}
     for part, item in zip(parts, items, strict=True):
         if part is not None:

@@ -265,7 +265,6 @@ def _reach(scenario: Site) -> float:
 def _horizontal_bounds(
     scenario: Site, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
-    """Return the corners (2,) of the bounds, given boxes (n, 4)."""
     if area is not None:
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])

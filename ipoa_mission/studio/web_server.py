@@ -166,7 +166,6 @@ class _Handlers:
 
 
 def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
-    """Return the web application; `host` is its "name:port"."""
     if tiles is not None:
         sessions.send_everyone(tiles.shown)
     handlers = _Handlers(sessions, bundle, tiles)

@@ -214,7 +214,6 @@ def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
 
 
 def returning(forecast: Forecast) -> Forecast:
-    """Return the forecast with the items of planned returns."""
     if forecast.world.safety.returns != "planned":
         return forecast
     best, short = choose_returns(forecast)

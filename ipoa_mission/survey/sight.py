@@ -47,7 +47,6 @@ class Sight:
 
     @property
     def piece_overlap(self) -> float:
-        """Return the overlap of pieces of a cut line [m]."""
         return max(self.trigger or 0.0, self.along / 2, 1.0)
 
     @property
