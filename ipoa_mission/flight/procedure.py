@@ -199,12 +199,12 @@ def load_mission(vehicle: Vehicle, forecast: Forecast, options: ProcedureOptions
         wind = None if forecast.scenario else forecast.wind
         aboard = Forecast(aboard.mission_as_read.with_parameters(values), forecast.scenario, wind)
     if aboard is not forecast and aboard.scenario is not None and not anyway:
-        with stages(Stage.CHECK):
+        with stages(Stage.STORED):
             known = {finding.message for finding in check(forecast, options.ignore)}
             findings = refuse_errors(check(aboard, options.ignore))
         for finding in findings:
             if finding.message not in known:
-                options.remark(f"with what is aboard: {finding.message}")
+                options.remark(f"with the parameters and version aboard: {finding.message}")
     return aboard
 
 

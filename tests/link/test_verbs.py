@@ -1,5 +1,6 @@
 import math
 import re
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.errors import Unsafe
-from ipoa_mission.flight.procedure import ProcedureOptions, load_mission, upload_mission
+from ipoa_mission.flight.procedure import ProcedureOptions, Stage, load_mission, upload_mission, without_progress
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import connect as connecting
@@ -30,6 +31,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.progress import Progress
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
@@ -82,8 +84,8 @@ def test_silence_on_rally_points_refuses_the_flight(silence: Exception, monkeypa
     vehicle.expect_on_ground()
     with refuses("other-rally-points", "", "unknown", str(silence)):
         load_mission(vehicle, Forecast(plain), ProcedureOptions())
-    remarks = upload_mission(vehicle, plain)
-    assert [f"unknown whether the vehicle holds {what} of" in " ".join(remarks) for what in ("rally points", "a fence")]
+    remarks = " ".join(upload_mission(vehicle, plain))
+    assert all(f"unknown whether the vehicle holds {what} of" in remarks for what in ("rally points", "a fence"))
 
 
 @pytest.mark.parametrize("wider", ["", "safety_distance = 9.0"])
@@ -93,8 +95,13 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: st
     mission = read_mission(missions / "sitl.plan")
     vehicle = meet(Line(Loopback(Station(Mock(Autopilot.PX4, mission.home))), Codec(245, 190)))
     vehicle.set_parameter("RTL_RETURN_ALT", 12.0)
-    remarks = list[str]()
-    options = ProcedureOptions(remark=remarks.append)
+    remarks, entered = list[str](), list[Stage]()
+
+    def stages(stage: Stage) -> AbstractContextManager[Progress]:
+        entered.append(stage)
+        return without_progress(stage)
+
+    options = ProcedureOptions(stages=stages, remark=remarks.append)
     forecast = Forecast(mission, scenario)
     planned = forecast.mission.parameters["RTL_RETURN_ALT"]
     if wider:
@@ -104,7 +111,9 @@ def test_mission_is_checked_with_the_parameters_aboard(missions: Path, wider: st
     else:
         loaded = load_mission(vehicle, forecast, options)
         assert (planned, loaded.mission.parameters["RTL_RETURN_ALT"]) == (70.0, 12.0)
-        assert [words for words in remarks if words.startswith("with what is aboard: ") and "RTL" in words]
+        new = [words for words in remarks if words.startswith("with the parameters and version aboard: ")]
+        assert any("RTL" in words for words in new)
+        assert entered[-2:] == [Stage.STORED] * 2  # Ctrl-C in this check says that the mission is aboard
 
 
 @pytest.mark.parametrize("autopilot", registered())
