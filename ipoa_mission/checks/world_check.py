@@ -38,10 +38,10 @@ from ipoa_mission.wind import CALM, Wind
 def check_world(forecast: Forecast, is_flown: bool, before: Iterable[Finding]) -> list[Finding]:
     guarantee = forecast.guarantee_if_known if is_flown else None
     findings = [*check_airspace(forecast)]
-    judged = {finding.seq for finding in findings}
     if guarantee is not None:
+        judged = {finding.seq: finding.severity for finding in findings if finding.code == "leg-too-near"}
         clearances = check_clearance(forecast.mission, forecast.world, guarantee)
-        findings += [finding for finding in clearances if finding.seq not in judged]
+        findings += [f for f in clearances if judged.get(f.seq) not in (f.severity, Severity.ERROR)]
     findings += (*check_unread(forecast.world.unread), *check_passed_over(forecast), *check_ground(forecast))
     findings += check_wind(forecast) if is_flown else ()
     findings += () if guarantee is None else check_energy(forecast)

@@ -214,11 +214,26 @@ def test_a_way_home_through_a_building_names_the_altitude_that_clears_it() -> No
 
 
 def test_a_way_home_that_only_comes_near_is_a_warning() -> None:
-    scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 31.5", "up = [-5.0, 70.0]": "up = [-5.0, 31.0]"})
+    scenario = world(
+        **{
+            'autopilot = "px4"': 'autopilot = "ardupilot"',
+            "RTL_RETURN_ALT = 25.0": "RTL_ALT = 3150.0",
+            "up = [-5.0, 70.0]": "up = [-5.0, 31.0]",
+        }
+    )
+    mission = flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0), autopilot=ARDUPILOT)
+    findings = check_mission(mission, scenario)
+    near = [finding for finding in findings if finding.code.endswith("-too-near")]
+    assert codes_of(near) == ["warning return-too-near 3", *["warning leg-too-near 4"] * 2]
+    assert re.search(r"1.50 m from hall at .* at least 2.50 m required", near[1].message)
+    assert "0.50 m beyond the upper bound" in near[2].message
+
+
+def test_a_way_home_on_which_a_hull_may_touch_is_an_error() -> None:
+    scenario = world(**{"RTL_RETURN_ALT = 25.0": "RTL_RETURN_ALT = 32.0"})
     findings = check_mission(flight(scenario, (0.0, 40.0, 20.0), (100.0, 40.0, 20.0)), scenario)
-    assert codes_of(findings) == ["warning return-too-near 3", *["warning leg-too-near 4"] * 2]
-    assert re.search(r"1.50 m from hall at .* at least 2.50 m required", findings[1].message)
-    assert "0.50 m beyond the upper bound" in findings[2].message
+    assert codes_of(findings) == ["error flights-too-near 4", "warning leg-too-near 4"]
+    assert "99 % of flights keep 0.07 m (predicted 1.98 m)" in findings[0].message
 
 
 def test_a_climb_beside_a_wall_is_a_warning_and_into_a_roof_an_error() -> None:
@@ -254,8 +269,8 @@ def test_a_leg_into_a_hill_is_an_error() -> None:
 def test_heights_above_ground_are_limited_where_the_scenario_says_so() -> None:
     scenario = world(WORLD.replace("[[obstacles]]", "planning = { max_height_above_ground = 25.0 }\n[[obstacles]]", 1))
     findings = check_mission(flight(scenario, (60.0, 0.0, 30.0)), scenario)
-    assert codes_of(findings) == ["error leg-too-near 2", "warning leg-too-near 3"]
-    assert all(re.search(": 30.00 m .* at most 25.00 m required", finding.message) for finding in findings)
+    assert codes_of(findings) == ["error leg-too-near 2", "error flights-too-near 3", "warning leg-too-near 3"]
+    assert all(re.search(r"30\.0.* at most 25.00 m required", finding.message) for finding in findings)
 
 
 def test_a_leg_steeper_than_the_limit_is_an_error_and_a_take_off_is_none() -> None:
