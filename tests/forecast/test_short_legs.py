@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.returning import Contingency
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.forecast.contingency.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.deviation.clearance_guarantee import KeptLimit
 from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.forecast.deviation.proximity import proximity_risks
@@ -76,3 +78,15 @@ def test_obstacle_is_nearer_by_the_spread() -> None:
 def test_px4_118_stops_at_each_waypoint_and_needs_no_spread(missions: Path) -> None:
     forecast = Forecast(read_mission(missions / "sitl.plan"), read_scenario(missions / "sitl.toml"))
     assert forecast.guarantee.flight.spread is None
+
+
+def test_contingencies_keep_less_where_flights_spread() -> None:
+    mission = replace(read_mission(FOLDER / "steep.plan"), firmware_version=Version.parsed("1.17"))
+    forecast = Forecast(mission, read_scenario(FOLDER / "steep.toml"))
+    paths, pieces = ContingencyPaths(forecast), forecast.guarantee.flight.pieces
+    at = int(np.argmax(pieces.spread.max(axis=1)))
+    times = (pieces.times[at : at + 1] + pieces.times[at + 1 : at + 2]) / 2
+    samples = paths.at(Contingency.HOLD, times)
+    clearance = paths.enlarged.airspace.obstacle_clearance(samples.paths[0, 0]).distance
+    assert samples.slack[0] == pytest.approx(clearance - paths.required - pieces.spread.max(), abs=0.01)
+    assert paths.as_flown.at(Contingency.HOLD, times).spread[0] == 0.0

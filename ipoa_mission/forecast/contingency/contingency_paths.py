@@ -81,7 +81,7 @@ class ContingencySamples:
     """One contingency, ordered at each of `times` (n,) [s after arming].
 
     `possible` (n, k): whether a path may be flown. `near`, `which`: the thing nearest to a leg; infinite, -1 for none.
-    `slack` (n,): to the required distance [m].
+    `slack` (n,): to the required distance [m]. `spread` (n,): subtracted from distances, for noise [m].
     """
 
     times: Vector
@@ -90,6 +90,7 @@ class ContingencySamples:
     near: Distances
     which: ObstacleIndices
     slack: Vector
+    spread: Vector
 
     @property
     def clear(self) -> NDArray[np.bool_]:
@@ -239,8 +240,10 @@ class ContingencyPaths:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
+        spread = self._spread(times)
+        near -= spread[:, None, None]
         slack = np.where(possible, near.min(axis=2) - self.required, np.inf).min(axis=1).clip(max=SAMPLING.max_slack)
-        samples = ContingencySamples(times, paths, possible, near, which, slack)
+        samples = ContingencySamples(times, paths, possible, near, which, slack, spread)
         return self._with_ground(samples, -1 if contingency is Contingency.RTL else 2)
 
     def exactly(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Clearance:
@@ -253,12 +256,23 @@ class ContingencyPaths:
         for path in samples.paths[n][samples.possible[n]]:
             nearer = self.enlarged.airspace.obstacle_clearance(path, within=least.distance)
             least = min(least, nearer, key=lambda clearance: clearance.distance)
-        return least
+        return least.minus(float(samples.spread[n]))
 
     def lowest(self, contingency: Contingency, samples: ContingencySamples, n: int) -> Check:
         paths = samples.paths[n, samples.possible[n], : -1 if contingency is Contingency.RTL else 2]
         checks = (check for path in paths for check in prove_ground(path, self.forecast.world))
-        return min(checks, key=lambda check: check.slack)
+        lowest = min(checks, key=lambda check: check.slack)
+        return replace(lowest, nearest=lowest.nearest.minus(float(samples.spread[n])))
+
+    def _spread(self, times: Vector) -> Vector:
+        """Return how far flights spread within a second of `times` (n,) [m], beyond the enlarged obstacles."""
+        pieces, within_s = self.flight.pieces, SAMPLING.step_s
+        if self.flight.spread is None or self.enlarged is self.forecast.world:
+            return np.zeros(len(times))
+        spread = np.append(pieces.spread.max(axis=1), 0.0)
+        first = np.clip(np.searchsorted(pieces.times, times - within_s) - 1, 0, len(spread) - 2)
+        last = np.clip(np.searchsorted(pieces.times, times + within_s), first + 1, len(spread) - 1)
+        return np.asarray(np.maximum.reduceat(spread, np.column_stack([first, last]).ravel())[::2])
 
     def goal(self, contingency: Contingency, samples: ContingencySamples, n: int) -> str:
         if contingency in IN_PLACE:
@@ -309,14 +323,14 @@ class ContingencyPaths:
         paths, terrain = samples.paths[in_cruise, :, :end], self.forecast.world.airspace.terrain
         heights = terrain.legs_height(paths[:, :, :-1].reshape(-1, 3), paths[:, :, 1:].reshape(-1, 3))
         least = heights.reshape(*paths.shape[:2], paths.shape[2] - 1).min(axis=2)
+        least -= samples.spread[in_cruise, None]
         low = samples.possible[in_cruise] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
         for at, k in np.argwhere(low).tolist():
             n = in_cruise[at]
             for check in prove_ground(samples.paths[n, k, :end], self.forecast.world):
-                if check.slack < min(slack[n], 0.0):
+                if (left := check.slack - samples.spread[n]) < min(slack[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
-                    near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
-                    slack[n] = check.slack
+                    near[n, k, leg], which[n, k, leg], slack[n] = self.required + left, GROUND, left
         return replace(samples, near=near, which=which, slack=slack)
 
     @property
