@@ -16,9 +16,10 @@ def digest(text: str) -> str:
     return sha256(text.encode()).hexdigest()
 
 
-def written_with(about: Path) -> dict[str, str]:
-    """Return the digests of NAME.json by file name; none if it is not ours."""
-    return _digests(_read(about))
+def written_with(about: Path) -> tuple[dict[str, str], object]:
+    """Return the digests of NAME.json by file name, and its parameters; nothing if it is not ours."""
+    record = _read(about)
+    return _digests(record), record.get("parameters", {})
 
 
 class MissionRecord(NamedTuple):

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.autopilot.commands import Command, Frame, command_name
-from ipoa_mission.autopilot.parameters import REAL32
+from ipoa_mission.autopilot.parameters import REAL32, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
 from ipoa_mission.geodesy import Geodetic
@@ -17,7 +17,7 @@ from ipoa_mission.mission.about_file import digest, written_with
 from ipoa_mission.mission.complex_items import as_document, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.landing_ground import landing_ground_entry
-from ipoa_mission.mission.parameter_file import parameter_path
+from ipoa_mission.mission.parameter_file import parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import ALTITUDE_MODES, AltitudeMode, tidy
 from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.mission.waypoints_file import waypoints_text
@@ -85,15 +85,25 @@ def _as_text(contents: Mapping[str, Any]) -> str:
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     """Return files that differ from `Flight.write`."""
     about = folder / f"{name}.json"
-    digests = written_with(about)
+    digests, parameters = written_with(about)
     missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
     differing = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
+    vehicle = parameter_path(about)
+    if about.exists() and vehicle.exists() and _parameters(vehicle) != parameters:
+        differing.append(vehicle)
     if about.exists() and not digests:
         differing.append(about)
     page = folder / f"{name}.html"
     if report and page.exists() and '<meta name="generator" content="ipoa-mission">' not in _text(page):
         differing.append(page)
     return differing
+
+
+def _parameters(path: Path) -> Parameters | None:
+    try:
+        return read_parameter_file(path).parameters
+    except BadInput:
+        return None
 
 
 def _text(path: Path) -> str:

@@ -169,6 +169,18 @@ def test_a_plan_writes_over_a_plan_but_over_nobody_elses(run: Run, planned: Plan
     assert tmp_path / "sitl.json" in not_as_written(tmp_path, "sitl")
 
 
+def test_a_plan_does_not_write_over_edited_parameters(run: Run, tmp_path: Path) -> None:
+    for shipped in MISSIONS.glob("sitl.*"):
+        (tmp_path / shipped.name).write_bytes(shipped.read_bytes())
+    vehicle = tmp_path / "sitl.params"
+    assert not_as_written(tmp_path, "sitl") == []
+    for edited in (vehicle.read_text() + "1\t1\tMPC_XY_CRUISE\t3.0\t9\n", "# Parameters of the vehicle\n1 1 A\n"):
+        vehicle.write_text(edited)
+        ended = run(f"plan {MISSIONS / 'sitl.toml'} --out {tmp_path}")
+        assert (ended.code, vehicle.read_text()) == (2, edited)
+        assert ended.err == f"error: {vehicle}: the file exists\nhint: --force overwrites it\n"
+
+
 def test_files_of_one_flight_are_written_together_or_not_at_all(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
