@@ -81,12 +81,10 @@ def print_flown(flown: FlownJob, written: Sequence[Path]) -> None:
 def _of_plan(job: Job) -> str:
     if job.flight is None:
         return ""
-    guarantee, kept = job.flight.guarantee, job.flight.guarantee.clearance
-    keep = (
-        f"; {100 * guarantee.confidence:g} % of flights keep {down(kept.guaranteed):.2f} m"
-        if guarantee.confidence and kept
-        else ""
-    )
+    guarantee, keep = job.forecast.guarantee_if_known, ""
+    if guarantee and guarantee.confidence and guarantee.clearance:
+        kept = down(guarantee.clearance.guaranteed)
+        keep = f"; {100 * guarantee.confidence:g} % of flights keep {kept:.2f} m"
     return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
 
 

@@ -14,15 +14,20 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import terminal
+from ipoa_mission.autopilot.version import Version
+from ipoa_mission.centimeters import down
 from ipoa_mission.cli.app import listen_to_log
+from ipoa_mission.cli.flight_output import print_flown
+from ipoa_mission.cli.mission_source import FlownJob, Job
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
+from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.paper import reproduce
 from ipoa_mission.planning import planner
 from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.terminal import progress_bar
-from tests.cli.conftest import Run, verbs
+from tests.cli.conftest import Planned, Run, verbs
 
 VERBS = sorted(verbs())
 
@@ -342,3 +347,16 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
     assert set(row) - {row[1], row[-1]} <= set(words)
     assert row[1] in words or columns < 80  # a name is folded where it must be
     assert set(row[-1].split()) <= set(words)
+
+
+def test_flown_line_has_the_clearance_on_the_version_aboard(
+    planned: Planned, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flight = planned("sitl")[0]
+    assert flight.guarantee.clearance is not None
+    aboard = flight.forecast.on(Version.parsed("1.17"))
+    print_flown(FlownJob(Job("sitl", aboard, (), flight), (), FlightRecord({}, 60.0, (), (), True)), [])
+    kept = aboard.guarantee.clearance
+    assert kept is not None
+    assert f"99 % of flights keep {down(kept.guaranteed):.2f} m" in capsys.readouterr().out
+    assert kept.guaranteed != flight.guarantee.clearance.guaranteed
