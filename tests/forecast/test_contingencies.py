@@ -165,6 +165,15 @@ def test_rtl_without_a_mission_landing_takes_as_long_as_straight_home(kind: floa
         predict_contingency(landed, Contingency.RTL, time)
 
 
+def test_duration_of_a_row_is_that_of_its_longest_path() -> None:
+    contingencies = Contingencies(forecast_of("oldtown"))
+    *_, row = contingencies.rows(Contingency.RTL)
+    times = np.linspace(row.from_s, row.to_s, 12)
+    lasts = [predict_contingency(contingencies.forecast, Contingency.RTL, float(time)).duration_s[1] for time in times]
+    assert row.duration_s is not None
+    assert row.duration_s[1] > 0.99 * max(lasts)
+
+
 def lose_noisy_flights(monkeypatch: pytest.MonkeyPatch, lost: range) -> list[int]:
     """Lose the flights of these seeds that have a contingency; return the list of seeds that are not lost."""
     flown, ended = Flights.flown_with, list[int]()

@@ -309,7 +309,11 @@ class Contingencies:
     def _timed(self, row: ContingencyRow, samples: ContingencySamples, run: range) -> ContingencyRow:
         if row.contingency not in TIMED:
             return row
-        picked = {run[round(share * (len(run) - 1))] for share in (0.0, 0.5, 1.0)}
+        legs = np.linalg.norm(np.diff(samples.paths[run.start : run.stop], axis=2), axis=-1).sum(axis=2)
+        possible = samples.possible[run.start : run.stop]
+        shortest = int(np.where(possible, legs, np.inf).min(axis=1).argmin())
+        longest = int(np.where(possible, legs, 0.0).max(axis=1).argmax())
+        picked = {run[n] for n in (0, shortest, longest, -1)}
         try:
             times = [float(samples.times[n]) for n in sorted(picked)]
             flown = [predict_contingency(self.forecast, row.contingency, time) for time in times]
