@@ -20,6 +20,7 @@ M = TypeVar("M", bound=m.Message)
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
 PARAMETER_ROUND_S = 0.7
+ABSENCE_CHANCE = 2e-4  # of an existing parameter, by an estimated loss
 
 
 class CommandRefused(MissionError):
@@ -133,10 +134,10 @@ def request_version() -> Dialogue[AutopilotVersion | None]:
 def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, m.ParamValue]]:
     """Return values by any name of each entry; raise NoAnswer.
 
-    An unknown parameter is met with silence. Each round also asks for parameters that exist: four of their answers
-    prove unanswered ones absent.
+    An unknown parameter is met with silence. Each round also asks for one that exists: its answers give the loss of the
+    link. Unanswered ones count as absent when hardly an existing one would not have answered by then.
     """
-    table, rounds_s = autopilot.parameter_table, [PARAMETER_ROUND_S] * 6 + [2.0] * 5
+    table, rounds_s = autopilot.parameter_table, [PARAMETER_ROUND_S] * 6 + [2.0] * 14
     values: dict[str, m.ParamValue] = {}
     proofs = 0
 
@@ -144,7 +145,8 @@ def request_parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) ->
         return [names for names in wanted if not any(name in values for name in names)]
 
     for n, seconds in enumerate(rounds_s):
-        if not missing() or proofs == 4 or (n >= 6 and (values or proofs)):
+        lost = 1.0 - (proofs + 1) / (n + 2)
+        if not missing() or lost**n < ABSENCE_CHANCE or (n == 11 and not (values or proofs)):
             break
         known = table.surely_there[n % len(table.surely_there)]  # twice in a row would count as an echo
         for name in (*(name for names in missing() for name in names), *known):

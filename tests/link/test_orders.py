@@ -1,3 +1,4 @@
+import random
 import struct
 from collections.abc import Sequence
 from typing import TypeVar
@@ -9,7 +10,7 @@ from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import orders
 from ipoa_mission.link.codec import Codec
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer
+from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, NoAnswer, SendOnce
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import (
@@ -131,6 +132,29 @@ def test_a_parameter_with_several_names_has_the_first_one_answered() -> None:
 def test_a_parameter_that_does_not_exist_is_left_out() -> None:
     known = lead(orders.request_parameters([["A"], ["NONE"]], ARDUPILOT), [value_of("A", 7.0)]).result
     assert list(known) == ["A"]
+
+
+def found_over(loss: float, seed: int) -> set[str]:
+    """Ask for one parameter that exists and one that does not, with a share of frames lost in each direction."""
+    chance, inbox, heard = random.Random(seed), list[Message](), None
+    dialogue = orders.request_parameters([["MPC_XY_CRUISE"], ["NONE"]], PX4)
+    try:
+        while True:
+            match dialogue.send(heard):
+                case SendOnce(ParamRequestRead(name)):
+                    heard = None
+                    if name != "NONE" and min(chance.random(), chance.random()) >= loss:
+                        inbox.append(value_of(name, 1.0))
+                case _:
+                    heard = inbox.pop(0) if inbox else None
+    except StopIteration as ended:
+        return set(ended.value)
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.1, 0.3])
+def test_existing_parameter_is_found_over_a_lossy_link(loss: float) -> None:
+    missed = [seed for seed in range(2000) if found_over(loss, seed) != {"MPC_XY_CRUISE"}]
+    assert len(missed) <= 6  # 2 of 2,000 by the chance that is allowed
 
 
 @pytest.mark.parametrize(("delay_s", "within_s"), [(0.0, 0.5), (0.3, 4.0), (0.9, 8.0)])
