@@ -4,8 +4,14 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameter, Parameters
 from ipoa_mission.errors import BadInput
+
+#: Meanings whose values are converted from one autopilot to another: all define them alike.
+CONVERTED = frozenset({
+    "cruise speed", "climb speed", "descent speed", "acceleration", "vertical acceleration", "acceptance radius",
+    "lean", "landing speed", "return height", "wait before landing",
+})  # fmt: skip
 
 
 def known_names() -> frozenset[str]:
@@ -19,7 +25,8 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
         if other is not None:
             counterpart = _counterpart(name, other, autopilot)
             words = f"expected a parameter of {autopilot}, not of {other}"
-            raise BadInput(words, hint=f"{autopilot} has {counterpart} for that" if counterpart else None, place=name)
+            hint = f"{autopilot} has {counterpart.name} for that" if counterpart else None
+            raise BadInput(words, hint=hint, place=name)
 
 
 def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
@@ -44,15 +51,15 @@ def translated(
     {'RTL_RETURN_ALT': 65.0}
     """
     values, left_out, words = dict[str, float](), list[str](), list[str]()
-    ours, theirs = autopilot.parameter_table.units, other.parameter_table.units
     for name, value in parameters.items():
         ((old, there),) = other.parameter_table.by_old_names({name: value}).items()
         counterpart = _counterpart(name, other, autopilot)
         if name in autopilot.parameter_names:
             values[name] = value
-        elif counterpart in ours and old in theirs and value > 0.0:
-            values[counterpart] = round(there * theirs[old] / ours[counterpart], 6)
-            words.append(f"{counterpart} = {values[counterpart]:g} for {name} = {value:g}")
+        elif counterpart and counterpart.meaning in CONVERTED and value > 0.0:
+            unit = other.parameter_table.by_name[old].unit
+            values[counterpart.name] = round(there * unit / counterpart.unit, 6)
+            words.append(f"{counterpart.name} = {values[counterpart.name]:g} for {name} = {value:g}")
         else:
             left_out.append(name)
     said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
@@ -68,7 +75,7 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
     return next((autopilot for name in names for autopilot in registered() if name in autopilot.parameter_names), None)
 
 
-def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
-    old = next(iter(other.parameter_table.by_old_names({name: 0.0})))
-    meaning = next((words for words, theirs in other.parameter_table.meanings.items() if theirs == old), "")
-    return autopilot.parameter_table.meanings.get(meaning, "")
+def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> Parameter | None:
+    (old,) = other.parameter_table.by_old_names({name: 0.0})
+    theirs = other.parameter_table.by_name.get(old)
+    return autopilot.parameter_table.by_meaning.get(theirs.meaning) if theirs else None

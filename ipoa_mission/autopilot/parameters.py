@@ -1,58 +1,76 @@
 """Defaults, types, units and names of parameters."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
 
 Parameters: TypeAlias = Mapping[str, float]
 NO_PARAMETERS: Parameters = {}
 SINGLE_MAX = 3.4e38  # a float's maximum in MAVLink
 INT8, INT16, INT32, REAL32 = 2, 4, 6, 9  # MAV_PARAM_TYPE
-Declared: TypeAlias = tuple[float, int]  # value and type
 
 
-def declared(words: Mapping[int, str]) -> Mapping[str, int]:
-    return {name: kind for kind, names in words.items() for name in names.split()}
+class Parameter(NamedTuple):
+    """A parameter by its older name, in units of `unit` [m, s or degrees].
 
-
-@dataclass(frozen=True)
-class Quantity:
-    """A parameter and its unit's size in m, m/s or s."""
+    `default`: None: not simulated. `kind`: MAV_PARAM_TYPE. `meaning`: the same for all autopilots. `newer`: its newer
+    name, in units of 1.
+    """
 
     name: str
+    default: float | None
+    kind: int = REAL32
+    meaning: str = ""
     unit: float = 1.0
+    newer: str = ""
 
     def spelled(self, value: float) -> float:
         return value / self.unit
 
 
+def defaults(rows: Iterable[Parameter]) -> dict[str, float]:
+    return {row.name: row.default for row in rows if row.default is not None}
+
+
 @dataclass(frozen=True)
 class ParameterTable:
-    """An autopilot's known parameters, by their older names.
+    """An autopilot's known parameters.
 
-    Defaults: `moving` affect a mission; ground stations read `others`; `set_up` (value and type). `types`: those that
-    are no float. `renamed`: newer name to older name and old units per new unit. `meanings`: quantity to name. `units`:
-    size in m, s or degrees. `packs_integers`: integers are sent as a float's bits.
+    `affecting`: those that affect a mission. `further`, `set_up`: ground stations read them. `packs_integers`: integers
+    are sent as a float's bits.
     """
 
-    moving: Parameters
-    others: Parameters
-    set_up: Mapping[str, Declared]
-    types: Mapping[str, int]
-    climb: Quantity
-    descent: Quantity
-    return_height: Quantity
-    fence_switch: str  # 0: no fence
-    system_id: str
-    meanings: Mapping[str, str]
-    units: Parameters
+    affecting: tuple[Parameter, ...]
+    further: tuple[Parameter, ...]
+    set_up: tuple[Parameter, ...]
     surely_there: tuple[tuple[str, ...], ...]  # alternative names
-    renamed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     packs_integers: bool = False
-    speed: Quantity | None = None  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
+    limits_speed: str = ""  # PX4: the limit MPC_XY_VEL_MAX; ArduCopter: the cruise speed WPNAV_SPEED
     fastest: float = 40.0  # twice both firmwares' documented maximum [m/s]
 
-    @property
+    @cached_property
+    def by_name(self) -> Mapping[str, Parameter]:
+        return {row.name: row for row in (*self.affecting, *self.further)}
+
+    @cached_property
+    def by_meaning(self) -> Mapping[str, Parameter]:
+        return {row.meaning: row for row in self.by_name.values() if row.meaning}
+
+    @cached_property
+    def moving(self) -> Parameters:
+        return defaults(self.affecting)
+
+    @cached_property
+    def others(self) -> Parameters:
+        return defaults(self.further)
+
+    @cached_property
+    def renamed(self) -> Mapping[str, tuple[str, float]]:
+        """Return the older name, and its units per new unit, by newer name."""
+        return {row.newer: (row.name, 1.0 / row.unit) for row in self.by_name.values() if row.newer}
+
+    @cached_property
     def names(self) -> frozenset[str]:
         return frozenset((*self.moving, *self.others, *self.renamed))
 
@@ -71,14 +89,14 @@ class ParameterTable:
 
     def speed_limit(self, parameters: Parameters) -> float:
         """Return `fastest`, or the vehicle's higher limit [m/s]."""
-        limit = 0.0 if self.speed is None else self.by_old_names(parameters).get(self.speed.name, 0.0) * self.speed.unit
-        return max(self.fastest, limit)
+        unit = self.by_name[self.limits_speed].unit if self.limits_speed else 0.0
+        return max(self.fastest, self.by_old_names(parameters).get(self.limits_speed, 0.0) * unit)
 
     def why_too_fast(self, speed: float, parameters: Parameters) -> str | None:
         limit = self.speed_limit(parameters)
         if not speed > limit:
             return None
-        unless = "" if self.speed is None else f", unless {self.speed.name} allows more"
+        unless = f", unless {self.limits_speed} allows more" if self.limits_speed else ""
         cm = f": is it in cm/s? {speed / 100:g} m/s" if speed / 100 <= limit and speed >= 100 else ""
         return f"expected at most {limit:g} m/s{unless}, not {speed:g}{cm}"
 

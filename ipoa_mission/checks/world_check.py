@@ -58,7 +58,7 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
     """
     advice = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
-    by = mission.autopilot.parameter_table.return_height
+    by = mission.autopilot.parameter_table.by_meaning["return height"]
     is_clear, land = clear_in(scenario), Remedy(("route", "ending"), "land")
     for altitude in takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0)):
         name, value = by.name, by.spelled(altitude)
@@ -215,7 +215,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _remedy(paths: ContingencyPaths) -> str | None:
-    by = paths.mission.autopilot.parameter_table.return_height
+    by = paths.mission.autopilot.parameter_table.by_meaning["return height"]
     short = list(find_shortfalls(paths, Contingency.RTL))
     higher, left = try_return_altitudes(paths, paths.forecast, short)[0]
     if any(shortfall.part >= ReturnLeg.RETURNS for shortfall in left):

@@ -62,7 +62,7 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
     if not mission.fence:
         return None
-    switch = vehicle.autopilot.parameter_table.fence_switch
+    switch = vehicle.autopilot.parameter_table.by_meaning["fence switch"].name
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
         return None
     bits = vehicle.autopilot.protocol_profile.limits_are_bits

@@ -120,8 +120,9 @@ def _doubtful(file: str, in_force: Mapping[str, _Row], autopilot: Autopilot) -> 
             if row and ratio and not 1 / UNUSUAL_RATIO < ratio < UNUSUAL_RATIO:
                 words = f"the unit of {row.name}, taken as documented: {ratio:.3g} times the default"
                 yield Unread(file, words, f"line {row.line}", f"{row.value:g}")
-    speeds = (table.meanings.get(meaning, "") for meaning in ("cruise speed", "climb speed", "descent speed"))
-    for row in filter(None, map(in_force.get, speeds)):
-        if table.units.get(row.name, 1.0) == 1.0 and row.value > table.fastest:
+    for meaning in ("cruise speed", "climb speed", "descent speed"):
+        speed = table.by_meaning[meaning]
+        row = in_force.get(speed.name)
+        if row and speed.unit == 1.0 and row.value > table.fastest:
             words = f"the unit of {row.name}, taken as m/s: beyond {table.fastest:g} m/s"
             yield Unread(file, words, f"line {row.line}", f"{row.value:g}")

@@ -57,8 +57,9 @@ def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> Non
 
 def _parameters_text(mission: Mission, name: str) -> str:
     lines = [PARAMETERS_HEADER.format(name), "# Vehicle-Id Component-Id Name Value Type"]
+    rows = mission.autopilot.parameter_table.by_name
     for parameter, value in mission.parameters.items():
-        kind = mission.autopilot.parameter_table.types.get(parameter, REAL32)
+        kind = rows[parameter].kind if parameter in rows else REAL32
         number = f"{value:.0f}" if value == int(value) else repr(float(value))
         lines.append(f"1\t1\t{parameter}\t{number}\t{kind}")  # QGroundControl requires the vehicle's own type
     return "\n".join(lines) + "\n"

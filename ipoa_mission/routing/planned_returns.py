@@ -66,7 +66,7 @@ def choose_returns(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]
 
 def names_return_altitude(scenario: Scenario) -> bool:
     table = scenario.vehicle.autopilot.parameter_table
-    return table.return_height.name in table.by_old_names(scenario.vehicle.autopilot_parameters())
+    return table.by_meaning["return height"].name in table.by_old_names(scenario.vehicle.autopilot_parameters())
 
 
 def _with_rally_points(
@@ -118,7 +118,7 @@ def other_options_hint(forecast: Forecast) -> str:
 
 def return_remarks(forecast: Forecast) -> Iterator[str]:
     scenario, mission = forecast.world, forecast.mission
-    name = mission.autopilot.parameter_table.return_height.name
+    name = mission.autopilot.parameter_table.by_meaning["return height"].name
     parameters = forecast.mission_as_read.parameters
     if name in parameters and not names_return_altitude(scenario):
         yield (

@@ -199,7 +199,7 @@ class VehicleSection(Section):
 
     def autopilot_parameters(self) -> Parameters:
         """Return the speeds as parameters, then `parameters`."""
-        table = self.autopilot.parameter_table
-        speeds = ((table.climb, self.climb_speed), (table.descent, self.descent_speed))
-        changed = {parameter.name: parameter.spelled(speed) for parameter, speed in speeds if speed is not None}
+        table, speeds = self.autopilot.parameter_table, {"climb": self.climb_speed, "descent": self.descent_speed}
+        given = ((table.by_meaning[f"{way} speed"], speed) for way, speed in speeds.items() if speed is not None)
+        changed = {parameter.name: parameter.spelled(speed) for parameter, speed in given}
         return table.overridden(changed, self.parameters)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Frame, VehicleCommand
-from ipoa_mission.autopilot.parameters import REAL32, Parameters
+from ipoa_mission.autopilot.parameters import REAL32, Parameters, defaults
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.link import messages as m
@@ -155,11 +155,10 @@ BY_NAME = 65535
 class ParameterServer:
     def __init__(self, autopilot: Autopilot, overrides: Mapping[str, float], version: Version | None = None) -> None:
         self._autopilot = autopilot
-        set_up = autopilot.parameter_table.set_up
-        self._types = {**autopilot.parameter_table.types, **{name: kind for name, (_, kind) in set_up.items()}}
-        declared = {name: value for name, (value, _) in set_up.items()}
-        own = {**autopilot.parameter_table.moving, **autopilot.defaults_of(version)}
-        self.values = {**declared, **own, **autopilot.parameter_table.others, **overrides}
+        table = autopilot.parameter_table
+        self._types = {row.name: row.kind for row in (*table.set_up, *table.by_name.values())}
+        own = {**table.moving, **autopilot.defaults_of(version)}
+        self.values = {**defaults(table.set_up), **own, **table.others, **overrides}
 
     def answers(self, message: m.Message) -> list[m.ParamValue] | None:
         names = sorted(self.values)

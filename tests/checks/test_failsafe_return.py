@@ -62,7 +62,7 @@ def test_obstacles_of_the_return_are_named_with_a_height_that_clears_them(
     scenario = nominal(scene(autopilot, body))
     forecast = flight_in(scenario)
     (finding,) = check_failsafe_return(forecast)
-    by = autopilot.parameter_table.return_height
+    by = autopilot.parameter_table.by_meaning["return height"]
     name, unit = by.name, by.unit
     assert finding.code == "return-too-near"
     assert finding.hint is not None

@@ -18,7 +18,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
-from ipoa_mission.autopilot.parameters import Parameters, ParameterTable, Quantity
+from ipoa_mission.autopilot.parameters import Parameter, Parameters, ParameterTable
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
@@ -191,17 +191,15 @@ class Toy(Autopilot):
     measured = (Version(1, 0),)
     modes = MODES
     parameter_table = ParameterTable(
-        moving={"TOY_SPEED": SPEED, "TOY_UP": SPEED, "TOY_DOWN": SPEED, "TOY_RTL": 10.0, "TOY_WAIT": 0.0},
-        others={"TOY_ID": 1.0, "TOY_FENCE": 0.0},
-        set_up={},
-        types={},
-        climb=Quantity("TOY_UP"),
-        descent=Quantity("TOY_DOWN"),
-        return_height=Quantity("TOY_RTL"),
-        fence_switch="TOY_FENCE",
-        system_id="TOY_ID",
-        meanings={"cruise speed": "TOY_SPEED"},
-        units={"TOY_SPEED": 1.0},
+        affecting=(
+            Parameter("TOY_SPEED", SPEED, meaning="cruise speed"),
+            Parameter("TOY_UP", SPEED, meaning="climb speed"),
+            Parameter("TOY_DOWN", SPEED, meaning="descent speed"),
+            Parameter("TOY_RTL", 10.0, meaning="return height"),
+            Parameter("TOY_WAIT", 0.0),
+        ),
+        further=(Parameter("TOY_ID", 1.0), Parameter("TOY_FENCE", 0.0, meaning="fence switch")),
+        set_up=(),
         surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("no_tables.json"))

@@ -23,7 +23,6 @@ from ipoa_mission.mission.items import (
 )
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE as ARDUCOPTER_BOOK
-from ipoa_mission.vehicles.arducopter.parameter_table import RENAMED
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import normal
 from ipoa_mission.wind import Wind
 from tests.refused import refuses
@@ -102,10 +101,10 @@ def test_wind_is_named_for_where_it_comes_from() -> None:
     assert (west.east, west.north) == (pytest.approx(4.0), pytest.approx(0.0, abs=1e-12))
 
 
-@pytest.mark.parametrize(("new", "old"), [(new, old) for new, (old, _) in RENAMED.items()])
+@pytest.mark.parametrize(("new", "old"), [(new, old) for new, (old, _) in ARDUCOPTER_BOOK.renamed.items()])
 def test_arducopters_new_names_mean_the_same_as_the_old(new: str, old: str) -> None:
     value = 1.7 * ARDUCOPTER_BOOK.moving.get(old, 100.0) or 40.0
-    assert copter_limits({new: value / RENAMED[new][1]}) == copter_limits({old: value})
+    assert copter_limits({new: value / ARDUCOPTER_BOOK.renamed[new][1]}) == copter_limits({old: value})
 
 
 @BOTH

@@ -61,7 +61,8 @@ def highest_return(forecast: Forecast) -> float:
     table = mission.autopilot.parameter_table
     values = {**table.others, **table.by_old_names(mission.parameters)}
     if mission.fence:
-        values[table.fence_switch] = values[table.fence_switch] or 1.0
+        switch = table.by_meaning["fence switch"].name
+        values[switch] = values[switch] or 1.0
     own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(0.01)
     allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
     return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
@@ -104,7 +105,7 @@ def try_return_altitudes(
         returns = sum(short.missing for short in tried[1] if short.part >= ReturnLeg.RETURNS)
         return return_altitude(tried[0]) > allowed, returns, sum(short.missing for short in tried[1])
 
-    by = forecast.mission.autopilot.parameter_table.return_height
+    by = forecast.mission.autopilot.parameter_table.by_meaning["return height"]
     now = forecast.mission.autopilot.parameter_table.complete(forecast.mission.parameters)[by.name] * by.unit
     allowed = highest_return(forecast)
     highest = allowed - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal

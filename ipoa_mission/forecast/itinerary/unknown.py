@@ -88,8 +88,8 @@ def _braking_lengths(mission: Mission) -> list[float]:
     """Return for each item the length of a spline on which it can stop from its speed [m]; 0 from a stop."""
     autopilot, items = mission.autopilot, mission.items
     table, values = autopilot.parameter_table, autopilot.complete(mission.parameters, mission.firmware_version)
-    names = table.meanings["cruise speed"], table.meanings["acceleration"]
-    speed, accel = (values[name] * table.units.get(name, 1.0) for name in names)
+    both = table.by_meaning["cruise speed"], table.by_meaning["acceleration"]
+    speed, accel = (values[parameter.name] * parameter.unit for parameter in both)
     changed = (n for n, item in enumerate(items) if item.command == Command.DO_CHANGE_SPEED)
     changes = {n: items[n].params[1] for n in changed if items[n].params[0] in LEVEL_SPEEDS and items[n].params[1] > 0}
     if any(item.command in JUMPS for item in items):
@@ -128,7 +128,7 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, next_index: i
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
     parameters = autopilot.complete(mission.parameters, mission.firmware_version)
-    radius = parameters[autopilot.parameter_table.meanings["acceptance radius"]] / 100
+    radius = parameters[autopilot.parameter_table.by_meaning["acceptance radius"].name] / 100
     if abs(program.place(next_index, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
         why = "it waits at this height for that of the waypoint before, and never places the payload"
         yield Unknown(next_index + 1, why, "give it the height of the waypoint before, or 0", "never-reached")
