@@ -1,4 +1,4 @@
-"""Line k has the ends 2k and 2k + 1; entered at end e, it is left at e ^ 1."""
+"""Transits and order of lines. Line k has the ends 2k and 2k + 1; entered at end e, it is left at e ^ 1."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -91,16 +91,6 @@ def _is_clear(edges, boxes, px, py, qx, qy):
 
 
 @njit(cache=True, error_model="numpy")
-def sights(places, others, edges):
-    """Return which `others` (m, 2) each place (n, 2) sees past the edges (k, 4), (n, m)."""
-    seen, boxes = np.empty((len(places), len(others)), np.bool_), _boxes(edges)
-    for i in range(len(places)):
-        for j in range(len(others)):
-            seen[i, j] = _is_clear(edges, boxes, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
-    return seen
-
-
-@njit(cache=True, error_model="numpy")
 def _goes_by(arms, corner, east, north):
     """Return whether both `arms` (4,) of a corner are on one side of a way."""
     one = east * arms[corner, 1] - north * arms[corner, 0]
@@ -109,56 +99,22 @@ def _goes_by(arms, corner, east, north):
 
 
 @njit(cache=True, error_model="numpy")
-def straight_ways(corners, arms, edges):
-    """Return straight distances between corners (n, 2), or NO_WAY, (n, n) [m]; `arms` (n, 4) lead to neighbors."""
-    count = len(corners)
-    apart, boxes = np.empty((count, count)), _boxes(edges)
-    for i in range(count):
-        apart[i, i] = NO_WAY
-        for j in range(i):
-            away, e, n = NO_WAY, corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1]
-            is_way = _goes_by(arms, i, e, n) and _goes_by(arms, j, e, n)
-            if is_way and _is_clear(edges, boxes, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
-                away = math.hypot(e, n)
-            apart[i, j] = apart[j, i] = away
-    return apart
-
-
-@njit(cache=True, error_model="numpy")
-def _near(ends, corners, arms, edges):
-    """Return straight distances from ends (n, 2) to corners (m, 2), or NO_WAY, (n, m) [m]."""
-    away, boxes = np.empty((len(ends), len(corners))), _boxes(edges)
-    for i in range(len(ends)):
-        for c in range(len(corners)):
-            e, n = corners[c, 0] - ends[i, 0], corners[c, 1] - ends[i, 1]
-            is_way = _goes_by(arms, c, e, n)
-            is_way = is_way and _is_clear(edges, boxes, ends[i, 0], ends[i, 1], corners[c, 0], corners[c, 1])
-            away[i, c] = math.hypot(e, n) if is_way else NO_WAY
+def straight_ways(places, place_arms, others, arms, edges):
+    """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]; arms lead to neighbors."""
+    away, boxes = np.empty((len(places), len(others))), _boxes(edges)
+    for i in range(len(places)):
+        for j in range(len(others)):
+            e, n = others[j, 0] - places[i, 0], others[j, 1] - places[i, 1]
+            is_way = _goes_by(place_arms, i, e, n) and _goes_by(arms, j, e, n)
+            is_way = is_way and _is_clear(edges, boxes, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
+            away[i, j] = math.hypot(e, n) if is_way else NO_WAY
     return away
 
 
 @njit(cache=True, error_model="numpy")
-def _lists(apart):
-    """Return the columns of each row (n, m) below NO_WAY, concatenated, and each row's begin."""
-    begins = np.empty(len(apart) + 1, np.int32)
-    begins[0] = 0
-    for i in range(len(apart)):
-        begins[i + 1] = begins[i]
-        for c in range(apart.shape[1]):
-            begins[i + 1] += apart[i, c] < NO_WAY
-    found, k = np.empty(begins[-1], np.int32), 0
-    for i in range(len(apart)):
-        for c in range(apart.shape[1]):
-            if apart[i, c] < NO_WAY:
-                found[k] = c
-                k += 1
-    return begins, found
-
-
-@njit(cache=True, error_model="numpy")
-def _spread(start, near, between, begins, others, bend, dist, prev):
+def _spread(start, near, graph, bend, dist, prev):
     """Return the shortest ways from one end to all corners [m], and each previous corner."""
-    count = near.shape[1]
+    count, (between, begins, others) = near.shape[1], graph
     done = np.empty(count, np.bool_)
     for c in range(count):
         done[c], prev[start, c] = False, DIRECT
@@ -178,20 +134,19 @@ def _spread(start, near, between, begins, others, bend, dist, prev):
 
 
 @njit(cache=True, error_model="numpy")
-def ways_between(clock, ends, corners, arms, between, edges, bend):
+def ways_between(clock, ends, corners, near, between, edges, bend):
     """Return the times of the ways between all line ends (n, n), corners at both ends included [s].
 
-    Also return the last corner before an end (n, n) and before a corner (n, corners), or DIRECT, or NONE for no way.
+    `near` (n, m) and `between` (m, m): straight ways to and between corners, as by `free.listed`. Also return the last
+    corner before an end (n, n) and before a corner (n, m), or DIRECT, or NONE for no way.
     """
     count, many = len(ends), len(corners)
-    near, boxes = _near(ends, corners, arms, edges), _boxes(edges)
-    begins, others = _lists(between)
-    first, near_corners = _lists(near)
+    boxes, (near, first, near_corners) = _boxes(edges), near
     times, last = np.empty((count, count)), np.empty((count, count), np.int16)
     prev = np.empty((count, max(many, 1)), np.int16)
     dist = np.empty(max(many, 1))
     for i in range(count):
-        _spread(i, near, between, begins, others, bend, dist, prev)
+        _spread(i, near, between, bend, dist, prev)
         out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
@@ -227,3 +182,154 @@ def ways_between(clock, ends, corners, arms, between, edges, bend):
                 total += corner_at(clock, (out_e * in_e + out_n * in_n) / (out * length), min(out, length))
             times[i, j] = total
     return times, last, prev
+
+
+@njit(cache=True, error_model="numpy")
+def _add_up(entries, times, lines, sums):
+    """Sum costs up to each line."""
+    forth, back = sums
+    forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
+    for k in range(2, len(entries) - 1):
+        here, there = entries[k - 1], entries[k]
+        forth[k] = forth[k - 1] + times[here ^ 1, there] + lines[there]
+        back[k] = back[k - 1] + times[there, here ^ 1] + lines[there ^ 1]
+
+
+@njit(cache=True, error_model="numpy")
+def _flip(entries, i, j):
+    while i <= j:
+        entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
+        i, j = i + 1, j - 1
+
+
+@njit(cache=True, error_model="numpy")
+def _better(entries, k, times, lines, sums):
+    """Return the best change at line k: 0 none, 1 flip, 2 move, 3 move and flip; and its indices."""
+    beyond, (forth, back) = len(entries) - 1, sums
+    best, kind, a, b, c = -1e-7, 0, 0, 0, 0
+    before, head = entries[k - 1] ^ 1, entries[k]
+    for i in range(1, k):
+        y = entries[k + 1]
+        delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
+        delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
+        delta += (back[k] - back[i] + lines[entries[i] ^ 1]) - (forth[k] - forth[i] + lines[entries[i]])
+        if delta < best:
+            best, kind, a, b = delta, 1, i, k
+    for j in range(k, beyond):
+        delta = times[before, entries[j] ^ 1] + times[head, entries[j + 1]]
+        delta -= times[before, head] + times[entries[j] ^ 1, entries[j + 1]]
+        delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
+        if delta < best:
+            best, kind, a, b = delta, 1, k, j
+    for e in range(k, min(k + 3, beyond)):
+        tail, after = entries[e] ^ 1, entries[e + 1]
+        out = times[before, after] - times[before, head] - times[tail, after]
+        if out > -1e-7:
+            continue
+        turned = (back[e] - back[k] + lines[head ^ 1]) - (forth[e] - forth[k] + lines[head])
+        for p in range(beyond):
+            if k - 1 <= p <= e:
+                continue
+            x, y = entries[p] ^ 1, entries[p + 1]
+            gap = out - times[x, y]
+            delta = gap + times[x, head] + times[tail, y]
+            if delta < best:
+                best, kind, a, b, c = delta, 2, k, e, p
+            delta = gap + times[x, tail] + times[head, y] + turned
+            if delta < best:
+                best, kind, a, b, c = delta, 3, k, e, p
+    return kind, a, b, c
+
+
+@njit(cache=True, error_model="numpy")
+def _move(entries, i, e, p):
+    if p < i:
+        _flip(entries, p + 1, e)
+        _flip(entries, p + 1, p + e - i + 1)
+        _flip(entries, p + e - i + 2, e)
+    else:
+        _flip(entries, i, p)
+        _flip(entries, i, i + p - e - 1)
+        _flip(entries, i + p - e, p)
+
+
+@njit(cache=True, error_model="numpy")
+def _descend(entries, times, lines, dirty, sums):
+    """Improve at the dirty lines; return the cost [s]."""
+    beyond = len(entries) - 1
+    _add_up(entries, times, lines, sums)
+    k, clean = 1, 0
+    while clean < beyond:
+        if dirty[k]:
+            kind, a, b, c = _better(entries, k, times, lines, sums)
+            if kind == 0:
+                dirty[k] = False
+            else:
+                if kind != 2:
+                    _flip(entries, a, b)
+                at = a
+                if kind != 1:
+                    _move(entries, a, b, c)
+                    at = c + 1 if c < a else c - (b - a)
+                for m in (a, b, at, at + b - a):
+                    for n in range(max(m - 1, 1), min(m + 2, beyond)):
+                        dirty[n] = True
+                _add_up(entries, times, lines, sums)
+                clean = 0
+                continue
+        clean += 1
+        k = k + 1 if k < beyond - 1 else 1
+    return sums[0][beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
+
+
+@njit(cache=True, error_model="numpy")
+def search_order(times, lines, rounds):
+    """Return the ends (n,) at which lines are entered in a quick order, and its cost [s].
+
+    `times` (2n + 2, 2n + 2): between ends; the tour's begin and end last. `lines` (2n,): by entry.
+    """
+    count = len(lines) // 2
+    best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
+    best[0], best[count + 1] = 2 * count + 1, 2 * count  # begin and end of the tour
+    sums, dirty = (np.empty(count + 2), np.empty(count + 2)), np.empty(count + 2, np.bool_)
+    for k in range(count):
+        best[k + 1] = 2 * k
+    for k in range(count + 2):
+        dirty[k] = True
+    cost = _descend(best, times, lines, dirty, sums)
+    state, failed, window = 2463534242, 0, min(count, 30)
+    while failed < rounds and count > 3:
+        for k in range(count + 2):
+            now[k] = best[k]
+        low, i, e, p = 1, 0, 0, 0
+        for n in range(4):
+            state ^= (state << 13) & 0xFFFFFFFF
+            state ^= state >> 17
+            state ^= (state << 5) & 0xFFFFFFFF
+            if n == 0:
+                low = 1 + state % (count - window + 1)
+                continue
+            at = low + state % window
+            if n == 1:
+                i = at
+            elif n == 2:
+                i, e = min(i, at), max(i, at)
+            else:
+                i, e, p = min(i, at), max(min(e, at), i), max(e, at)
+        if e < p:
+            _move(now, i, e, p)
+        else:
+            _flip(now, i, p)
+        for m in (i, i + p - e, p + 1):
+            for n in range(max(m - 1, 1), min(m + 1, count + 1)):
+                dirty[n] = True
+        found = _descend(now, times, lines, dirty, sums)
+        if found < cost - 1e-9:
+            cost, failed = found, 0
+            for k in range(count + 2):
+                best[k] = now[k]
+        else:
+            failed += 1
+    for k in range(count):
+        now[k] = best[k + 1]
+    return now[:count], cost

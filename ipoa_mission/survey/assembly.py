@@ -156,9 +156,9 @@ def _round_obstacles(straight: Points, task: PathProblem, distance: float, corne
         return None
     places = np.vstack([free.corners, straight[:, :2]])
     legs = np.full((len(places), len(places)), np.inf)
-    legs[:-2, :-2] = np.where(free.between < NO_WAY, free.between, np.inf)
-    seen = free.sees(straight[:, :2], free.corners)
-    legs[-2:, :-2] = np.where(seen, np.linalg.norm(straight[:, None, :2] - free.corners, axis=2), np.inf)
+    legs[:-2, :-2] = free.between
+    legs[-2:, :-2] = free.ways(straight[:, :2], free.corners)
+    legs[legs >= NO_WAY] = np.inf
     legs[:-2, -2:] = legs[-2:, :-2].T
     passed = _shortest(legs)
     if passed is None:

@@ -11,10 +11,8 @@ import shapely
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geometry import Points, Vector, union_of
-from ipoa_mission.survey._kernels import NO_WAY
-from ipoa_mission.survey._order import search_order
-from ipoa_mission.survey.free import FreeSpace, Transits
-from ipoa_mission.survey.outline import narrower, wider
+from ipoa_mission.survey._kernels import NO_WAY, search_order
+from ipoa_mission.survey.free import FreeSpace, Transits, narrower, wider
 from ipoa_mission.survey.survey_area import ARC, Area
 from ipoa_mission.survey.survey_lines import (
     MAX_UNSEEN,
@@ -56,7 +54,7 @@ LIMITS = SearchLimits()
 def quickest_tour(
     problem: "CoverProblem", direction: Direction = "best", begin: Vector | None = None, end: Vector | None = None
 ) -> Tour:
-    """Return the quickest tour between places (2,) or None: lines along edges in `_order`'s order, detours to gaps."""
+    """Return the quickest tour between places (2,) or None: lines along edges, detours to gaps."""
     if isinstance(direction, str):
         passes = [problem.directions()]
     else:
@@ -215,7 +213,7 @@ class CoverProblem:
         times[:-2, :-2] = transits.times
         times[-2, :-2], times[:-2, -2] = (self._seconds_to(place, ends) for place in (begin, end))
         rounds = int(min(10 * len(lines), LIMITS.order_rounds, LIMITS.order_steps / len(lines) ** 2))
-        entries, seconds = search_order(np.arange(len(lines), dtype=np.int64) * 2, times, along, rounds)
+        entries, seconds = search_order(times, along, rounds)
         if seconds >= NO_WAY:
             raise _parted()
         path = SensedPath([ends[entries[0]]])

@@ -1,5 +1,10 @@
-"""Find the quickest transits in polygons, over the visibility graph of their corners."""
+"""Find the quickest transits in polygons, over the visibility graph of their corners.
 
+Outlines are simplified first: fewer corners are flown faster and found sooner.
+"""
+
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -8,10 +13,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.geometry import Points
-from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
+from ipoa_mission.geometry import Points, Vector, union_of
+from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, straight_ways, ways_between
 from ipoa_mission.survey.survey_area import INSET
 from ipoa_mission.survey.times import LegTimes
+
+MAX_TURN = math.radians(60.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,27 +34,30 @@ class FreeSpace:
     @classmethod
     def of(cls, shape: Any) -> "FreeSpace":
         inner = shape.buffer(-INSET, join_style="mitre")
-        edges = [np.column_stack([ring[:-1], ring[1:]]) for ring in _rings(shape)]
-        bends = np.concatenate([np.empty((0, 6)), *map(_bends, _rings(inner))])
-        return cls(
-            shape,
-            inner,
-            np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *edges])),
-            np.ascontiguousarray(bends[:, :2]),
-            np.ascontiguousarray(bends[:, 2:]),
-        )
+        edges = np.vstack([np.empty((0, 4)), *(np.column_stack([ring[:-1], ring[1:]]) for ring in _rings(shape))])
+        bends = np.vstack([np.empty((0, 6)), *map(_bends, _rings(inner))])
+        return cls(shape, inner, edges, *map(np.ascontiguousarray, (bends[:, :2], bends[:, 2:])))
 
     @cached_property
     def between(self) -> Points:
-        return np.asarray(straight_ways(self.corners, self.arms, self.edges))
+        """Return straight distances between corners, or NO_WAY, (n, n) [m]."""
+        ways = straight_ways(self.corners, self.arms, self.corners, self.arms, self.edges)
+        ways = np.where(np.tri(len(ways), k=-1, dtype=bool), ways, ways.T)
+        np.fill_diagonal(ways, NO_WAY)
+        return np.ascontiguousarray(ways)
+
+    def ways(self, places: Points, others: Points, arms: Points | None = None) -> Points:
+        """Return straight distances from places (n, 2) to others (m, 2), or NO_WAY, (n, m) [m]."""
+        none, there = np.zeros((len(places), 4)), np.zeros((len(others), 4)) if arms is None else arms
+        return np.asarray(straight_ways(*map(np.ascontiguousarray, (places, none, others)), there, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
         """Return which `others` (m, 2) are in straight reach of each place (n, 2), (n, m)."""
-        return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
+        return self.ways(places, others) < NO_WAY
 
     def transits(self, ends: Points, cost: LegTimes) -> Any:
-        bend_m = 1.0 * cost.speed
-        return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend_m)
+        near, bend_m = listed(self.ways(ends, self.corners, self.arms)), 1.0 * cost.speed
+        return ways_between(cost.clock, ends, self.corners, near, listed(self.between), self.edges, bend_m)
 
 
 class Transits:
@@ -78,6 +88,13 @@ class Transits:
         return np.array([self.ends[i], *passed[::-1]])
 
 
+def listed(ways: Points) -> tuple[Points, NDArray[np.int64], NDArray[np.int64]]:
+    """Return the ways (n, m), each row's begin in the concatenated columns that have one, and these."""
+    rows, columns = np.nonzero(ways < NO_WAY)
+    begins = np.searchsorted(rows, np.arange(len(ways) + 1))
+    return ways, begins, np.ascontiguousarray(columns)
+
+
 def _rings(shape: Any) -> list[Points]:
     """Return all rings, closed, interior on the left."""
     oriented = shapely.orient_polygons(shape)
@@ -93,3 +110,72 @@ def _bends(ring: Points) -> Points:
     sharp_angle = np.radians(40.0)
     arms = np.where(turns[:, None] > -sharp_angle, np.column_stack([back, on]), 0.0)
     return np.asarray(np.column_stack([corners, arms])[turns < 0.0])
+
+
+def wider(shape: Any, most: float) -> Any:
+    """Return polygons around `shape` with fewer corners, wider by at most `most` [m]."""
+    return _redrawn(shape, lambda ring: _pointed(_filled(ring, most), most))
+
+
+def narrower(shape: Any, most: float) -> Any:
+    """Return polygons within `shape` with fewer corners, narrower by at most `most` [m]."""
+    return _redrawn(shape, lambda ring: _pointed(_filled(ring[::-1], most), most)[::-1])
+
+
+def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
+    """Redraw rings (n, 2), interior on the left; keep a part whose new rings would cross."""
+    parts = []
+    for part in shapely.get_parts(shapely.orient_polygons(shape)):
+        outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
+        simple = shapely.Polygon(outer, inner)
+        parts.append(simple if simple.is_valid else part)
+    return union_of(parts)
+
+
+def _turns(ring: Points) -> Vector:
+    """Return the turns of an open ring (n, 2), left positive [rad]."""
+    into, out = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+    return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
+
+
+def _filled(ring: Points, most: float) -> Points:
+    """Replace runs of small right turns by a straight edge."""
+    turns = _turns(ring)
+    if (turns >= 0.0).all():
+        return ring
+    first = int(turns.argmax())
+    ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
+    kept, n, count = [0], 0, len(ring)
+    while n < count:
+        end, turned = n + 1, 0.0
+        while end < count and turns[end] < 0.0 and turned - turns[end] <= MAX_TURN:
+            begin, leg = ring[n], ring[(end + 1) % count] - ring[n]
+            away = (ring[n + 1 : end + 1] - begin) @ np.array([-leg[1], leg[0]]) / max(math.hypot(*leg), 1e-12)
+            if away.max() > most:
+                break
+            turned -= turns[end]
+            end += 1
+        kept.append(end)
+        n = end
+    return np.asarray(ring[kept[:-1]])
+
+
+def _pointed(ring: Points, most: float) -> Points:
+    """Replace runs of small left turns by one corner."""
+    turns = _turns(ring)
+    first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
+    ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
+    corners, n, count = [ring[0]], 1, len(ring)
+    while n < count:
+        corner, turned, end = ring[n], turns[n], n + 1
+        into = ring[n] - ring[n - 1]
+        while end < count and min(turns[end], turns[end - 1]) > 0.0 and turned + turns[end] <= MAX_TURN:
+            out, apart = ring[(end + 1) % count] - ring[end], ring[end] - ring[n - 1]
+            share = (apart[0] * out[1] - apart[1] * out[0]) / (into[0] * out[1] - into[1] * out[0])
+            meets = ring[n - 1] + share * into
+            if shapely.LineString(ring[n : end + 1]).distance(shapely.Point(meets)) > most:
+                break
+            corner, turned, end = meets, turned + turns[end], end + 1
+        corners.append(corner)
+        n = end
+    return np.array(corners)

@@ -12,7 +12,7 @@ from ipoa_mission.forecast.deviation.law import law_of
 from ipoa_mission.geometry import union_of
 from ipoa_mission.ground import Ground
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.outline import wider
+from ipoa_mission.survey.free import wider
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.obstacles import Obstacle
 

@@ -5,7 +5,7 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.survey.outline import narrower, wider
+from ipoa_mission.survey.free import narrower, wider
 from tests.examples import examples
 
 ROUNDING = 1e-9  # [m]

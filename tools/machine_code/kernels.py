@@ -29,10 +29,9 @@ MODULES = {
     "nearest": "world.obstacles._prism",
     "balance": "world._polygon",
     "path_seconds": "survey._kernels",
-    "sights": "survey._kernels",
     "straight_ways": "survey._kernels",
     "ways_between": "survey._kernels",
-    "search_order": "survey._order",
+    "search_order": "survey._kernels",
 }
 
 
@@ -68,6 +67,7 @@ def kernels() -> Iterator[Kernel]:
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     sparse = Sparse(_numbers(1, np.int64), _numbers(1, np.int64), _numbers(1))
     bench = Bench(spans, Moves(0, 1, 0, sparse, sparse, sparse), 1.0)
+    listed = _numbers(2), *(_numbers(1, np.int64),) * 2
     clock = LegTimeTable(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), grid, rules),
@@ -80,10 +80,9 @@ def kernels() -> Iterator[Kernel]:
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "balance": (*(_numbers(2),) * 3, *(_numbers(1),) * 2, True),
         "path_seconds": (clock, _numbers(2)),
-        "sights": (_numbers(2),) * 3,
-        "straight_ways": (_numbers(2),) * 3,
-        "ways_between": (clock, *(_numbers(2),) * 5, 1.0),
-        "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
+        "straight_ways": (_numbers(2),) * 5,
+        "ways_between": (clock, *(_numbers(2),) * 2, *(listed,) * 2, _numbers(2), 1.0),
+        "search_order": (_numbers(2), _numbers(1), 0),
         "spread": (nodes, (_numbers(2, np.int64), _numbers(1)), True, (0, 0, 1.0), grid, rules),
     }
     for name, arguments in examples.items():
