@@ -54,7 +54,7 @@ from ipoa_mission.mission.items import FenceCircle as FenceCircle
 from ipoa_mission.mission.items import FencePolygon as FencePolygon
 from ipoa_mission.mission.items import Item as Item
 from ipoa_mission.mission.items import Mission as Mission
-from ipoa_mission.mission.mission_file import MissionFile as MissionFile
+from ipoa_mission.mission.items import MissionFile as MissionFile
 from ipoa_mission.mission.mission_io import read_mission as read_mission
 from ipoa_mission.mission.mission_io import read_mission_file as read_mission_file
 from ipoa_mission.mission.mission_io import write_mission as write_mission

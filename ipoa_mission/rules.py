@@ -165,8 +165,6 @@ RULES: Mapping[str, Rule] = {
         "Give the vehicle's parameters with --param-file.", True),
     "file-home": Rule("The file has home at 0, 0, or not in frame 0: see the home used instead.",
         "Give it a home.", False),
-    "file-other-list": Rule("The file holds a fence or rally points, and no mission.",
-        "Open the mission's file.", False),
     "file-numbers": Rule("The item numbers have gaps; the items are read in order.", "Renumber them.", False),
 }  # fmt: skip
 

@@ -10,8 +10,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import union_of
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
-from ipoa_mission.mission.numbered_finding import item_of
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission, item_of
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:

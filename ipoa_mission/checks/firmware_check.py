@@ -29,12 +29,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_turn
-from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.numbered_finding import Numbered, item_of, numbered_items
+from ipoa_mission.mission.items import Item, Mission, Numbered, item_of, numbered_items
 from ipoa_mission.mission.positions import out_of_range
 from ipoa_mission.mission.program import Steps, as_flown, items_tagged, jump_target, program_of
-from ipoa_mission.mission.stored_mission import to_wire, values_of
+from ipoa_mission.mission.stored_mission import fence_to_wire, to_wire, values_of
 
 NOT_MEASURED = "version-not-measured"
 
@@ -69,7 +67,7 @@ def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Findin
     counts = {
         "mission items": (count, firmware.max_items),
         "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
-        "rally points": (len(rally_to_wire(mission.rally)), firmware.max_rally_points),
+        "rally points": (len(mission.rally), firmware.max_rally_points),
     }
     for kind, (actual, most) in counts.items():
         if actual > most:

@@ -8,7 +8,7 @@ from ipoa_mission.autopilot.parameters import name_values
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.leg_limits import above_or_below, landings
-from ipoa_mission.mission.numbered_finding import item_of
+from ipoa_mission.mission.items import item_of
 
 
 def check_ground(forecast: Forecast) -> Iterator[Finding]:

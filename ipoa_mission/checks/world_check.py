@@ -29,8 +29,7 @@ from ipoa_mission.forecast.deviation.law import not_measured
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.forecast.leg_limits import ROUNDING, broken_limits
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.numbered_finding import item_of
+from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.wind import CALM, Wind
 

@@ -14,7 +14,7 @@ from ipoa_mission.mission.parameter_file import parameter_path
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.mission_file import MissionFile
+    from ipoa_mission.mission.items import MissionFile
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.wind import Wind
 

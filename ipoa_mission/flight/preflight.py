@@ -23,8 +23,7 @@ from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.link.vehicle_state import NotReady
-from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.numbered_finding import item_of
+from ipoa_mission.mission.items import Mission, item_of
 from ipoa_mission.mission.positions import refusals
 from ipoa_mission.progress import Progress, silent
 

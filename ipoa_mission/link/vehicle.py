@@ -30,10 +30,16 @@ from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLos
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import ModeWatch, NotReady, VehicleState
-from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.stored_mission import from_wire, to_wire
+from ipoa_mission.mission.stored_mission import (
+    fence_from_wire,
+    fence_to_wire,
+    from_wire,
+    rally_from_wire,
+    rally_to_wire,
+    to_wire,
+)
 from ipoa_mission.progress import Progress, count, silent
 
 log = logging.getLogger(__name__)

@@ -1,7 +1,7 @@
 """Edit a mission's items, and keep all else in its file."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from difflib import SequenceMatcher
 from pathlib import Path
@@ -10,8 +10,7 @@ from typing import Any, TypeAlias
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.complex_items import entries
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.mission_io import mission_text, parse_mission
 
 
@@ -22,31 +21,41 @@ def with_item(mission: Mission, seq: int, item: Item) -> Mission:
 
 
 def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
-    if not 1 <= seq <= len(mission.items) + 1:
-        words = f"expected a number from 1 to {len(mission.items) + 1}"
-        raise BadInput(words, code="no-such-item", place=f"item {seq}")
+    _expect_number(seq, len(mission.items) + 1)
     if (part := _complex_at(mission, seq)) is not None and part.start < seq:
         raise _inside(seq, part)
-    items = [_move_jump(each, lambda target: target + (target >= seq)) for each in mission.items]
-    scanned = tuple((first + (first >= seq - 1), height) for first, height in mission.scanned)
-    return replace(mission, items=(*items[: seq - 1], item, *items[seq - 1 :]), scanned=scanned)
+    moved = _renumbered(mission, seq, 1)
+    return replace(moved, items=(*moved.items[: seq - 1], item, *moved.items[seq - 1 :]))
 
 
 def without_item(mission: Mission, seq: int) -> Mission:
     """Remove an item outside surveys and scans that is no jump's target."""
     _expect_alone(mission, seq)
+    removed = mission.items[seq - 1]
     for number, item in enumerate(mission.items, start=1):
         leads_here = item.command == Command.DO_JUMP and item.params[0] == seq
-        of_tag = item.command == Command.DO_JUMP_TAG and mission.items[seq - 1].command == Command.JUMP_TAG
-        if number != seq and (leads_here or (of_tag and item.params[0] == mission.items[seq - 1].params[0])):
-            raise BadInput(
-                f"expected no jump to it, but item {number} has one",
-                hint=f"change item {number} first",
-                place=f"item {seq}",
-            )
-    items = [_move_jump(each, lambda target: target - (target > seq)) for each in mission.items]
-    scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)
-    return replace(mission, items=(*items[: seq - 1], *items[seq:]), scanned=scanned)
+        of_tag = item.command == Command.DO_JUMP_TAG and removed.command == Command.JUMP_TAG
+        if number != seq and (leads_here or (of_tag and item.params[0] == removed.params[0])):
+            words, hint = f"expected no jump to it, but item {number} has one", f"change item {number} first"
+            raise BadInput(words, hint=hint, place=f"item {seq}")
+    moved = _renumbered(mission, seq + 1, -1)
+    return replace(moved, items=(*moved.items[: seq - 1], *moved.items[seq:]))
+
+
+def _renumbered(mission: Mission, first: int, by: int) -> Mission:
+    """Return the mission with jumps and scans to items from `first` on moved."""
+
+    def moved(number: int) -> int:
+        return number + by if number >= first else number
+
+    items = [
+        replace(item, params=(float(moved(int(item.params[0]))), *item.params[1:]))
+        if item.command == Command.DO_JUMP and float(item.params[0]).is_integer()
+        else item
+        for item in mission.items
+    ]
+    scanned = tuple((moved(index + 1) - 1, height) for index, height in mission.scanned)
+    return replace(mission, items=tuple(items), scanned=scanned)
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:
@@ -72,25 +81,20 @@ def _complex_at(mission: Mission, seq: int) -> range | None:
 
 
 def _expect_alone(mission: Mission, seq: int) -> None:
-    if not 1 <= seq <= len(mission.items):
-        raise BadInput(f"expected a number from 1 to {len(mission.items)}", code="no-such-item", place=f"item {seq}")
+    _expect_number(seq, len(mission.items))
     if (part := _complex_at(mission, seq)) is not None:
         raise _inside(seq, part)
 
 
+def _expect_number(seq: int, most: int) -> None:
+    if not 1 <= seq <= most:
+        raise BadInput(f"expected a number from 1 to {most}", code="no-such-item", place=f"item {seq}")
+
+
 def _inside(seq: int, part: range) -> BadInput:
-    words = "expected an item outside QGroundControl's surveys and scans"
-    return BadInput(
-        f"{words}, not item {seq} of {part.start} to {part.stop - 1}",
-        hint="make plain items of the survey or scan first",
-        code="complex-item",
-    )
-
-
-def _move_jump(item: Item, new_target: Callable[[int], int]) -> Item:
-    if item.command != Command.DO_JUMP or not float(item.params[0]).is_integer():
-        return item
-    return replace(item, params=(float(new_target(int(item.params[0]))), *item.params[1:]))
+    words = f"expected an item outside QGroundControl's surveys and scans, not item {seq} of {part.start} to"
+    hint = "make plain items of the survey or scan first"
+    return BadInput(f"{words} {part.stop - 1}", hint=hint, code="complex-item")
 
 
 Table: TypeAlias = dict[str, Any]
@@ -107,9 +111,8 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
         first, rest = new.split("\n", 1)
         comments = [line for line in file.source.splitlines() if line.lstrip().startswith("#")]
         text = "\n".join([first, *comments, rest])
-    if not parse_mission(path, text, mission.autopilot).still_holds(
-        parse_mission(path, new, mission.autopilot).mission
-    ):
+    kept_mission, new_mission = (parse_mission(path, each, mission.autopilot) for each in (text, new))
+    if not kept_mission.still_holds(new_mission.mission):
         words = "expected a change that keeps the rest of the file, not this one"
         raise BadInput(words, hint="save it as another file", code="complex-item", place=path.name)
     return text

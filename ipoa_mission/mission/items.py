@@ -5,14 +5,17 @@ Home is no item here; `stored_mission` adds it at sequence 0 for ArduPilot.
 
 import math
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
-from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
+from ipoa_mission.autopilot.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, command_name, plain_frame
 from ipoa_mission.autopilot.known_parameters import expect_own
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.autopilot.version import Version
+from ipoa_mission.errors import Remedy
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 
 
@@ -207,6 +210,54 @@ class Mission:
                 return item.altitude
             case _:
                 return math.nan
+
+
+@dataclass(frozen=True)
+class MissionFile:
+    """A mission file as read.
+
+    Attributes:
+        mission: as read.
+        findings: faults of the file.
+        source: its text.
+        suffix: ".plan" or ".waypoints".
+        planned: name of the NAME.json written with it, and its flight time [s].
+        taken_for: reason for the autopilot of a `.waypoints` file that names none; "": the default one.
+    """
+
+    mission: Mission
+    findings: tuple[Finding, ...]
+    source: str
+    suffix: str
+    planned: tuple[str, float] | None = None
+    taken_for: str | None = None
+
+    def still_holds(self, mission: Mission) -> bool:
+        """Compare all but the parameters."""
+        ours, other = (replace(each, parameters={}) for each in (self.mission, mission))
+        return repr(ours) == repr(other)  # repr: NaN equals NaN
+
+
+class Numbered(NamedTuple):
+    seq: int
+    item: Item
+
+    def __str__(self) -> str:
+        return f"item {self.seq} ({command_name(self.item.command)})"
+
+    def error(self, code: str, message: str, hint: str | None = None, remedies: tuple[Remedy, ...] = ()) -> Finding:
+        return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint, remedies)
+
+    def warning(self, code: str, message: str, hint: str | None = None) -> Finding:
+        return Finding(code, Severity.WARNING, self.seq, f"{self}: {message}", hint)
+
+
+def numbered_items(mission: Mission) -> list[Numbered]:
+    return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
+
+
+def item_of(mission: Mission, seq: int) -> Numbered:
+    return Numbered(seq, mission.items[seq - 1])
 
 
 def _above_home(command: Command, place: Geodetic, height: float, *params: float) -> Item:

@@ -1,8 +1,8 @@
 """A JSON document whose values know their place."""
 
 import json
-import math
 import re
+import sys
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -47,6 +47,11 @@ class Node:
         place = f"{self.place}.{key}" if self.place else key
         return Node(self.file, place, self.value[key], self.findings) if key in self.value else None
 
+    def given(self, key: str) -> "Node | None":
+        """Return the value of a key; None also for null."""
+        child = self.get(key)
+        return None if child is None or child.value is None else child
+
     def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
         if not isinstance(self.value, list):
             raise self.wrong("a list" if length is None else f"{length} {of}")
@@ -54,32 +59,17 @@ class Node:
             raise BadInput(f"expected {length} {of}, not {len(self.value)}", place=self.where)
         return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
 
-    def number(self, expected: str = "a number") -> float:
-        if isinstance(self.value, bool) or not isinstance(self.value, int | float):
+    def number(self, expected: str = "a number", most: float = sys.float_info.max) -> float:
+        if isinstance(self.value, bool) or not isinstance(self.value, int | float) or not abs(self.value) <= most:
             raise self.wrong(expected)
-        try:
-            value = float(self.value)
-        except OverflowError:
-            value = math.inf
-        if not math.isfinite(value):
-            raise self.wrong(expected)
-        return value
-
-    def number_or_nan(self) -> float:
-        return math.nan if self.value is None else self.number("a number or null")
+        return float(self.value)
 
     def length(self) -> float:
-        length = self.number("meters")
-        if abs(length) > 100_000.0:
-            raise self.wrong("meters, 100000 at most")
-        return length
+        return self.number("meters, 100000 at most", 100_000.0)
 
     def degrees(self, limit: int = 180) -> float:
         """`check` reports a latitude beyond 90."""
-        degrees = self.number(expected := f"degrees from -{limit} to {limit}")
-        if abs(degrees) > limit:
-            raise self.wrong(expected)
-        return degrees
+        return self.number(f"degrees from -{limit} to {limit}", limit)
 
     def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
         value = self.number(expected)

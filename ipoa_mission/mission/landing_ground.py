@@ -21,16 +21,15 @@ def landing_height(mission: Mission) -> float | None:
 
 
 def landing_ground_entry(mission: Mission) -> dict[str, float]:
-    height, place = landing_height(mission), landing_place(mission)
-    if not height or place is None:
+    if not (height := landing_height(mission)) or (there := landing_on(mission, height).landing_ground) is None:
         return {}
-    there = LocalFrame(mission.home).geodetic(np.array([*place, 0.0]))
     return {"aboveHome": height, "latitude": round(there.latitude_deg, 9), "longitude": round(there.longitude_deg, 9)}
 
 
 def known_ground(mission: Mission) -> Ground:
-    height, place = landing_height(mission), landing_place(mission)
-    return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
+    if (height := landing_height(mission)) is None or (place := landing_place(mission)) is None:
+        return LEVEL
+    return Ground(HighPlace(place, height))
 
 
 def landing_on(mission: Mission, height: float) -> Mission:
@@ -61,10 +60,8 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
 
 
 def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:
-    for item in reversed(mission.items[: index + 1]):
-        if item.has_position:
-            return _local(mission, item.latitude_deg, item.longitude_deg)
-    return None
+    placed = (item for item in reversed(mission.items[: index + 1]) if item.has_position)
+    return next((_local(mission, item.latitude_deg, item.longitude_deg) for item in placed), None)
 
 
 def _local(mission: Mission, latitude: float, longitude: float) -> tuple[float, float]:

@@ -11,14 +11,12 @@ from ipoa_mission.autopilot.known_parameters import firmware_of
 from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.about_file import mission_record
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
-from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import ParameterFile, parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import parse_plan
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.mission.written_files import plan_text, write_with_parameters
+from ipoa_mission.mission.written_files import mission_record, plan_text, write_with_parameters
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
@@ -73,12 +71,10 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    parameters_file = parameter_path(path)
+    parameters_file, record = parameter_path(path), mission_record(path, text)
     listed = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
-    parameters = listed.parameters
-    firmware = firmware_of(parameters)
-    record = mission_record(path, text)
-    recorded = next((autopilot for autopilot in registered() if autopilot.name == record.autopilot), None)
+    parameters, firmware = listed.parameters, firmware_of(listed.parameters)
+    recorded = next((each for each in registered() if each.name == record.autopilot), None)
     file = _parsed(path, text, autopilot, firmware or recorded or otherwise)
     findings = [Finding("file-parameters", Severity.WARNING, None, unread.words) for unread in listed.unread]
     if firmware not in (None, autopilot) and autopilot is not None:
@@ -86,14 +82,14 @@ def parse_mission(
         hint = f"give those of {autopilot} by --param-file"
         findings.insert(0, Finding("file-parameters", Severity.WARNING, None, words, hint))
         parameters = {}
-    file = replace(file, findings=(*file.findings, *findings))
     mission = file.mission
     if record.landing_height is not None and landing_height(mission) is None:
         mission = landing_on(mission, record.landing_height)
     try:
-        return replace(file, mission=mission.with_parameters(parameters), planned=record.planned)
+        mission = mission.with_parameters(parameters)
     except BadInput as error:
         raise error.at(parameters_file) from error
+    return replace(file, mission=mission, findings=(*file.findings, *findings), planned=record.planned)
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
@@ -153,9 +149,7 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
     """Return the one autopilot that takes all items, and why."""
     reasons = {autopilot: next(_reasons_against(items, autopilot), None) for autopilot in registered()}
     takers = [autopilot for autopilot, reason in reasons.items() if reason is None]
-    if len(takers) != 1:
-        return None
-    return takers[0], next(reason for reason in reasons.values() if reason is not None)
+    return (takers[0], next(filter(None, reasons.values()))) if len(takers) == 1 else None
 
 
 def _reasons_against(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:

@@ -3,7 +3,7 @@
 import json
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
@@ -14,11 +14,12 @@ from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.complex_items import complex_items_in, lay_out
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, MissionFile
 from ipoa_mission.mission.json_node import Node, parse_document
-from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.unread import Unread, gathered
+
+LANDING_GROUND = ("latitude", "longitude", "aboveHome")
 
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
@@ -33,22 +34,20 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     mission = plan["mission"]
     if version := mission.get("version"):
         version.whole("2", 2, 2)
-    speed, kind = mission.get("hoverSpeed"), mission.get("vehicleType")
+    speed, kind, ground = mission.given("hoverSpeed"), mission.get("vehicleType"), plan.get("landingGround")
     vehicle_type = QUADROTOR if kind is None else kind.whole("a MAV_TYPE number", 0, 255)
     autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
-    home = _home(mission["plannedHomePosition"])
     listed = [entry for child in mission["items"].array() for entry in _listed(child)]
-    ground = plan.get("landingGround")
-    items = resolve_frames(_items(listed), autopilot)
+    items = resolve_frames([*_items(listed)], autopilot)
     read = Mission(
-        home=home,
+        home=_home(mission["plannedHomePosition"]),
         items=items,
         autopilot=autopilot,
-        cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in meters per second"),
+        cruise_speed=None if speed is None else speed.number("a speed in meters per second"),
         fence=_fence(plan.get("geoFence")),
         rally=_rally(plan.get("rallyPoints")),
         vehicle_type=vehicle_type,
-        landing_ground=None if ground is None else _landing_ground(ground),
+        landing_ground=None if ground is None else Geodetic(*(ground[name].number() for name in LANDING_GROUND)),
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
@@ -85,12 +84,19 @@ class ListedItem:
     part_of: Node | None = None
 
 
-def _items(listed: list[ListedItem]) -> list[Item]:
-    numbers: dict[int, list[int]] = {}
+def _items(listed: list[ListedItem]) -> Iterator[Item]:
+    numbers: dict[int | None, list[int]] = {}
     for number, entry in enumerate(listed, start=1):
-        if entry.jump_id is not None:
-            numbers.setdefault(entry.jump_id, []).append(number)
-    return [_with_jump(entry, numbers) for entry in listed]
+        numbers.setdefault(entry.jump_id, []).append(number)
+    for entry in listed:
+        item = entry.item
+        if item.command == Command.DO_JUMP:
+            target = entry.node["params"].array()[0]
+            targets = numbers.get(target.whole("the doJumpId of an item"), [])
+            if len(targets) != 1:
+                raise target.wrong(f"the doJumpId of {'one item alone' if targets else 'an item outside surveys'}")
+            item = replace(item, params=(float(targets[0]), *item.params[1:]))
+        yield item
 
 
 def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
@@ -101,36 +107,25 @@ def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
             return
 
 
-def _with_jump(entry: ListedItem, numbers: Mapping[int, list[int]]) -> Item:
-    if entry.item.command != Command.DO_JUMP:
-        return entry.item
-    target = entry.node["params"].array()[0]
-    targets = numbers.get(target.whole("the doJumpId of an item"), [])
-    if len(targets) != 1:
-        raise target.wrong(f"the doJumpId of {'one item alone' if targets else 'an item outside surveys'}")
-    return replace(entry.item, params=(float(targets[0]), *entry.item.params[1:]))
-
-
 def _listed(node: Node) -> list[ListedItem]:
-    match node["type"].text():
-        case "SimpleItem":
-            return [read_item(node)]
-        case "ComplexItem":
-            pass
-        case _:
-            raise node["type"].wrong('"SimpleItem" or "ComplexItem"')
+    kind = node["type"]
+    if kind.text() == "SimpleItem":
+        return [read_item(node)]
+    if kind.value != "ComplexItem":
+        raise kind.wrong('"SimpleItem" or "ComplexItem"')
     items = (node.get("TransectStyleComplexItem") or node).get("Items")
     if items is not None:  # no jump may lead into it
         return [replace(read_item(child), jump_id=None, part_of=node) for child in items.array()]
-    (first, *rest), height = lay_out(node)
-    return [ListedItem(first, node, None, height, node), *(ListedItem(item, node, None, 0.0, node) for item in rest)]
+    laid_out, height = lay_out(node)
+    return [ListedItem(item, node, None, 0.0 if n else height, node) for n, item in enumerate(laid_out)]
 
 
 def read_item(node: Node) -> ListedItem:
     command = node["command"].whole("a MAV_CMD number")
     frame = node["frame"].whole("a MAV_FRAME number", 0, 255)
-    nodes = _seven(node)
-    p1, p2, p3, p4, *place = (child.number_or_nan() for child in nodes)
+    nodes = node["params"].array(7, "numbers")
+    values = (math.nan if child.value is None else child.number("a number or null") for child in nodes)
+    p1, p2, p3, p4, *place = values
     if frame != Frame.MISSION:
         may_be_here = command in (Command.NAV_TAKEOFF, Command.NAV_LAND) or command not in FLOWN_TO
         for child in nodes[4:6]:
@@ -147,20 +142,10 @@ def read_item(node: Node) -> ListedItem:
     )
 
 
-def _seven(node: Node) -> list[Node]:
-    """Version 1 has four in `params` or by name, and the rest in `coordinate`."""
-    coordinate = node.get("coordinate")
-    if coordinate is None:
-        return node["params"].array(7, "numbers")
-    params = node.get("params")
-    first = [node[f"param{n}"] for n in range(1, 5)] if params is None else params.array(4, "numbers")
-    return [*first, *coordinate.array(3, "numbers (latitude, longitude, altitude)")]
-
-
 def _check_altitude(node: Node, frame: int, param7: float) -> None:
     """QGroundControl flies `AltitudeMode` and `Altitude`."""
-    mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
-    if mode is not None and mode.value is not None and frame != Frame.MISSION:
+    mode, altitude = node.given("AltitudeMode"), node.given("Altitude")
+    if mode is not None and frame != Frame.MISSION:
         frame_of: dict[int, Frame] = {mode: frame for frame, mode in ALTITUDE_MODES.items()}
         frame_of[AltitudeMode.CALCULATED] = Frame.GLOBAL
         of_mode = frame_of.get(mode.whole("a number from 0 to 5", 0, 5))
@@ -168,13 +153,11 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
             means = f"QGroundControl flies in frame {of_mode:d}, other software in the item's frame {frame}"
             mode.note(means, Severity.ERROR)
         if mode.value == AltitudeMode.CALCULATED:
-            altitude = node.get("AMSLAltAboveTerrain")
-            if altitude is None or altitude.value is None:
+            altitude = node.given("AMSLAltAboveTerrain")
+            if altitude is None:
                 words = "QGroundControl flies above its own terrain, other software at params[6] AMSL"
                 mode.note(f"without an AMSLAltAboveTerrain, {words}")
-    if altitude is None or altitude.value is None:
-        return
-    if not abs(altitude.number("an altitude in meters") - param7) <= 0.01:
+    if altitude is not None and not abs(altitude.number("an altitude in meters") - param7) <= 0.01:
         sent = json.dumps(tidy(param7))
         message = f"QGroundControl flies {altitude.value:g} m, other software params[6], which is {sent}"
         altitude.note(message, Severity.ERROR)
@@ -189,28 +172,21 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
         node.note("the fence names no version: taken for version 2")
     if node.get("breachReturn"):
         node["breachReturn"].note("the return point is dropped")
-    polygons, circles = node.get("polygons"), node.get("circles")
-    return (
-        *(_read_polygon(child) for child in (polygons.array() if polygons else [])),
-        *(_read_circle(child) for child in (circles.array() if circles else [])),
-    )
-
-
-def _read_polygon(node: Node) -> FencePolygon:
-    ring = node["polygon"]
-    vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in ring.array()]
-    if len(vertices) < 3:
-        raise ring.wrong("three vertices or more")
-    return FencePolygon(tuple((lat.degrees(), lon.degrees()) for lat, lon in vertices), node["inclusion"].flag())
-
-
-def _read_circle(node: Node) -> FenceCircle:
-    circle = node["circle"]
-    latitude, longitude = circle["center"].array(2, "numbers (latitude, longitude)")
-    radius = circle["radius"].number("a radius in meters")
-    if radius <= 0:
-        raise circle["radius"].wrong("a radius above zero")
-    return FenceCircle((latitude.degrees(), longitude.degrees()), radius, node["inclusion"].flag())
+    fence = list[FencePolygon | FenceCircle]()
+    for part in polygons.array() if (polygons := node.get("polygons")) else []:
+        vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in part["polygon"].array()]
+        if len(vertices) < 3:
+            raise part["polygon"].wrong("three vertices or more")
+        ring = tuple((latitude.degrees(), longitude.degrees()) for latitude, longitude in vertices)
+        fence.append(FencePolygon(ring, part["inclusion"].flag()))
+    for part in circles.array() if (circles := node.get("circles")) else []:
+        latitude, longitude = part["circle"]["center"].array(2, "numbers (latitude, longitude)")
+        radius = part["circle"]["radius"]
+        if radius.number("a radius in meters") <= 0:
+            raise radius.wrong("a radius above zero")
+        center = (latitude.degrees(), longitude.degrees())
+        fence.append(FenceCircle(center, radius.number(), part["inclusion"].flag()))
+    return tuple(fence)
 
 
 def _rally(node: Node | None) -> tuple[Geodetic, ...]:
@@ -219,11 +195,6 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
         return ()
     nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points.array()]
     return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in meters")) for lat, lon, alt in nodes)
-
-
-def _landing_ground(node: Node) -> Geodetic:
-    above, latitude, longitude = (node[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
-    return Geodetic(latitude, longitude, above)
 
 
 class AltitudeMode(IntEnum):
@@ -253,13 +224,13 @@ def tidy(value: float) -> float | int | None:
 #: `[]`: of each member of a list; keys without effect on a flight are listed too.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", "geoFence", "rallyPoints", "landingGround", "UUID"},
-    "landingGround": {"aboveHome", "latitude", "longitude"},
+    "landingGround": {*LANDING_GROUND},
     "mission": {
         *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
         *("cruiseSpeed", "hoverSpeed", "globalPlanAltitudeMode"),
     },
     "mission.items[]": {
-        *("type", "command", "frame", "params", "coordinate", "autoContinue", "doJumpId", "MISSION_ITEM_ID"),
+        *("type", "command", "frame", "params", "autoContinue", "doJumpId", "MISSION_ITEM_ID"),
         *("Altitude", "AltitudeMode", "AMSLAltAboveTerrain"),
     },
     "geoFence": {"version", "polygons", "circles", "breachReturn"},
@@ -295,7 +266,7 @@ def findings_of_keys(plan: Node) -> Iterator[Finding]:
 def _lacks(plan: Node, place: str) -> bool:
     parent, _, key = place.rpartition(".")
     above = plan.value.get(parent) if parent else plan.value
-    return isinstance(above, dict) and key not in above and "polygon" not in above  # version 1
+    return isinstance(above, dict) and key not in above
 
 
 def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
@@ -307,16 +278,13 @@ def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
         known = KEYS.get(kind)
         if known is None or node.value.get("type") == "ComplexItem":
             return
-        if kind == "mission.items[]" and "params" not in node.value:  # version 1
-            known = known | {f"param{n}" for n in range(1, 5)}
         for key, value in node.value.items():
             if key in known:
                 yield from _unread(node[key], missing)
             elif value not in (None, "", [], {}):
-                may_limit = (
-                    kind.startswith(("geoFence", "rallyPoints"))
-                    or re.search("fence|rally|zone|polygon|circle|clusion", key, re.IGNORECASE)
-                    or (not kind and missing & {"geoFence", "rallyPoints"})
+                of_a_limit = f"{kind} {key}".lower()
+                may_limit = re.search("fence|rally|zone|polygon|circle|clusion", of_a_limit) or (
+                    not kind and missing & {"geoFence", "rallyPoints"}
                 )
                 remedy = "spell it as QGroundControl does, or ignore this code where it limits no flight"
                 name, place = f'key "{key}"', node.place or "the file"

@@ -7,8 +7,7 @@ from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame, plain_fram
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic, apart
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.mission.numbered_finding import Numbered, numbered_items
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, Numbered, numbered_items
 
 MAX_DISTANCE = 100_000.0  # from home [m]
 MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # above home [m]

@@ -105,6 +105,10 @@ def over_terrain(item: Item) -> bool:
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
 
 
+def moves(item: Item) -> bool:
+    return item.command <= LAST_NAV or item.command in MOVING_AFTER_LAST_NAV
+
+
 def is_passed(item: Item) -> bool:
     """Return whether a waypoint is passed; ArduCopter holds for whole seconds."""
     return item.command == Command.NAV_ARC_WAYPOINT or (item.command in WAYPOINTS and item.params[0] < 1)
@@ -128,10 +132,8 @@ def next_navigated(
     """
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
-    for index in range(n + 1, len(items)) if later is None else later:
-        if items[index].command <= LAST_NAV or items[index].command in MOVING_AFTER_LAST_NAV:
-            return index
-    return None
+    following = range(n + 1, len(items)) if later is None else later
+    return next((index for index in following if moves(items[index])), None)
 
 
 @dataclass
@@ -222,7 +224,7 @@ class Program:
         """Return the items done in passing after `index`, and the next that moves the vehicle."""
         passed: list[int] = []
         at = self.after(index)
-        while at is not None and not self._moves(at):
+        while at is not None and not moves(self.items[at]):
             if len(passed) == MAX_ACTIONS:
                 self.stuck_at, at = at, None
                 break
@@ -232,7 +234,7 @@ class Program:
             return passed, at
         done = passed[:1]
         action = self.after(done[0], taking=False) if at is not None else None
-        while action is not None and action not in done and not self._moves(action):
+        while action is not None and action not in done and not moves(self.items[action]):
             done.append(action)
             action = self.after(action, taking=False)
         return done, at
@@ -253,19 +255,15 @@ class Program:
         if not self.jump_profile.looks_past_jumps or not is_passed(self.items[index]):
             return None
         tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
-        ahead = next((n for n in tried if n is None or self._moves(n)), None)
-        follows = next((n for n in self.ahead(index) if self._moves(n)), None)
+        ahead = next((n for n in tried if n is None or moves(self.items[n])), None)
+        follows = next((n for n in self.ahead(index) if moves(self.items[n])), None)
         flies_on = self.autopilot.guidance.flown_on_into
         wrong = ahead is not None and ahead != follows and self.items[ahead].command in flies_on
         return ahead if wrong else None
 
-    def _moves(self, index: int) -> bool:
-        return self.items[index].command <= LAST_NAV or self.items[index].command in MOVING_AFTER_LAST_NAV
-
     def ahead(self, index: int) -> Iterator[int]:
         for _ in self.items:
-            next_index = self.after(index, taking=False)
-            if next_index is None:
+            if (next_index := self.after(index, taking=False)) is None:
                 return
             yield (index := next_index)
 
@@ -281,5 +279,4 @@ def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
     name, bit = profile.kept_by
     options = mission.autopilot.parameter_table.by_old_names(mission.parameters).get(name, 0.0)
     profile = replace(profile, resets=profile.resets and not int(options) >> bit & 1)
-    frame, version = LocalFrame(mission.home), mission.firmware_version
-    return Program(items, frame, mission.autopilot, jumping=profile, version=version)
+    return Program(items, LocalFrame(mission.home), mission.autopilot, 1, profile, mission.firmware_version)

@@ -1,4 +1,4 @@
-"""Missions as items on the wire (tables: `autopilot.firmware_tables`).
+"""Missions, fences and rally points as items on the wire (tables: `autopilot.firmware_tables`).
 
 Only this module adds and removes ArduPilot's home: without it, ArduPilot loses the take-off.
 """
@@ -6,6 +6,7 @@ Only this module adds and removes ArduPilot's home: without it, ArduPilot loses 
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +16,11 @@ from ipoa_mission.autopilot.firmware_tables import PARAM_NAMES, Firmware
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import MissionError
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+
+#: Command: stay inside.
+POLYGON = {Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
+CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
 
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
@@ -39,12 +44,13 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
     if home is None:
         words = f"{firmware.name} sent no home with its mission, and none is known"
         raise MissionError(words, hint="wait until the vehicle has a position fix", code="home-missing", place="home")
-    return Mission(home, tuple(_received(item, firmware) for item in items), autopilot)
+    return Mission(home, resolve_frames([_jumping(item, 1.0, firmware) for item in items], autopilot), autopilot)
 
 
 def resolve_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
     """Return frames as in files: no `_INT`, and frame 2 without a position."""
-    return tuple(replace(item, frame=_plain_frame(item, autopilot.firmware())) for item in items)
+    firmware = autopilot.firmware()
+    return tuple(replace(item, frame=_plain_frame(item, firmware)) for item in items)
 
 
 def home_item(home: Geodetic) -> Item:
@@ -97,9 +103,8 @@ def first_number(items: Sequence[Item], autopilot: Autopilot) -> int:
 
 
 def _sent(item: Item, firmware: Firmware) -> Item:
-    if item.command == Command.DO_JUMP and not firmware.home_is_item_0:
-        item = replace(item, params=(item.params[0] - 1.0, *item.params[1:]))
-    if item.command not in firmware.placed and item.command in firmware.plain:
+    item = _jumping(item, -1.0, firmware)
+    if _is_plain(item, firmware):
         item = replace(item, frame=int(Frame.MISSION))
     if firmware.takes_nan is None:
         return item
@@ -108,16 +113,19 @@ def _sent(item: Item, firmware: Firmware) -> Item:
     return replace(item, params=(params[0], params[1], params[2], params[3]))
 
 
-def _received(item: Item, firmware: Firmware) -> Item:
-    if item.command == Command.DO_JUMP and not firmware.home_is_item_0:
-        item = replace(item, params=(item.params[0] + 1.0, *item.params[1:]))
-    return replace(item, frame=_plain_frame(item, firmware))
+def _jumping(item: Item, farther: float, firmware: Firmware) -> Item:
+    """Return a jump with its target on the wire, or in a file: PX4 counts from 0 on the wire."""
+    if item.command != Command.DO_JUMP or firmware.home_is_item_0:
+        return item
+    return replace(item, params=(item.params[0] + farther, *item.params[1:]))
+
+
+def _is_plain(item: Item, firmware: Firmware) -> bool:
+    return item.command in firmware.plain and item.command not in firmware.placed
 
 
 def _plain_frame(item: Item, firmware: Firmware) -> int:
-    if item.command not in firmware.placed and item.command in firmware.plain:
-        return int(Frame.MISSION)
-    return plain_frame(item.frame)
+    return int(Frame.MISSION) if _is_plain(item, firmware) else plain_frame(item.frame)
 
 
 def _is_home(item: Item) -> bool:
@@ -127,9 +135,12 @@ def _is_home(item: Item) -> bool:
 # --- stored values ----------------------------------------------------------------------------------------------
 
 
-def _single(value: float) -> float:
+def _rounded(kind: type[np.floating], value: float) -> float:
     with np.errstate(over="ignore"):
-        return float(np.float32(value))
+        return float(kind(value))
+
+
+_single = partial(_rounded, np.float32)
 
 
 def _whole(value: float) -> float:
@@ -155,11 +166,6 @@ def _radius(value: float) -> float:
     return math.copysign(size if size <= 255 else 10.0 * min(size // 10, 255), value)
 
 
-def _half(value: float) -> float:
-    with np.errstate(over="ignore"):
-        return float(np.float16(value))
-
-
 KEEP: Mapping[str, Callable[[float], float]] = {
     ".": _single,
     "-": lambda value: 0.0,
@@ -172,7 +178,7 @@ KEEP: Mapping[str, Callable[[float], float]] = {
     "d": lambda value: _deg_e7(value) / 1e7,
     "t": _turns,
     "r": _radius,
-    "h": _half,
+    "h": partial(_rounded, np.float16),
 }
 
 
@@ -187,11 +193,9 @@ def _stored(item: Item, firmware: Firmware) -> Item:
 
 
 def _stored_frame(item: Item, firmware: Firmware) -> int:
-    frame = plain_frame(item.frame)
-    unplaced = item.command in firmware.plain and item.command not in firmware.placed
-    if firmware.home_is_item_0 and (unplaced or frame == Frame.MISSION or item.command in firmware.fence):
+    if firmware.home_is_item_0 and (_plain_frame(item, firmware) == Frame.MISSION or item.command in firmware.fence):
         return int(Frame.GLOBAL)  # ArduPilot stores no frame 2, and no frame for a fence
-    return frame
+    return plain_frame(item.frame)
 
 
 # --- differences ------------------------------------------------------------------------------------------------
@@ -229,3 +233,56 @@ def _agree(letter: str, expected: float, actual: float) -> bool:
             return abs((expected - actual + 180.0) % 360.0 - 180.0) <= 1e-3  # [deg]
         case _:
             return _single(expected) == _single(actual)
+
+
+# --- fences and rally points ------------------------------------------------------------------------------------
+
+
+def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
+    items = list[Item]()
+    for part in fence:
+        is_circle = isinstance(part, FenceCircle)
+        size, places = (part.radius, (part.center,)) if is_circle else (float(len(part.vertices)), part.vertices)
+        command = next(c for c, inside in (CIRCLE if is_circle else POLYGON).items() if inside == part.inclusion)
+        items += [Item(command, Frame.GLOBAL, (size, 0.0, 0.0, 0.0), *place) for place in places]
+    return tuple(items)
+
+
+def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, ...]:
+    """Return the fence without ArduPilot's return point (5000)."""
+    fence: list[FencePolygon | FenceCircle] = []
+    at = 0
+    while at < len(items):
+        item, place, count = items[at], f"fence item {at + 1}", 1
+        if item.command in POLYGON:
+            count = int(item.params[0]) if math.isfinite(item.params[0]) else 0
+            if count < 3:
+                words = f"expected a polygon of 3 vertices or more, not {item.params[0]:g}"
+                raise MissionError(words, code="fence-broken", place=place)
+            ring = items[at : at + count]
+            if len(ring) < count or any((v.command, v.params[0]) != (item.command, item.params[0]) for v in ring):
+                words = f"expected a polygon of {count} vertices, but the list ends before"
+                raise MissionError(words, code="fence-broken", place=place)
+            vertices = tuple((v.latitude_deg, v.longitude_deg) for v in ring)
+            fence.append(FencePolygon(vertices, POLYGON[Command(item.command)]))
+        elif item.command in CIRCLE:
+            center = (item.latitude_deg, item.longitude_deg)
+            fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
+        elif item.command != Command.NAV_FENCE_RETURN_POINT:
+            words = f"expected a fence, not {command_name(item.command)}"
+            raise MissionError(words, code="not-a-mission-item", place=place)
+        at += count
+    return tuple(fence)
+
+
+def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
+    kind = Command.NAV_RALLY_POINT, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4
+    return tuple(Item(*kind, place.latitude_deg, place.longitude_deg, place.altitude) for place in rally)
+
+
+def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
+    for at, item in enumerate(items, 1):
+        if item.command != Command.NAV_RALLY_POINT:
+            words = f"expected a rally point, not {command_name(item.command)}"
+            raise MissionError(words, code="not-a-mission-item", place=f"rally item {at}")
+    return tuple(Geodetic(item.latitude_deg, item.longitude_deg, item.altitude) for item in items)

@@ -12,14 +12,12 @@ import numpy as np
 
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.autopilot.commands import TAKEOFFS, Command, Frame, command_name
-from ipoa_mission.errors import BadInput, MissionError, WrongFormat
+from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.parameter_file import NUMBER
-from ipoa_mission.mission.stored_mission import home_item, resolve_frames
+from ipoa_mission.mission.stored_mission import CIRCLE, POLYGON, home_item, resolve_frames
 
 FIRST_LINE = "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
@@ -32,10 +30,9 @@ def waypoints_text(mission: Mission) -> str:
     items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate((home_item(mission.home), *items)):
         _check(number, item)
-    if not mission.autopilot.firmware().nan_holds:
-        items = tuple(map(_without_nan, items))
-    lines = [FIRST_LINE, *map(_line, range(len(items) + 1), (home_item(mission.home), *items))]
-    return "\n".join(lines) + "\n"
+    nan = math.nan if mission.autopilot.firmware().nan_holds else 0.0  # ArduPilot's ground stations read no NaN
+    lines = (_line(seq, item, nan) for seq, item in enumerate((home_item(mission.home), *items)))
+    return "\n".join([FIRST_LINE, *lines]) + "\n"
 
 
 def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
@@ -44,13 +41,9 @@ def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
-    losses = []
-    if mission.fence:
-        losses.append("the geofence cannot be held by a .waypoints file")
-    if mission.rally:
-        words = "the rally points cannot be held by a .waypoints file"
-        losses.append(f"{words}: its RTL flies home, by another way, time and energy")
-    return tuple(losses)
+    fence = "the geofence cannot be held by a .waypoints file"
+    rally = "the rally points cannot be held by a .waypoints file: its RTL flies home, by another way, time and energy"
+    return (*([fence] if mission.fence else []), *([rally] if mission.rally else []))
 
 
 def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
@@ -60,7 +53,8 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     if not rows:
         raise BadInput("expected a first item that is home, but there is none", code="home-missing", place=path)
     if rows[-1][1].command in OTHER_LISTS:
-        return _other_list(path, text, [item for _, item in rows], autopilot)
+        words = "expected a mission, but the file holds a geofence or rally points"
+        raise BadInput(words, hint="open the mission's file", code="not-a-mission-item", place=path)
     findings = list(_check_numbers(rows))
     (line, first), *rest = rows
     if first.command not in (Command.NAV_WAYPOINT, 0):  # 0: in files of Mission Planner
@@ -81,54 +75,27 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     return MissionFile(Mission(home, items, autopilot), tuple(findings), text, ".waypoints")
 
 
-def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> MissionFile:
-    """Item 0 may be a home."""
-    items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
-    is_rally = items[0].command == Command.NAV_RALLY_POINT
-    home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
-    content = "rally points" if is_rally else "a geofence"
-    finding = Finding("file-other-list", Severity.WARNING, None, f"the file holds {content} and no mission")
-    try:
-        fence, rally = ((), rally_from_wire(items)) if is_rally else (fence_from_wire(items), ())
-    except MissionError as error:
-        raise BadInput(error.args[0], error.hint, code=error.code, place=f"{path}: {error.place}") from None
-    return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, ".waypoints")
-
-
 # --- writing ----------------------------------------------------------------------------------------------------
 
 
 def _check(number: int, item: Item) -> None:
     where = f"item {number} ({command_name(item.command)})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
-        raise BadInput(
-            "expected an altitude above home or AMSL, not above terrain: "
-            "ground stations read it as AMSL in a .waypoints file",
-            hint="write a .plan file",
-            code="frame-not-written",
-            place=where,
-        )
-    if item.command in OTHER_LISTS:
-        raise BadInput(
-            "expected a mission item, not one of a fence or of rally points: "
-            "readers take a .waypoints file with it as such a list",
-            hint="write a .plan file",
-            code="not-a-mission-item",
-            place=where,
-        )
-    if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
-        words = f"expected a finite position, not one with altitude {item.altitude}"
-        raise BadInput(words, code="position-missing", place=where)
+        expected = "an altitude above home or AMSL, not above terrain: ground stations read it as AMSL"
+        code, hint = "frame-not-written", "write a .plan file"
+    elif item.command in OTHER_LISTS:
+        expected = "a mission item, not one of a fence or of rally points: readers take a file with it as such a list"
+        code, hint = "not-a-mission-item", "write a .plan file"
+    elif not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
+        expected = f"a finite position, not one with altitude {item.altitude}"
+        code, hint = "position-missing", None
+    else:
+        return
+    raise BadInput(f"expected {expected}", hint=hint, code=code, place=where)
 
 
-def _without_nan(item: Item) -> Item:
-    """Replace NaN, which ArduPilot's ground stations cannot read, by an equal 0."""
-    p1, p2, p3, p4 = (0.0 if math.isnan(param) else param for param in item.params)
-    return replace(item, params=(p1, p2, p3, p4))
-
-
-def _line(seq: int, item: Item) -> str:
-    params = [_number(value) for value in item.params]
+def _line(seq: int, item: Item, nan: float) -> str:
+    params = [_number(nan if math.isnan(value) else value) for value in item.params]
     place = [_number(value, 8) for value in (item.latitude_deg, item.longitude_deg)]
     head = (seq, int(seq == 0), int(item.frame), int(item.command))
     return "\t".join(map(str, (*head, *params, *place, _number(item.altitude), int(item.autocontinue))))

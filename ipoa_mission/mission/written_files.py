@@ -1,21 +1,21 @@
-"""Write the files of missions, all or none, and find changed ones."""
+"""Write the files of missions, all or none; find changed ones, and the NAME.json written with a mission."""
 
 import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ipoa_mission.autopilot.commands import Command, Frame, command_name
 from ipoa_mission.autopilot.parameters import REAL32, Parameters
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text, write_atomically, write_together
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.about_file import digest, written_with
 from ipoa_mission.mission.complex_items import as_document, entries
-from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
+from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.parameter_file import parameter_path, read_parameter_file
 from ipoa_mission.mission.plan_file import ALTITUDE_MODES, AltitudeMode, tidy
@@ -23,6 +23,11 @@ from ipoa_mission.mission.stored_mission import resolve_frames
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
 PARAMETERS_HEADER = "# Parameters of the vehicle that {} was made for"
+LANDING_GROUND_KEY = "landing_ground_m"
+
+
+def digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()
 
 
 def write_files(
@@ -86,11 +91,12 @@ def _as_text(contents: Mapping[str, Any]) -> str:
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     """Return files that differ from `Flight.write`."""
     about = folder / f"{name}.json"
-    digests, parameters = written_with(about)
+    record = _read(about)
+    digests = _table(record.get("sha256"))
     missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
     differing = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
     vehicle = parameter_path(about)
-    if about.exists() and vehicle.exists() and _parameters(vehicle) != parameters:
+    if about.exists() and vehicle.exists() and _parameters(vehicle) != record.get("parameters", {}):
         differing.append(vehicle)
     if about.exists() and not digests:
         differing.append(about)
@@ -114,6 +120,49 @@ def _text(path: Path) -> str:
         return ""
 
 
+class MissionRecord(NamedTuple):
+    """`landing_height`: above home [m]; `planned`: the NAME.json's name and flight time [s]."""
+
+    landing_height: float | None = None
+    planned: tuple[str, float] | None = None
+    autopilot: str | None = None
+
+
+def mission_record(path: Path, text: str) -> MissionRecord:
+    """Return the data of the NAME.json next to `path`, if its digest matches `text`."""
+    same_name = path.with_suffix(".json")
+    for about in (same_name, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
+        record = _read(about)
+        if _table(record.get("sha256")).get(path.name) != digest(text):
+            continue
+        flights = record.get("flights")
+        parts = [part for part in flights if isinstance(part, dict)] if isinstance(flights, list) else []
+        times = [part.get("time_s") for part in parts if part.get("file") == path.with_suffix(".plan").name]
+        times += [] if parts else [_table(record.get("estimate")).get("total_s")]
+        time_s = next(map(_finite, times), None)
+        return MissionRecord(
+            _finite(record.get(LANDING_GROUND_KEY)) if about == same_name else None,
+            None if time_s is None else (about.name, time_s),
+            _table(record.get("firmware")).get("autopilot"),
+        )
+    return MissionRecord()
+
+
+def _read(about: Path) -> dict[str, Any]:
+    try:
+        return _table(json.loads(read_text(about)) if about.is_file() and about.stat().st_size < 10_000_000 else {})
+    except (BadInput, OSError, ValueError, RecursionError):
+        return {}
+
+
+def _table(value: object) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _finite(value: object) -> float | None:
+    return value if isinstance(value, float) and math.isfinite(value) else None
+
+
 # --- the text of a .plan ----------------------------------------------------------------------------------------
 
 
@@ -125,7 +174,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
     items = resolve_frames(mission.items, mission.autopilot)
     for number, item in enumerate(items, start=1):
         _check(number, item, len(items))
-    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if _has_altitude(item))
+    modes = Counter(ALTITUDE_MODES[Frame(item.frame)] for item in items if item.frame in ALTITUDE_MODES)
     header: dict[str, Any] = {
         "firmwareType": mission.autopilot.mav_autopilot,
         "globalPlanAltitudeMode": next(iter(modes), AltitudeMode.RELATIVE) if len(modes) < 2 else AltitudeMode.MIXED,
@@ -136,8 +185,13 @@ def _plan(mission: Mission) -> dict[str, Any]:
     }
     if mission.cruise_speed is not None:
         header |= {"cruiseSpeed": tidy(mission.cruise_speed), "hoverSpeed": tidy(mission.cruise_speed)}
-    circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
-    polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
+    circles, polygons = list[dict[str, Any]](), list[dict[str, Any]]()
+    for part in mission.fence:
+        entry = {"inclusion": part.inclusion, "version": 1}
+        if isinstance(part, FencePolygon):
+            polygons.append(entry | {"polygon": [list(map(tidy, vertex)) for vertex in part.vertices]})
+        else:
+            circles.append(entry | {"circle": {"center": list(map(tidy, part.center)), "radius": tidy(part.radius)}})
     return {
         **({"landingGround": ground} if (ground := landing_ground_entry(mission)) else {}),
         "fileType": "Plan",
@@ -162,7 +216,7 @@ def _entries(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]
 
 def _check(number: int, item: Item, count: int) -> None:
     where = f"item {number} ({command_name(item.command)})"
-    if _has_altitude(item) and not math.isfinite(item.altitude):
+    if item.frame in ALTITUDE_MODES and not math.isfinite(item.altitude):
         raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
     if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
         words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
@@ -179,27 +233,13 @@ def _simple_item(number: int, item: Item) -> dict[str, Any]:
         "params": [tidy(value) for value in params],
         "type": "SimpleItem",
     }
-    if not _has_altitude(item):
+    if item.frame not in ALTITUDE_MODES:
         return written
     return written | {
         "AMSLAltAboveTerrain": None,
         "Altitude": tidy(item.altitude),
         "AltitudeMode": ALTITUDE_MODES[Frame(item.frame)],
     }
-
-
-def _has_altitude(item: Item) -> bool:
-    return item.frame in ALTITUDE_MODES
-
-
-def _circle(part: FenceCircle) -> dict[str, Any]:
-    circle = {"center": [tidy(degrees) for degrees in part.center], "radius": tidy(part.radius)}
-    return {"circle": circle, "inclusion": part.inclusion, "version": 1}
-
-
-def _polygon(part: FencePolygon) -> dict[str, Any]:
-    ring = [[tidy(degrees) for degrees in vertex] for vertex in part.vertices]
-    return {"inclusion": part.inclusion, "polygon": ring, "version": 1}
 
 
 def _place(place: Geodetic, name: str) -> list[float | int | None]:

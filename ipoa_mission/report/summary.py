@@ -5,8 +5,8 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
 from ipoa_mission.mission.landing_ground import landing_height
+from ipoa_mission.mission.written_files import LANDING_GROUND_KEY
 
 if TYPE_CHECKING:  # not for `check` and `estimate`
     from collections.abc import Iterable

@@ -14,9 +14,8 @@ from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
 from ipoa_mission.link.item_run import ItemsRead
-from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.stored_mission import as_stored, home_item
+from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item
 from ipoa_mission.simulator.judgement import judge
 from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 

@@ -17,8 +17,7 @@ from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.link.definitions import params_in_words
 from ipoa_mission.mission.item_edits import complex_at
 from ipoa_mission.mission.item_words import item_words
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import Item, Mission, MissionFile
 from ipoa_mission.mission.positions import refusals
 from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario.place_sections import FenceSection

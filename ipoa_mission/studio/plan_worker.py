@@ -19,7 +19,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import MissionFile
 from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.positions import refuse_unsound
 from ipoa_mission.planning.sketch import sketch_path

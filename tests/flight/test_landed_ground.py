@@ -4,11 +4,10 @@ from pathlib import Path
 import ipoa_mission as api
 from ipoa_mission.flight.post_flight import landed_elsewhere
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on
 from ipoa_mission.mission.waypoints_file import waypoints_text
-from ipoa_mission.mission.written_files import plan_text
+from ipoa_mission.mission.written_files import LANDING_GROUND_KEY, digest, plan_text
 from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)

@@ -4,9 +4,15 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot, registered
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
-from ipoa_mission.mission.stored_mission import as_stored, compare
+from ipoa_mission.mission.stored_mission import (
+    as_stored,
+    compare,
+    fence_from_wire,
+    fence_to_wire,
+    rally_from_wire,
+    rally_to_wire,
+)
 from tests.refused import refuses
 
 DEGREES = st.integers(-899_999_999, 899_999_999).map(lambda n: n / 1e7)

@@ -7,10 +7,9 @@ import pytest
 from hypothesis import given
 
 from ipoa_mission.autopilot.autopilot import Autopilot
-from ipoa_mission.mission.fence_items import fence_to_wire, rally_to_wire
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_io import write_mission
-from ipoa_mission.mission.stored_mission import home_item
+from ipoa_mission.mission.stored_mission import fence_to_wire, home_item, rally_to_wire
 from tests.mission_strategies import missions
 
 mavwp = pytest.importorskip("pymavlink.mavwp")

@@ -7,8 +7,7 @@ import pytest
 from ipoa_mission import BadInput
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.mission.item_edits import text_with, with_inserted, with_item, with_plain_items, without_item
-from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import Item, MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file
 from tests.refused import refuses
 

@@ -9,7 +9,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.forecast.itinerary.flown_legs import flown_legs
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 from ipoa_mission.mission.program import as_flown
 from tests.px4_waypoints import PX4_117
@@ -48,8 +48,3 @@ def test_arducopter_does_here_and_as_high_as_now_where_it_is() -> None:
     assert ends == pytest.approx([30.0, 30.0, 40.0, 0.0], abs=0.01)
     done = [item.done_s for item in estimate(mission).items]
     assert done == sorted(done)
-
-
-def test_a_fence_or_rally_points_saved_as_waypoints_are_that() -> None:
-    assert len(read("fence.waypoints").mission.fence) == len(read("fence_without_home.waypoints").mission.fence) == 1
-    assert len(read("rally.waypoints").mission.rally) == 1

@@ -9,7 +9,7 @@ import shapely
 from ipoa_mission.autopilot.commands import Command, Frame
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import SphericalPlane
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import MissionFile
 from ipoa_mission.mission.mission_io import read_mission_file, write_mission
 
 HOME = [47.398027, 8.54612, 488.2]

@@ -99,6 +99,14 @@ def test_an_empty_file_is_called_empty(tmp_path: Path) -> None:
         read_mission_file(tmp_path / "empty.waypoints", Autopilot.PX4)
 
 
+@pytest.mark.parametrize("item", ["5001\t3", "5100\t0"], ids=["fence", "rally point"])
+def test_a_fence_or_rally_points_are_no_mission(item: str, tmp_path: Path) -> None:
+    path = tmp_path / "fence.waypoints"
+    path.write_text(f"QGC WPL 110\n0\t1\t3\t{item}\t0\t0\t0\t39.1\t121.8\t40\t1\n")
+    with refuses("not-a-mission-item", path.name, kind=BadInput):
+        read_mission_file(path, Autopilot.ARDUPILOT)
+
+
 def test_a_position_that_is_no_number_is_refused(tmp_path: Path) -> None:
     with refuses("position-missing", "item 1 (NAV_WAYPOINT)", kind=BadInput):
         write_mission(Mission(HOME, (Item(16, 3, altitude=math.nan),)), tmp_path / "nan.waypoints")

@@ -5,8 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.geodesy import Geodetic
-from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
-from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.items import Item, Mission, MissionFile, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file, write_mission
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
