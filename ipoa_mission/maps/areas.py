@@ -15,8 +15,9 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.geozones import RADIUS_UNIT, VerticalLimit, ZoneLimits, limits_of, may_be_active, periods_of
 from ipoa_mission.maps.kinds import Reason
+from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
-from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, polygons_of, to_plane
+from ipoa_mission.maps.planar import closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.unread import Unread, gathered
 
@@ -53,9 +54,9 @@ def find_zones(
 
     A zone that names a restriction needs one of `restrictions`, and must be active in the hour after `time` [s].
     """
-    extent = MapExtent(frame)
-    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], extent)
-    extent.expect_near()
+    about = MapWindow.of(frame)
+    shapes, near = to_plane([feature.shape for feature in features], frame, about)
+    about.expect_near(path)
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
     passed, unread = list[PassedOver](), list[Unread]()
     wanted = {_respelled(restriction) for restriction in restrictions}

@@ -16,7 +16,6 @@ from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes, printed
-from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
     CABLE,
@@ -34,7 +33,7 @@ from ipoa_mission.maps.kinds import (
 )
 from ipoa_mission.maps.lengths import length_of, meters
 from ipoa_mission.maps.map_obstacles import MapObstacle
-from ipoa_mission.maps.map_reader import hand_on_features
+from ipoa_mission.maps.map_reader import read_batches
 from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import (
     FAR_FROM_HOME,
@@ -46,7 +45,7 @@ from ipoa_mission.maps.passed import (
     not_read,
     passed_over,
 )
-from ipoa_mission.maps.planar import MapExtent, clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
+from ipoa_mission.maps.planar import clean_polygons, closed_as_polygon, flat, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import foot_of, height_of, is_by_storeys, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
@@ -116,19 +115,12 @@ class Buildings:
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
     """Return the obstacles of a map, `within` a box [m]."""
-    all_buildings: bool | None = None
-    finder, around = _Finder(rules, frame, path, within), MapWindow.of(frame, within)
-
-    def begin() -> Take:
-        nonlocal finder
-        finder = _Finder(rules, frame, path, within, all_buildings)
-        return finder.add
-
-    hand_on_features(path, begin, around)
+    finder = _Finder(rules, frame, path, within)
+    finder.read()
     while finder.guessed_wrong:
-        all_buildings = finder.only_buildings
-        hand_on_features(path, begin, around)
-    return finder.buildings(around.elsewhere)
+        finder = _Finder(rules, frame, path, within, finder.only_buildings)
+        finder.read()
+    return finder.buildings()
 
 
 class _Finder:
@@ -145,7 +137,7 @@ class _Finder:
         self._rules, self._frame, self._path, self._within = rules, frame, path, within
         self._all_buildings = all_buildings
         self._has_kinds = self._has_heights = False
-        self._extent, self._mistakes = MapExtent(frame), Mistakes()
+        self._around, self._mistakes = MapWindow.of(frame, within), Mistakes()
         self._counts: Counter[str] = Counter()
         self._odd, self._odd_first = 0, list[str]()
         self._obstacles, self._outside_named, self._beyond = list[MapObstacle](), 0, 0
@@ -162,7 +154,11 @@ class _Finder:
     def guessed_wrong(self) -> bool:
         return self._all_buildings is not None and self._all_buildings != self.only_buildings
 
-    def add(self, features: Sequence[Feature]) -> None:
+    def read(self) -> None:
+        for features in read_batches(self._path, self._around):
+            self._add(features)
+
+    def _add(self, features: Sequence[Feature]) -> None:
         features = [as_openstreetmap(feature) for feature in features]
         self._features += len(features)
         self._has_kinds = self._has_kinds or any(has_kind(feature) for feature in features)
@@ -171,7 +167,7 @@ class _Finder:
         if self._all_buildings is None:
             self._all_buildings = self.only_buildings
         drawn = [feature.shape for feature in features]
-        shapes, near = to_plane(drawn, [feature.place for feature in features], self._extent)
+        shapes, near = to_plane(drawn, self._frame, self._around)
         away = self._outside(shapely.bounds(shapes)).tolist()
         each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
         obstacles: list[MapObstacle] = []
@@ -188,8 +184,9 @@ class _Finder:
             obstacles += [part._replace(called=name) for part in parts]
         self._keep(obstacles)
 
-    def buildings(self, elsewhere: int) -> Buildings:
-        self._extent.expect_near()
+    def buildings(self) -> Buildings:
+        self._around.expect_near(self._path)
+        elsewhere = self._around.elsewhere
         self._mistakes.raise_all()
         remarks = [f"{n} {words.replace('(s)', '' if n == 1 else 's')}" for words, n in self._counts.items()]
         if self._odd:

@@ -10,6 +10,7 @@ from ipoa_mission.errors import BadInput
 
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
+BATCH = 4096  # features handled together
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
@@ -50,17 +51,6 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
     return corners
 
 
-def positions_of(values: Any, place: str) -> Corners:
-    """Return the first two numbers of each JSON position, (n, 2)."""
-    try:
-        corners = np.array([position[:2] for position in values], float)
-    except (TypeError, ValueError, KeyError, OverflowError):
-        corners = np.zeros((0, 0))
-    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
-        raise BadInput("expected positions as [longitude, latitude]", place=place)
-    return corners
-
-
 class Mistakes:
     """Collects errors, to report them together."""
 
@@ -84,11 +74,11 @@ class Mistakes:
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
-def read_all(read: Callable[..., Feature | None], items: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
+def read_all(read: Callable[..., Made], items: Iterable[tuple[Any, ...]]) -> tuple[Made, ...]:
     mistakes = Mistakes()
-    features = [mistakes.attempt(read, *arguments) for arguments in items]
+    made = [mistakes.attempt(read, *arguments) for arguments in items]
     mistakes.raise_all()
-    return tuple(feature for feature in features if feature is not None)
+    return tuple(each for each in made if each is not None)
 
 
 @contextmanager

@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import shapely
-from pyproj import Geod
 
-from ipoa_mission.errors import BadInput, InvalidRing
-from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.feature import Feature, read_all
+from ipoa_mission.maps.json_shapes import circle, shape_of
 from ipoa_mission.maps.lengths import FOOT
 
 RADIUS_UNIT = "radius in other units than M"  # internal tag
@@ -61,48 +60,20 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
 
 def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
     projection = volume.get("horizontalProjection") if isinstance(volume, dict) else None
-    if not isinstance(projection, dict):
-        raise BadInput("expected a Polygon or a Circle", place=f"{place}.horizontalProjection")
-    shape = _projection(projection, f"{place}.horizontalProjection")
+    projection = projection if isinstance(projection, dict) else {}
+    kind = projection.get("type")
+    place_of_shape = f"{place}.horizontalProjection"
+    if kind == "Circle":
+        shape = circle(projection.get("center"), projection.get("radius"), place_of_shape)
+    elif kind == "Polygon":
+        shape = shape_of(projection, place_of_shape)
+    else:
+        raise BadInput(f"expected a Polygon or a Circle, not {kind!r}", place=place_of_shape)
     tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
     tags |= dict(_limit_tags(volume)) | dict(_time_tags(zone.get("applicability")))
-    if projection.get("type") == "Circle" and tags.get("uom", "M").upper() != "M":
+    if kind == "Circle" and tags.get("uom", "M").upper() != "M":
         tags[RADIUS_UNIT] = f"{projection['radius']} {tags['uom']}"
     return Feature(place, shape, tags)
-
-
-def _projection(projection: Mapping[str, Any], place: str) -> Any:
-    if projection.get("type") == "Circle":
-        return circle(projection.get("center"), projection.get("radius"), place)
-    rings = projection.get("coordinates")
-    if projection.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
-        raise BadInput(f"expected a Polygon or a Circle, not {projection.get('type')!r}", place=place)
-    outer, *inner = (_ring(ring, f"{place}.coordinates[{i}]") for i, ring in enumerate(rings))
-    return shapely.Polygon(outer, inner)
-
-
-def _ring(values: Any, place: str) -> Corners:
-    corners = positions_of(values, place)
-    if len(np.unique(corners, axis=0)) < 3:
-        raise InvalidRing("expected a ring of 3 different corners or more", place=place)
-    return on_earth(corners, place)
-
-
-def circle(center: Any, radius: Any, place: str) -> Any:
-    """Return a polygon around a circle, at most 0.1 % wider."""
-    try:
-        corner = np.array([center[:2]], float)
-        size = float(radius)
-    except (TypeError, ValueError, OverflowError, KeyError):
-        corner, size = np.zeros((0, 2)), math.nan
-    if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < 1e6:
-        raise BadInput("expected a circle: center [longitude, latitude] and a radius in meters", place=place)
-    longitude, latitude = on_earth(corner, place)[0]
-    corners = 72
-    around = np.linspace(0.0, 360.0, corners, endpoint=False)
-    wide = np.full(corners, size / math.cos(math.pi / corners))
-    east, north, _ = Geod(ellps="WGS84").fwd(np.full(corners, longitude), np.full(corners, latitude), around, wide)
-    return shapely.Polygon(np.column_stack([east, north]))
 
 
 def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

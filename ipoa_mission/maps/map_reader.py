@@ -5,91 +5,72 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import shapely
 
-from ipoa_mission.errors import TooLarge, Unreadable, WrongSuffix
+from ipoa_mission.errors import Unreadable, WrongSuffix
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.maps.feature import Feature, many_objects
-from ipoa_mission.maps.geojson import Take, read_geojson
+from ipoa_mission.maps.geojson import read_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
 from ipoa_mission.maps.map_window import Degrees, MapWindow
 from ipoa_mission.maps.osm import read_osm
 from ipoa_mission.maps.pbf import read_pbf
 from ipoa_mission.maps.planar import flat
-from ipoa_mission.maps.table_layers import FIRST_BYTES, read_layers, read_parquet
+from ipoa_mission.maps.table_layers import FIRST_BYTES, read_table
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-_WHOLE_FILE_READERS = {".kml": read_kml, ".kmz": read_kmz, ".osm": read_osm}
-# For files that may exceed memory.
-_BATCH_READERS: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
-    ".pbf": read_pbf,
-    ".parquet": read_parquet,
-    ".geoparquet": read_parquet,
+_WHOLE: dict[str, Callable[[Path], Sequence[Feature]]] = {
+    **dict.fromkeys(GEOJSON, read_geojson),
+    ".kml": read_kml,
+    ".kmz": read_kmz,
+    ".osm": read_osm,
 }
-READERS = (*GEOJSON, *_WHOLE_FILE_READERS, *FIRST_BYTES, *_BATCH_READERS)
+# In batches, without what is elsewhere.
+_LARGE: dict[str, Callable[[Path, MapWindow], Iterator[list[Feature]]]] = {
+    ".pbf": read_pbf,
+    **dict.fromkeys(FIRST_BYTES, read_table),
+}
+READERS = (*_WHOLE, *_LARGE)
 
 
 def read_features(path: Path, around: MapWindow | None = None) -> tuple[Feature, ...]:
-    features: list[Feature] = []
-
-    def begin() -> Take:
-        features.clear()
-        return lambda more: _extend(features, more, path)
-
-    hand_on_features(path, begin, around)
-    return tuple(features)
+    return tuple(chain.from_iterable(read_batches(path, around or MapWindow())))
 
 
-def hand_on_features(path: Path, begin: Callable[[], Take], around: MapWindow | None = None) -> None:
-    """Pass on features in batches; a second call of `begin` voids earlier ones."""
-    suffix, around = path.suffix.lower(), around or MapWindow()
-    if suffix in GEOJSON:
-        read_geojson(path, begin)
-    elif suffix in _WHOLE_FILE_READERS or suffix in FIRST_BYTES:
-        whole = _WHOLE_FILE_READERS.get(suffix)
-        if features := read_layers(path, around) if whole is None else whole(path):
-            begin()(features)
-    elif suffix in _BATCH_READERS:
-        with many_objects():
-            _hand_on_large(path, begin(), around)
-    else:
-        words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
-        raise WrongSuffix(words, place=path)
-
-
-def _hand_on_large(path: Path, take: Take, around: MapWindow) -> None:
-    if around.window != around.near:
-        try:
-            stat = path.stat()
-        except OSError as error:
-            raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
-        features, around.elsewhere = _small_part(path, (stat.st_mtime_ns, stat.st_size), around.window, around.near)
-        take(features)
-        return
-    around.elsewhere = 0
-    for batch in _BATCH_READERS[path.suffix.lower()](path, around):
-        take(batch)
-    around.expect_near(path)
+def read_batches(path: Path, around: MapWindow) -> Iterator[Sequence[Feature]]:
+    suffix = path.suffix.lower()
+    with many_objects():
+        if suffix in _WHOLE:
+            if features := _WHOLE[suffix](path):
+                yield features
+        elif suffix not in _LARGE:
+            words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
+            raise WrongSuffix(words, place=path)
+        elif around.window == around.near:
+            yield from _LARGE[suffix](path, around)
+            around.expect_near(path)
+        else:
+            try:
+                stat = path.stat()
+            except OSError as error:
+                raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
+            version = stat.st_mtime_ns, stat.st_size
+            nearby, around.elsewhere = _small_part(path, version, around.window, around.near)
+            yield nearby
 
 
 @lru_cache(maxsize=2)  # the studio reads a scenario at every change
 def _small_part(
     path: Path, version: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
-    around, features = MapWindow(window, near), list[Feature]()
-    for batch in _BATCH_READERS[path.suffix.lower()](path, around):
-        _extend(features, batch, path)
+    around = MapWindow(window, near)
+    features = tuple(chain.from_iterable(_LARGE[path.suffix.lower()](path, around)))
     around.expect_near(path)
-    return tuple(features), around.elsewhere
-
-
-def _extend(features: list[Feature], more: Sequence[Feature], path: Path) -> None:
-    features.extend(more)
-    if len(features) > 2_000_000:  # in memory
-        raise TooLarge("expected at most 2,000,000 things", hint="cut out the surroundings of the flight", place=path)
+    return features, around.elsewhere
 
 
 def differences(path: Path) -> Iterator[Finding]:

@@ -58,6 +58,7 @@ class MapWindow:
     near: Degrees | None = None
     elsewhere: int = 0
     _found_near: bool = False
+    _turned_near: bool = False
 
     def __post_init__(self) -> None:
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
@@ -67,16 +68,23 @@ class MapWindow:
         near = near_home(frame.home)
         return cls(near if within is None else window_of(within, frame), near)
 
+    def are_near(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which boxes (n, 4) [deg] are near home, (n,), as those of NaN are."""
+        if self.near is None:
+            return np.ones(len(boxes), bool)
+        near = self.near.meets(boxes)
+        self._found_near |= bool(near.any())
+        self._turned_near |= bool(self.near.meets(boxes[:, [1, 0, 3, 2]]).any())
+        self._box[:2] = np.fmin(self._box[:2], np.fmin.reduce(boxes[:, :2], initial=np.inf))
+        self._box[2:] = np.fmax(self._box[2:], np.fmax.reduce(boxes[:, 2:], initial=-np.inf))
+        return np.asarray(near | np.isnan(boxes).any(axis=1))
+
     def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
         """Return which boxes (n, 4) [deg] are wanted, (n,), as those of NaN are."""
-        if self.window is None or self.near is None:
-            return np.ones(len(boxes), bool)
-        empty = np.isnan(boxes).any(axis=1)
-        self._found_near = self._found_near or bool(self.near.meets(boxes).any())
-        if not self._found_near and not empty.all():
-            low, high = np.nanmin(boxes[:, :2], axis=0), np.nanmax(boxes[:, 2:], axis=0)
-            self._box = np.concatenate([np.minimum(self._box[:2], low), np.maximum(self._box[2:], high)])
-        wanted = empty | self.window.meets(boxes)
+        near = self.are_near(boxes)
+        if self.window is None:
+            return near
+        wanted = np.isnan(boxes).any(axis=1) | self.window.meets(boxes)
         self.elsewhere += things * int((~wanted).sum())
         return np.asarray(wanted)
 
@@ -85,10 +93,11 @@ class MapWindow:
             return
         west, south, east, north = self._box.tolist()
         home = [(self.near.south + self.near.north) / 2, (self.near.west + self.near.east) / 2]
+        turned = "in its coordinates longitude must come before latitude"
         raise TooFar(
             f"expected places within {REACH / 1000:g} km of home ({home[0]:.4f}, {home[1]:.4f}), not only "
             f"from {south:.4f}, {west:.4f} to {north:.4f}, {east:.4f}",
-            hint="check that it is the map of this place",
+            hint=turned if self._turned_near else "check that it is the map of this place",
             place=path,
         )
 

@@ -11,7 +11,7 @@ import shapely
 from ipoa_mission.geodesy import LocalFrame
 from ipoa_mission.maps.feature import Feature, Missing
 from ipoa_mission.maps.kinds import Reason
-from ipoa_mission.maps.planar import MapExtent, to_plane
+from ipoa_mission.maps.planar import to_plane
 from ipoa_mission.unread import Unread
 
 MOST_NAMED = 3
@@ -74,7 +74,7 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
         place = feature.place.removeprefix(f"{path}: ")
         example = "" if name == place else name
         return Unread(path.name, missing.words, place, example, may_limit=True, remedy=missing.remedy)
-    (shape,), (near,) = to_plane([missing.shape], [feature.place], MapExtent(frame))
+    (shape,), (near,) = to_plane([missing.shape], frame)
     return PassedOver(path.name, name, missing.words, shape, True, missing.remedy, NOT_READ) if near else None
 
 

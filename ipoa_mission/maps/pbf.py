@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.feature import BATCH, Feature
 from ipoa_mission.maps.map_window import MapWindow, cut_out
 from ipoa_mission.maps.osm import (
     EMPTY_SHAPE,
@@ -26,7 +26,6 @@ from ipoa_mission.maps.osm import (
 )
 
 LARGEST_PBF = 200_000_000  # [bytes], about a minute
-BATCH = 4096
 UNKNOWN_BOX = (np.nan,) * 4
 
 

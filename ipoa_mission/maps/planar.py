@@ -7,57 +7,24 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import InvalidRing, TooFar
-from ipoa_mission.geodesy import REACH, LocalFrame
-from ipoa_mission.maps.map_window import near_home
+from ipoa_mission.errors import InvalidRing
+from ipoa_mission.geodesy import LocalFrame
+from ipoa_mission.maps.map_window import MapWindow
 
 LEAST_AREA = 1e-3  # [m^2]
 LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m at 45 degrees [deg]
 
 
-class MapExtent:
-    def __init__(self, frame: LocalFrame) -> None:
-        self.frame, self._home = frame, near_home(frame.home)
-        self._any_near = self._turned_near = False
-        self._first_far = ""
-        self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])  # west, south, east, north [deg]
-
-    def near(self, degrees: NDArray[Any], places: Sequence[str]) -> NDArray[np.bool_]:
-        boxes, empty = shapely.bounds(degrees).reshape(-1, 4), shapely.is_empty(degrees)
-        near = self._home.meets(boxes) | empty
-        self._any_near = self._any_near or bool((near & ~empty).any())
-        if not self._any_near and not empty.all():
-            self._first_far = self._first_far or str(places[int(np.argmin(near))])
-            here = shapely.total_bounds(degrees)
-            self._box = np.concatenate([np.minimum(self._box[:2], here[:2]), np.maximum(self._box[2:], here[2:])])
-            self._turned_near |= bool(self._home.meets(boxes[:, [1, 0, 3, 2]]).any())
-        return np.asarray(near)
-
-    def expect_near(self) -> None:
-        if self._any_near or not self._first_far:
-            return
-        home, (west, south, east, north) = self.frame.home, self._box.tolist()
-        raise TooFar(
-            f"expected a place within {REACH / 1000:g} km of home "
-            f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), "
-            f"not near {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
-            hint="in its coordinates longitude must come before latitude"
-            if self._turned_near
-            else "check that it is the map of this place",
-            place=f"{self._first_far}.geometry",
-        )
-
-
-def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+def to_plane(
+    shapes: Sequence[Any], frame: LocalFrame, about: MapWindow | None = None
+) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Convert degrees to east, north [m], long edges divided; return which are near home: others become empty."""
-    frame = about.frame
-    height = frame.home.altitude
     degrees = _unwrapped(np.array(shapes, dtype=object))
-    near = about.near(degrees, places)
+    near = (about or MapWindow.of(frame)).are_near(shapely.bounds(degrees).reshape(-1, 4))
     degrees[~near] = shapely.GeometryCollection()
 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-        return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), height))[:, :2]
+        return frame.to_local(corners[:, 1], corners[:, 0], np.full(len(corners), frame.home.altitude))[:, :2]
 
     long = np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2), axis=1).max(axis=1) > LONGEST_EDGE
     sound = long & shapely.is_valid(degrees)
@@ -79,8 +46,8 @@ def _divided(shape: Any) -> Any:
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
     """Redraw across longitude 180, where RFC 7946 asks to cut."""
-    wide = np.flatnonzero(np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2)[:, :, 0], axis=1) > 180.0)
-    for i in wide.tolist():
+    west, _, east, _ = shapely.bounds(degrees).reshape(-1, 4).T
+    for i in np.flatnonzero(east - west > 180.0).tolist():
         degrees[i] = _short_way(degrees[i])
     return degrees
 

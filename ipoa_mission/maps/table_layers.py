@@ -5,128 +5,88 @@ GDAL ignores the suffix, and some formats open other files: the first bytes must
 
 import json
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from decimal import Decimal
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from pyproj import CRS, Transformer
+from pyproj import CRS
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, TooLarge, WrongFormat, imported
+from ipoa_mission.errors import (
+    BadInput,
+    DamagedFile,
+    InvalidRing,
+    NoCoordinateSystem,
+    NothingThere,
+    TooLarge,
+    WrongFormat,
+    imported,
+)
 from ipoa_mission.files import read_bytes
-from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
-from ipoa_mission.maps.geojson import degrees_of
+from ipoa_mission.maps.feature import BATCH, Corners, Feature, on_earth
+from ipoa_mission.maps.json_shapes import ToDegrees, degrees_of
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import uncut
 from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
-FIRST_BYTES = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
+FIRST_BYTES = {
+    ".shp": b"\x00\x00\x27\x0a",
+    ".fgb": b"fgb",
+    ".gpkg": b"SQLite format 3\x00",
+    ".parquet": b"PAR1",
+    ".geoparquet": b"PAR1",
+}
 
 
-def read_layers(path: Path, around: MapWindow) -> tuple[Feature, ...]:
-    pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
-    suffix = path.suffix.lower()
+def read_table(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
+    arrow = imported("pyarrow", f"{path}: reading it needs pyarrow, which is not installed", "maps", BadInput)
+    suffix, any_there = path.suffix.lower(), False
     if not read_bytes(path, 16).startswith(FIRST_BYTES[suffix]):
         raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
-    if suffix == ".shp":
-        _expect_whole(path)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # GDAL's repairs
-            layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
-            several = len(layers) > 1
-            features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
-    except (RuntimeError, ValueError, UnboundLocalError) as error:  # invalid .prj, PROJ, texts
-        note = "; the .shx and .dbf files must be next to a .shp" if suffix == ".shp" else ""
-        raise DamagedFile(f"cannot be read: {error}{note}", place=path) from error
-    if not features and not around.elsewhere:
-        raise NothingThere("expected shapes, but there are none that can be read", place=path)
-    around.expect_near(path)
-    return tuple(features)
+        for features in _row_groups(arrow, path, around) if "parquet" in suffix else _layers(path, around):
+            if features:
+                any_there = True
+                yield features
+    except (RuntimeError, ValueError, OSError, UnboundLocalError, arrow.ArrowException) as error:  # of each library
+        words = f"expected a whole {suffix} file: {str(error).partition(chr(10))[0]}"
+        raise DamagedFile(words, place=path) from error
+    if not any_there and not around.elsewhere:
+        raise NothingThere("expected rows with shapes, but there are none that can be read", place=path)
 
 
-class _Layer:
-    def __init__(self, path: Path, name: str, pyogrio: Any, named: bool) -> None:
-        self._path, self._info = path, pyogrio.read_info(path, layer=name)
-        self._place = f"{path}: {name}" if named else f"{path}: row"
-        self._name, self._pyogrio = name, pyogrio
-        if not self._info["crs"]:
-            words = "expected a file that names its coordinate system"
-            raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
-        self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
+def _layers(path: Path, around: MapWindow) -> list[list[Feature]]:
+    pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
+    if path.suffix.lower() == ".shp":
+        _expect_whole(path)
+    with warnings.catch_warnings(action="ignore"):  # GDAL's repairs
+        layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
+        places = {name: f"{path}: {name}" if len(layers) > 1 else f"{path}: row" for name in layers}
+        return [_layer(pyogrio, path, name, place, around) for name, place in places.items()]
 
-    def read(self, around: MapWindow) -> list[Feature]:
-        count, box, nulls = self._info["features"], self._box(around), list[Feature]()
-        if box is not None and self._path.suffix.lower() != ".fgb":  # a FlatGeobuf with such rows has no index
-            column = self._info["geometry_name"].replace('"', '""')
-            nulls = self._features(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL")
-        if box is None or not self._is_indexed_whole(count - len(nulls)):
-            features = self._features()
-            if count > len(features):
-                raise DamagedFile(f"expected {count} rows, but only {len(features)} can be read", place=self._path)
-            return features
-        features = self._features(bbox=box)
-        boxes = np.array([feature.shape.bounds for feature in features], float).reshape(-1, 4)
-        around.elsewhere += count - len(features) - len(nulls)
-        return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
 
-    def _box(self, around: MapWindow) -> tuple[float, ...] | None:
-        """Return the window in the layer's coordinates; None: read all."""
-        window, bounds = around.window, self._info["total_bounds"]
-        if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
-            return None
-        west, south, east, north = bounds = np.array(self._degrees.transform_bounds(*bounds))
-        box: tuple[float, ...] = self._degrees.transform_bounds(*window, direction="INVERSE")
-        sound = -180.0 <= west <= east <= 180.0 and -90.0 <= south <= north <= 90.0 and np.isfinite(box).all()
-        if not sound:
-            return None
-        around.wants(bounds[None], things=0)
-        return box
-
-    def _is_indexed_whole(self, shapes: int) -> bool:
-        """Return whether all rows are in a spatial index; refuse a truncated file."""
-        suffix, count = self._path.suffix.lower(), self._info["features"]
-        if suffix == ".shp":  # an index may be older
-            return not any(self._path.with_suffix(index).exists() for index in (".qix", ".sbn"))
-        try:
-            if suffix == ".gpkg":
-                name, column = self._name.replace('"', '""'), self._info["geometry_name"]
-                rows = self._pyogrio.raw.read(self._path, sql=f'SELECT COUNT(*) AS n FROM "rtree_{name}_{column}"')
-                return int(rows[3][0][0]) == shapes
-            if not self._info["capabilities"]["random_read"]:
-                return False
-            self._read(fids=[count - 1])
-        except RuntimeError:
-            if suffix == ".gpkg":  # no index
-                return True
-            raise DamagedFile(f"expected {count} rows, but the last cannot be read", place=self._path) from None
-        return True
-
-    def _read(self, **chosen: Any) -> Any:
-        return self._pyogrio.raw.read(self._path, layer=self._name, return_fids=True, **chosen)
-
-    def _features(self, **chosen: Any) -> list[Feature]:
-        most = 5_000_000
-        for reserved in (min(most, max(1, self._info["features"] + 1)), most):
-            meta, numbers, shapes, fields = self._read(max_features=reserved, **chosen)
-            if len(numbers) < reserved:
-                break
-        columns = [column.tolist() for column in fields]
-        is_cut = self._path.suffix.lower() == ".shp"
-        rows = (
-            {
-                uncut(str(name), str(column[n])) if is_cut else str(name): column[n]
-                for name, column in zip(meta["fields"], columns, strict=True)
-            }
-            for n in range(len(numbers))
-        )
-        each = zip(numbers, shapes, rows, strict=True)
-        return [*read_all(_feature, ((f"{self._place}[{n}]", shape, row, self._degrees) for n, shape, row in each))]
+def _layer(pyogrio: Any, path: Path, name: str, place: str, around: MapWindow) -> list[Feature]:
+    info, count, is_cut = pyogrio.read_info(path, layer=name), 0, path.suffix.lower() == ".shp"
+    if not info["crs"]:
+        words = "expected a file that names its coordinate system"
+        raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
+    to_degrees, features = degrees_of(CRS.from_user_input(info["crs"])), list[Feature]()
+    chosen = {"layer": name, "return_fids": True, "batch_size": BATCH, "use_pyarrow": True}
+    with pyogrio.raw.open_arrow(path, **chosen) as (meta, batches):
+        for batch in batches:
+            count += batch.num_rows
+            number, shapes = batch.schema.names[0], meta["geometry_name"] or "wkb_geometry"
+            places = [f"{place}[{n}]" for n in batch.column(number).to_pylist()]
+            features += _features(batch.drop_columns([number]), shapes, to_degrees, places, around, is_cut)
+    if count < info["features"]:
+        raise DamagedFile(f"expected {info['features']} rows, but only {count} can be read", place=path)
+    return features
 
 
 def _expect_whole(path: Path) -> None:
@@ -148,65 +108,33 @@ def _expect_whole(path: Path) -> None:
         raise DamagedFile(f"expected a .dbf file with the {indexed} rows of the .shx", place=path)
 
 
-def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:
-    def convert(corners: Corners) -> Corners:
-        hint = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
-        return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, hint)
-
-    tags, blank = dict(tags_of(row)), frozenset(blank_keys(row))
-    if shape is None:
-        return Feature(place, shapely.GeometryCollection(), tags, blank)
-    try:
-        flat = shapely.transform(shapely.force_2d(shapely.from_wkb(shape)), convert)
-    except shapely.errors.GEOSException as error:
-        raise BadInput(f"expected a shape: {error}", place=place) from error
-    return Feature(place, flat, tags, blank, truncated(row, flat))
-
-
-class _Shapes(NamedTuple):
-    """Shapes, their conversion, and box columns: west, south, east, north [deg]."""
+class _About(NamedTuple):
+    """The column of shapes, their conversion, and box columns: west, south, east, north [deg]."""
 
     column: str
-    to_degrees: Callable[[Corners], Corners]
+    to_degrees: ToDegrees
     boxes: tuple[str, ...]
 
 
-def read_parquet(path: Path, around: MapWindow) -> Iterator[list[Feature]]:
-    needed = f"{path}: reading it needs pyarrow, which is not installed"
-    parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
-    arrow = imported("pyarrow", needed, "maps", BadInput)
-    if read_bytes(path, 4) != b"PAR1":
-        raise WrongFormat("expected a Parquet file, but its first bytes are those of another format", place=path)
-    any_there = False
-    try:
-        with parquet.ParquetFile(path) as file:
-            for features in _rows(file, arrow, path, around):
-                any_there = True
-                yield features
-    except (arrow.ArrowException, OSError, ValueError) as error:
-        raise DamagedFile(f"expected a whole Parquet file: {str(error).partition(chr(10))[0]}", place=path) from error
-    if not any_there and not around.elsewhere:
-        raise NothingThere("expected rows with shapes, but the file has none", place=path)
+def _row_groups(arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feature]]:
+    with import_module("pyarrow.parquet").ParquetFile(path) as file:
+        shapes = _about(file, arrow, path)
+        columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
+        row, largest = 0, 2_000_000_000  # unpacked [bytes]
+        for number in range(file.num_row_groups):
+            group = file.metadata.row_group(number)
+            if group.total_byte_size > largest:
+                raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
+            if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
+                row += group.num_rows
+                continue
+            for batch in file.iter_batches(BATCH, [number], columns):
+                places = [f"{path}: row[{n}]" for n in range(row, row + batch.num_rows)]
+                yield _features(batch, shapes.column, shapes.to_degrees, places, around)
+                row += batch.num_rows
 
 
-def _rows(file: Any, arrow: Any, path: Path, around: MapWindow) -> Iterator[list[Feature]]:
-    shapes = _shapes_of(file, arrow, path)
-    columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
-    row, largest = 0, 2_000_000_000  # unpacked [bytes]
-    for number in range(file.num_row_groups):
-        group = file.metadata.row_group(number)
-        if group.total_byte_size > largest:
-            raise TooLarge(f"expected groups of rows of at most {largest / 1e9:g} GB", place=path)
-        if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
-            row += group.num_rows
-            continue
-        for batch in file.iter_batches(4096, [number], columns):
-            if features := _features(batch, shapes, path, row, around):
-                yield features
-            row += batch.num_rows
-
-
-def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
+def _about(file: Any, arrow: Any, path: Path) -> _About:
     metadata = (file.schema_arrow.metadata or {}).get(b"geo")
     if metadata is None:
         raise NothingThere(
@@ -233,7 +161,7 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
         known = CRS.from_user_input(system)
     except (CRSError, TypeError) as error:
         raise NoCoordinateSystem("expected a coordinate system as PROJ's JSON has it", place=f"{path}: crs") from error
-    return _Shapes(column, degrees_of(known), boxes if known.is_geographic else ())
+    return _About(column, degrees_of(known), boxes if known.is_geographic else ())
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
@@ -260,32 +188,39 @@ def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
     return None if goes_round or not np.isfinite(box).all() else box
 
 
-def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: MapWindow) -> list[Feature]:
-    drawn = _drawn(batch.column(shapes.column).to_numpy(zero_copy_only=False), shapes.to_degrees, path, row)
-    wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
-    tags = batch.drop_columns([shapes.column]).take(wanted).to_pylist() if len(wanted) else []
-    return [_in_row(f"{path}: row[{row + n}]", drawn[n], each) for n, each in zip(wanted.tolist(), tags, strict=True)]
+def _features(
+    batch: Any, column: str, to_degrees: ToDegrees, places: Sequence[str], around: MapWindow, is_cut: bool = False
+) -> list[Feature]:
+    """Return the wanted rows of an Arrow batch; `is_cut`: its names may be truncated, as in a Shapefile."""
+    shapes = _shapes(batch.column(column).to_numpy(zero_copy_only=False), to_degrees, places)
+    wanted = np.flatnonzero(around.wants(shapely.bounds(shapes)))
+    features = list[Feature]()
+    for n, row in zip(wanted.tolist(), batch.drop_columns([column]).take(wanted).to_pylist(), strict=True):
+        plain = {uncut(key, str(value)) if is_cut else key: _plain(value) for key, value in row.items()}
+        blank, part = frozenset(blank_keys(plain)), truncated(plain, shapes[n])
+        features.append(Feature(places[n], shapes[n], dict(tags_of(plain)), blank, part))
+    return features
 
 
-def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Path, row: int) -> NDArray[Any]:
+def _shapes(wkb: NDArray[Any], to_degrees: ToDegrees, places: Sequence[str]) -> NDArray[Any]:
     """Return shapes in degrees; null becomes empty."""
+
+    def convert(corners: Corners) -> Corners:
+        hint = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
+        return on_earth(to_degrees(corners), places[0], hint)
+
     try:
         shapes = shapely.force_2d(shapely.from_wkb(wkb))
         shapes[shapely.is_missing(shapes)] = shapely.GeometryCollection()
-        return np.asarray(shapely.transform(shapes, lambda corners: on_earth(to_degrees(corners), str(path))))
+        return np.asarray(shapely.transform(shapes, convert))
     except (shapely.errors.GEOSException, BadInput) as error:
-        if len(wkb) == 1:
-            bad = error if isinstance(error, BadInput) else BadInput(f"expected a shape: {error}", code="invalid-ring")
-            bad.place = f"{path}: row[{row}]"
-            raise bad from error
-        half = len(wkb) // 2
-        first = _drawn(wkb[:half], to_degrees, path, row)
-        return np.concatenate([first, _drawn(wkb[half:], to_degrees, path, row + half)])
-
-
-def _in_row(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
-    plain = {name: _plain(value) for name, value in row.items()}
-    return Feature(place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)), truncated(plain, shape))
+        if len(wkb) > 1:
+            half = len(wkb) // 2
+            first = _shapes(wkb[:half], to_degrees, places[:half])
+            return np.concatenate([first, _shapes(wkb[half:], to_degrees, places[half:])])
+        if isinstance(error, BadInput):
+            raise
+        raise InvalidRing(f"expected a shape: {error}", place=places[0]) from error
 
 
 def _plain(value: Any) -> Any:

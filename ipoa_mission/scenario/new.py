@@ -10,15 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.autopilot import default_autopilot
 from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.geojson import Take
-from ipoa_mission.maps.map_reader import hand_on_features
+from ipoa_mission.maps.map_reader import read_batches
+from ipoa_mission.maps.map_window import MapWindow
 from ipoa_mission.scenario.scenario_file import parse_scenario
 
 FREE_RADIUS = 12.0  # [m]
@@ -98,13 +97,9 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _middle(path: Path) -> Geodetic:
-    boxes: list[NDArray[np.float64]] = []
-
-    def begin() -> Take:
-        boxes.clear()
-        return lambda features: boxes.append(shapely.total_bounds([feature.shape for feature in features]))
-
-    hand_on_features(path, begin)
+    boxes = [
+        shapely.total_bounds([feature.shape for feature in features]) for features in read_batches(path, MapWindow())
+    ]
     if not boxes:
         raise NothingThere("expected buildings, but it has no features", place=path)
     west, south = np.nanmin(boxes, axis=0)[:2].tolist()

@@ -11,7 +11,7 @@ from ipoa_mission.geodesy import REACH, LocalFrame
 from ipoa_mission.geometry import Points, union_of
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.map_window import MapWindow
-from ipoa_mission.maps.planar import MapExtent, closed_as_polygon, flat, to_plane, unrepeated
+from ipoa_mission.maps.planar import closed_as_polygon, flat, to_plane, unrepeated
 
 LEAST_M2 = 1e-3
 INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
@@ -177,10 +177,10 @@ def mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 
 def shapes_in(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
-    features = read_features(path, MapWindow.of(frame))
-    about = MapExtent(frame)
-    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
-    about.expect_near()
+    about = MapWindow.of(frame)
+    features = read_features(path, about)
+    shapes, near = to_plane([feature.shape for feature in features], frame, about)
+    about.expect_near(path)
     for feature, shape, counts in zip(features, shapes, near, strict=True):
         if (missing := feature.missing) is not None and not missing.elsewhere:
             words = f"expected an area that can be read, not {missing.words}"

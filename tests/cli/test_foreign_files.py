@@ -180,7 +180,7 @@ def test_a_kml_of_another_place_says_where_it_is(samples: Path, tmp_path: Path, 
         f"goal = {{ east = 9, north = 0, up = 5 }}\nmaps = [{{ kind = 'no_fly', file = {json.dumps(str(path))} }}]"
     )
     message = " ".join(run("plan w.toml").err.split())
-    assert "expected a place within 100 km of home (-5.0000, 8.0000), not near " in message
+    assert "expected places within 100 km of home (-5.0000, 8.0000), not only from " in message
     assert "hint: check that it is the map of this place" in message
 
 

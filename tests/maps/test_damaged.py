@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.planar import MapExtent, to_plane
+from ipoa_mission.maps.planar import to_plane
 from tests.examples import examples
 from tests.refused import refuses
 
@@ -33,8 +33,8 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
     drawn = shapely.transform(sure, wrapped)
     for shape in (drawn, shapely.MultiPolygon([drawn])):
-        ((there,), (near,)) = to_plane([shape], ["here"], MapExtent(home))
-        ((truth,), _) = to_plane([sure], ["here"], MapExtent(home))
+        ((there,), (near,)) = to_plane([shape], home)
+        ((truth,), _) = to_plane([sure], home)
         assert near
         assert shapely.is_valid(there)
         assert shapely.symmetric_difference(there, truth).area <= 1e-6 * truth.area
@@ -42,7 +42,7 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
 def test_a_zone_round_the_whole_earth_stays_one() -> None:
     world = shapely.box(-180.0, -80.0, 180.0, 80.0)
-    ((there,), (near,)) = to_plane([world], ["here"], MapExtent(LocalFrame(Geodetic(10.0, 20.0))))
+    ((there,), (near,)) = to_plane([world], LocalFrame(Geodetic(10.0, 20.0)))
     assert near
     assert not shapely.is_empty(there)
 

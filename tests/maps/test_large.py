@@ -1,6 +1,6 @@
 import json
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +9,12 @@ import pytest
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame
-from ipoa_mission.maps import geojson, streamed
+from ipoa_mission.maps import buildings
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.map_window import Box
+from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.map_window import Box, MapWindow
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.scenario import parse_scenario, surroundings
 from tests.examples import some
@@ -68,6 +70,11 @@ def generated(seed: int, at: At) -> dict[str, Any]:
     return rng.choice([kinds | {"features": features}, {"features": features} | kinds | crs])
 
 
+def in_batches(path: Path, around: MapWindow) -> Iterator[tuple[Feature, ...]]:
+    features = read_features(path, around)
+    return (features[n : n + 5] for n in range(0, len(features), 5))
+
+
 @pytest.mark.parametrize("seed", some(10, range(240)))
 def test_near_and_counted_features_are_those_of_the_whole_map(
     seed: int, tmp_path: Path, frame: LocalFrame, at: At, monkeypatch: pytest.MonkeyPatch
@@ -76,8 +83,7 @@ def test_near_and_counted_features_are_those_of_the_whole_map(
     path.write_text(json.dumps(generated(seed, at), indent=seed % 2))
     rules = BuildingRules(**TAKEN[seed % len(TAKEN)])
     whole = search_buildings(path, rules, frame)
-    monkeypatch.setattr(streamed, "BLOCK", 3000)
-    monkeypatch.setattr(geojson, "BATCH", 5)
+    monkeypatch.setattr(buildings, "read_batches", in_batches)
     near = search_buildings(path, rules, frame, WITHIN)
     assert near.remarks == whole.remarks
     assert list(count_passed_over(near.passed_over, near.left_out)) == list(count_passed_over(whole.passed_over))

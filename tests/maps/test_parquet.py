@@ -234,7 +234,7 @@ def test_a_scenario_begins_from_it_and_is_planned_over(write: Write, tmp_path: P
 
 def test_missing_library_is_an_error_that_names_the_extra(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(ROWS[:1], [house(0)])
-    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with refuses("package-missing", kind=BadInput) as caught:
         read_features(path)
     assert caught.value.hint == "pip install 'ipoa-mission[maps]'"

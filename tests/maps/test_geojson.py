@@ -6,8 +6,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps import streamed
-from ipoa_mission.maps.geojson import sound_polygons
+from ipoa_mission.maps.json_shapes import polygons_together
 from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
@@ -30,9 +29,7 @@ FEATURES = [
 ]
 
 
-@pytest.mark.parametrize("block", [1, 7, 1 << 22])
-def test_features_are_the_same_however_large_the_blocks(tmp_path: Path, block: int, monkeypatch: Any) -> None:
-    monkeypatch.setattr(streamed, "BLOCK", block)
+def test_features_are_those_of_geos(tmp_path: Path) -> None:
     path = tmp_path / "map.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": FEATURES, "n": 1234567}, ensure_ascii=False))
     features = read_features(path)
@@ -51,12 +48,8 @@ def _plain(geometry: dict[str, Any]) -> dict[str, Any]:
     return geometry | {"coordinates": [ring if ring[0] == ring[-1] else [*ring, ring[0]] for ring in rings]}
 
 
-@pytest.mark.parametrize("block", [1, 5, 1 << 22])
 @pytest.mark.parametrize("cut", range(1, 130, 9))
-def test_a_file_that_ends_early_is_told_as_json_itself_does(
-    tmp_path: Path, block: int, cut: int, monkeypatch: Any
-) -> None:
-    monkeypatch.setattr(streamed, "BLOCK", block)
+def test_a_file_that_ends_early_is_told_as_json_itself_does(tmp_path: Path, cut: int) -> None:
     text = json.dumps({"type": "FeatureCollection", "features": [FEATURES[1]]}, indent=1)[: -cut - 1]
     with pytest.raises(json.JSONDecodeError) as expected:
         json.loads(text)
@@ -68,7 +61,7 @@ def test_a_file_that_ends_early_is_told_as_json_itself_does(
     assert str(caught.value) == f"{path}: line {expected.value.lineno}: {message}"
 
 
-def test_streamed_feature_errors_name_their_number(tmp_path: Path) -> None:
+def test_feature_errors_name_their_number(tmp_path: Path) -> None:
     path = tmp_path / "map.geojson"
     flat = feature("Polygon", [[SQUARE[0], SQUARE[1], SQUARE[0]]])
     path.write_text(json.dumps({"type": "FeatureCollection", "features": [*[FEATURES[0]] * 1500, flat]}))
@@ -88,14 +81,15 @@ def test_the_coordinate_system_counts_wherever_it_stands(tmp_path: Path, behind:
 
 def test_only_polygons_with_nothing_wrong_are_made_together() -> None:
     wrong: list[Any] = [
-        None,
         [],
         [[]],
         {"a": 1},
         [SQUARE, []],
         [[SQUARE[0], SQUARE[1], SQUARE[0]]],
-        [[[800, 1], [8, 2], [9, 3]]],
+        [SQUARE, [SQUARE[0]] * 4],
+        [[[800, 1], [8, 2], [9, 3], [800, 1]]],
     ]
-    made = sound_polygons([[SQUARE], *wrong, [SQUARE, HOLE]], lambda corners: corners)
-    assert [made[0].wkt, made[-1].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
-    assert made[1:-1] == [None] * len(wrong)
+    drawn = [{"type": "Polygon", "coordinates": rings} for rings in ([SQUARE], *wrong, [SQUARE, [*HOLE, HOLE[0]]])]
+    made = polygons_together([*drawn, None], lambda corners: corners)
+    assert [made[0].wkt, made[-2].wkt] == [shapely.Polygon(SQUARE).wkt, shapely.Polygon(SQUARE, [HOLE]).wkt]
+    assert [*made[1:-2], made[-1]] == [None] * (len(wrong) + 1)

@@ -1,0 +1,112 @@
+"""Convert JSON geometries (RFC 7946, with circles of ED-269 and ED-318) to shapes [deg, WGS 84]."""
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import shapely
+from pyproj import CRS, Geod, Transformer
+
+from ipoa_mission.errors import BadInput, InvalidRing, TooLarge
+from ipoa_mission.maps.feature import DEEPEST, Corners, on_earth
+
+SHAPES = ("Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon")
+ToDegrees = Callable[[Corners], Corners]
+
+
+def degrees_of(system: CRS) -> ToDegrees:
+    if system.is_geographic and system.ellipsoid is not None and "WGS 84" in system.ellipsoid.name:
+        return unchanged
+    convert = Transformer.from_crs(system, "OGC:CRS84", always_xy=True)
+    return lambda corners: np.column_stack(convert.transform(*corners.T))
+
+
+def unchanged(corners: Corners) -> Corners:
+    return corners
+
+
+def polygons_together(geometries: Sequence[Any], to_degrees: ToDegrees) -> list[Any]:
+    """Return valid polygons, made fast; None: use `shape_of`, which names a mistake."""
+    rings_of = map(_rings, geometries)
+    texts = [json.dumps({"type": "Polygon", "coordinates": rings}) if rings else None for rings in rings_of]
+    shapes = shapely.transform(shapely.from_geojson(np.array(texts, object), on_invalid="ignore"), to_degrees)
+    reach = np.abs(shapely.bounds(shapes)).reshape(-1, 2, 2)
+    sound = shapely.is_valid(shapes) & (reach <= (360.0, 90.0)).all(axis=(1, 2))
+    return [shape if is_sound else None for shape, is_sound in zip(shapes, sound.tolist(), strict=True)]
+
+
+def _rings(geometry: Any) -> Any:
+    is_polygon = isinstance(geometry, dict) and geometry.get("type") == "Polygon"
+    rings = geometry.get("coordinates") if is_polygon else None
+    return rings if isinstance(rings, list) and all(rings) else None
+
+
+def shape_of(geometry: Any, place: str, to_degrees: ToDegrees = unchanged, depth: int = 0) -> Any:
+    kind = geometry.get("type") if isinstance(geometry, dict) else None
+    if kind == "GeometryCollection":
+        members = geometry.get("geometries")
+        if not isinstance(members, list):
+            raise BadInput("expected a list", place=f"{place}.geometries")
+        if depth >= DEEPEST:
+            raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=f"{place[:80]}...")
+        shapes = [shape_of(each, f"{place}.geometries[{i}]", to_degrees, depth + 1) for i, each in enumerate(members)]
+        return shapely.GeometryCollection(shapes)
+    if not isinstance(kind, str) or kind not in SHAPES:
+        raise BadInput(f"expected a kind of geometry, such as 'Polygon', not {kind!r}", place=f"{place}.type")
+    extent = geometry.get("extent")
+    if kind == "Point" and isinstance(extent, dict):  # ED-318
+        return circle(geometry.get("coordinates"), extent.get("radius"), f"{place}.extent")
+    values, place = geometry.get("coordinates"), f"{place}.coordinates"
+    if not kind.startswith("Multi"):
+        return _part(kind, values, place, to_degrees)
+    if not isinstance(values, list):
+        raise BadInput("expected a list", place=place)
+    parts = [_part(kind.removeprefix("Multi"), value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)]
+    return getattr(shapely, kind)(parts)
+
+
+def _part(kind: str, values: Any, place: str, to_degrees: ToDegrees) -> Any:
+    if kind == "Point":
+        return shapely.Point(_corners([values], place, to_degrees)[0])
+    if kind == "LineString":
+        corners = _corners(values, place, to_degrees)
+        if len(corners) < 2:
+            raise InvalidRing(f"expected 2 positions or more, not {len(corners)}", place=place)
+        return shapely.LineString(corners)
+    if not isinstance(values, list) or not values:
+        raise InvalidRing("expected a list of rings", place=place)
+    rings = []
+    for i, ring in enumerate(values):
+        rings.append(_corners(ring, f"{place}[{i}]", to_degrees))
+        if len(np.unique(rings[-1], axis=0)) < 3:
+            raise InvalidRing("expected a ring of 3 different corners or more", place=f"{place}[{i}]")
+    return shapely.Polygon(rings[0], rings[1:])
+
+
+def _corners(positions: Any, place: str, to_degrees: ToDegrees) -> Corners:
+    try:
+        corners = np.array([position[:2] for position in positions], float)
+    except (TypeError, ValueError, KeyError, OverflowError):
+        corners = np.zeros((0, 0))
+    if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
+        raise BadInput("expected positions as [longitude, latitude]", place=place)
+    return on_earth(to_degrees(corners), place)
+
+
+def circle(center: Any, radius: Any, place: str) -> Any:
+    """Return a polygon around a circle, at most 0.1 % wider."""
+    try:
+        corner = np.array([center[:2]], float)
+        size = float(radius)
+    except (TypeError, ValueError, OverflowError, KeyError):
+        corner, size = np.zeros((0, 2)), math.nan
+    if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < 1e6:
+        raise BadInput("expected a circle: center [longitude, latitude] and a radius in meters", place=place)
+    longitude, latitude = on_earth(corner, place)[0]
+    corners = 72
+    around = np.linspace(0.0, 360.0, corners, endpoint=False)
+    wide = np.full(corners, size / math.cos(math.pi / corners))
+    east, north, _ = Geod(ellps="WGS84").fwd(np.full(corners, longitude), np.full(corners, latitude), around, wide)
+    return shapely.Polygon(np.column_stack([east, north]))
