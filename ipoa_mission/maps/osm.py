@@ -5,7 +5,6 @@ A feature with corners outside the extract gets an empty shape, and a note of th
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -46,15 +45,44 @@ class Extract:
     boxes: dict[str, Any] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
 
-    def corners(self, positions: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
-        """Register positions; return node numbers."""
-        numbers = []
-        for number, longitude, latitude in positions:
-            name = number or f"{longitude},{latitude}"
-            if longitude is not None and latitude is not None:
-                self.places.setdefault(name, (longitude, latitude))
-            numbers.append(name)
-        return tuple(numbers)
+    def take(self, element: Mapping[str, Any], place: str) -> None:
+        """Take an element as Overpass's JSON has it, which begins at `place`."""
+        try:
+            self._take(element)
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
+            words = "expected a node, way or relation with its places in degrees"
+            raise BadInput(words, code="not-degrees", place=place) from error
+
+    def _take(self, element: Mapping[str, Any]) -> None:
+        number, sort = str(element["id"]), element["type"]
+        tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
+        if bounds := element.get("bounds"):
+            self.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
+        if sort == "node" and "lat" in element:
+            self.places[number] = _degrees(element)
+            if tags.keys() - META_TAGS:
+                self.tagged[number] = tags
+        elif sort == "way":
+            self.ways[number] = OsmWay(self._nodes(element), tags)
+        elif sort == "relation" and is_area(tags):
+            members = element.get("members") or []
+            for member in members:
+                if member["type"] == "way" and member.get("geometry"):
+                    self.ways.setdefault(str(member["ref"]), OsmWay(self._nodes(member), {}))
+            listed = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
+            self.relations[number] = Relation(listed, tags)
+
+    def _nodes(self, way: Mapping[str, Any]) -> tuple[str, ...]:
+        """Return the numbers of nodes; of unnumbered ones the places."""
+        numbers, places = way.get("nodes"), way.get("geometry")
+        numbers = [""] * len(places or ()) if numbers is None else numbers
+        names = list[str]()
+        for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):
+            at = None if place is None else _degrees(place)
+            names.append(str(number) or ("?" if at is None else f"{at[0]},{at[1]}"))
+            if at is not None:
+                self.places.setdefault(names[-1], at)
+        return tuple(names)
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
@@ -83,6 +111,13 @@ def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
     return features
 
 
+def _degrees(place: Mapping[str, Any]) -> tuple[float, float]:
+    longitude, latitude = float(place["lon"]), float(place["lat"])
+    if not math.isfinite(longitude + latitude):
+        raise ValueError(place)
+    return longitude, latitude
+
+
 def _extract(path: Path) -> Extract:
     extract, root = Extract(), None
     for event, element in ElementTree.iterparse(path, ("start", "end")):
@@ -91,43 +126,26 @@ def _extract(path: Path) -> Extract:
             if root.tag != "osm":
                 raise WrongFormat(f"expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>", place=path)
         if event == "end" and element.tag in ("node", "way", "relation", "remark"):
-            _take_xml(element, extract, path)
+            if element.tag == "remark":
+                extract.remarks.append((element.text or "").strip())
+            elif element.get("action") != "delete" and element.get("visible") != "false":
+                extract.take(_as_json(element), f"{path}: {element.tag} {element.get('id')}")
             root.clear()
     return extract
 
 
-def _take_xml(element: ElementTree.Element, extract: Extract, path: Path) -> None:
-    number = element.get("id", "")
-    if element.tag == "remark":
-        extract.remarks.append((element.text or "").strip())
-        return
-    if element.get("action") == "delete" or element.get("visible") == "false":
-        return
-    tags = plain_tags((tag.get("k", ""), tag.get("v", "")) for tag in element.iterfind("tag"))
-    if element.tag == "node":
-        extract.places[number] = _degrees(element, "lon", path), _degrees(element, "lat", path)
-        if tags.keys() - META_TAGS:
-            extract.tagged[number] = tags
-        return
-    if (bounds := element.find("bounds")) is not None:
-        with suppress(ValueError):
-            extract.boxes[f"{element.tag} {number}"] = shapely.box(*(float(bounds.get(side, "")) for side in BOUNDS))
-    if element.tag == "way":
-        extract.ways[number] = OsmWay(_nodes(element, extract, path), tags)
-    elif is_area(tags):
-        members = list(element.iterfind("member"))
-        for member in members:
-            if member.get("type") == "way" and member.find("nd") is not None:
-                extract.ways.setdefault(member.get("ref", ""), OsmWay(_nodes(member, extract, path), {}))
-        listed = tuple((each.get("type", ""), each.get("ref", ""), each.get("role", "")) for each in members)
-        extract.relations[number] = Relation(listed, tags)
-
-
-def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    def place_of(node: ElementTree.Element) -> tuple[float, float] | tuple[None, None]:
-        return (None, None) if node.get("lat") is None else (_degrees(node, "lon", path), _degrees(node, "lat", path))
-
-    return extract.corners((node.get("ref", ""), *place_of(node)) for node in element.iterfind("nd"))
+def _as_json(element: ElementTree.Element) -> dict[str, Any]:
+    """Return XML as Overpass's JSON."""
+    nodes, bounds = element.findall("nd"), element.find("bounds")
+    return {
+        **element.attrib,
+        "type": element.get("type", element.tag),
+        "tags": {tag.get("k"): tag.get("v") for tag in element.iterfind("tag")},
+        "nodes": [node.get("ref", "") for node in nodes],
+        "geometry": [node.attrib if "lat" in node.attrib else None for node in nodes],
+        "members": [_as_json(member) for member in element.iterfind("member")],
+        "bounds": None if bounds is None else bounds.attrib,
+    }
 
 
 def is_overpass(document: Any) -> bool:
@@ -140,44 +158,8 @@ def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
         place = f"{path}: elements[{n}]"
         if not isinstance(element, dict) or not isinstance(element.get("type"), str) or "id" not in element:
             raise BadInput("expected an element with a type and an id", place=place)
-        if element["type"] in ("node", "way", "relation"):
-            try:
-                _take_json(element, extract)
-            except (TypeError, ValueError, KeyError, AttributeError) as error:
-                raise BadInput("expected a node, way or relation as Overpass writes it", place=place) from error
+        extract.take(element, place)
     return features_of(extract, path)
-
-
-def _take_json(element: Mapping[str, Any], extract: Extract) -> None:
-    number, sort = str(element["id"]), element["type"]
-    tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
-    if sort == "node":
-        if "lat" in element:
-            extract.places[number] = float(element["lon"]), float(element["lat"])
-            if tags.keys() - META_TAGS:
-                extract.tagged[number] = tags
-        return
-    if bounds := element.get("bounds"):
-        extract.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
-    if sort == "way":
-        extract.ways[number] = OsmWay(extract.corners(_json_nodes(element)), tags)
-    elif is_area(tags):
-        members = element.get("members") or []
-        for member in members:
-            if member["type"] == "way" and member.get("geometry"):
-                extract.ways.setdefault(str(member["ref"]), OsmWay(extract.corners(_json_nodes(member)), {}))
-        listed = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
-        extract.relations[number] = Relation(listed, tags)
-
-
-def _json_nodes(way: Mapping[str, Any]) -> Iterator[tuple[str, float | None, float | None]]:
-    numbers, places = way.get("nodes"), way.get("geometry")
-    numbers = [""] * len(places or ()) if numbers is None else numbers
-    for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):
-        if place is None:
-            yield str(number) or "?", None, None
-        else:
-            yield str(number), float(place["lon"]), float(place["lat"])
 
 
 def is_area(tags: Mapping[str, str]) -> bool:
@@ -189,17 +171,6 @@ def is_area(tags: Mapping[str, str]) -> bool:
 
 def plain_tags(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     return {key: value.strip() for key, value in pairs if value.strip()}
-
-
-def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
-    try:
-        value = float(element.get(key, ""))
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        number = element.get("id", element.get("ref"))
-        raise BadInput(f"node {number}: expected its {key} in degrees", code="not-degrees", place=path)
-    return value
 
 
 def _features(extract: Extract, path: Path) -> Iterator[Feature]:

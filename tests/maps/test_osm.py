@@ -81,9 +81,9 @@ def test_shapes_that_lack_a_corner_are_remarked(town: Path) -> None:
         ("<gpx/>", ("wrong-format", "town.osm", "XML")),
         ('<?xml version="1.0" encoding="klingon"?><osm/>', ("wrong-format", "town.osm", "XML")),
         ("<osm/>", ("nothing-there", "town.osm")),
-        (TOWN.replace('lat="47.0"', 'lat="far"'), ("not-degrees", "town.osm")),
+        (TOWN.replace('lat="47.0"', 'lat="far"'), ("not-degrees", "town.osm: node 1")),
         (TOWN.replace('lat="47.0015"', 'lat="470015"'), ("not-degrees", "town.osm: node 9")),
-        (TOWN.replace('lat="47.001"', 'lat="nan"'), ("not-degrees", "town.osm")),
+        (TOWN.replace('lat="47.001"', 'lat="nan"'), ("not-degrees", "town.osm: node 5")),
     ],
 )
 def test_no_file_of_that_kind_is_an_error_that_names_the_place(
