@@ -58,7 +58,7 @@ class Extract:
         tags = plain_tags((str(key), str(value)) for key, value in (element.get("tags") or {}).items())
         if bounds := element.get("bounds"):
             self.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
-        if sort == "node" and "lat" in element:
+        if sort == "node" and ("lat" in element or tags.keys() - META_TAGS):
             self.places[number] = _degrees(element)
             if tags.keys() - META_TAGS:
                 self.tagged[number] = tags

@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import pytest
@@ -100,3 +101,12 @@ def test_a_ring_that_does_not_close_has_no_shape(tmp_path: Path) -> None:
     path.write_text(TOWN.replace('<member type="way" ref="21" role="outer"/>', ""))
     (open_one,) = (feature for feature in read_features(path) if feature.tags["@id"] == "relation/30")
     assert open_one.shape.is_empty
+
+
+def test_a_tagged_node_without_a_place_is_refused(tmp_path: Path) -> None:
+    """As `out tags` of Overpass writes it."""
+    path = tmp_path / "town.json"
+    mast, tree = {"type": "node", "id": 7, "tags": {"man_made": "mast"}}, {"type": "node", "id": 8, "lat": 47, "lon": 8}
+    path.write_text(json.dumps({"elements": [tree | {"tags": {"natural": "tree"}}, mast]}))
+    with refuses("not-degrees", "town.json: elements[1]"):
+        read_features(path)
