@@ -76,11 +76,7 @@ class Vehicle:
         return self.transfers.listed(kind)
 
     def store(self, items: tuple[Item, ...], kind: int = MissionType.MISSION) -> None:
-        store = self.transfers.stores[MissionType(kind)]
-        store.begin(len(items))
-        for seq, item in enumerate(items):
-            store.keep(seq, item)
-        store.commit()
+        self.transfers.stores[MissionType(kind)].put(items)
 
 
 @dataclass

@@ -13,14 +13,12 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.link.wire import degrees
-from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.commander import Commander, whole
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.simulator.mock_vehicle import MockVehicle
-from ipoa_mission.simulator.reporting import Reporter
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, STEP_S, Conditions
+from ipoa_mission.simulator.streams import Schedule
 
 #: The message that each command older than REQUEST_MESSAGE requests.
 OLD_REQUESTS: Mapping[int, str] = {
@@ -46,26 +44,19 @@ class BuiltInAutopilot:
         self.table = ParameterServer(family, parameters or {}, conditions.version)
         self.flight = SimulatedFlight(family, home, self.table.values, conditions)
         powered_s = 0.0 if conditions.cold else -math.inf
-        self.vehicle = MockVehicle(profile, self.flight, self.table.values, powered_s, nak_at)
+        self.vehicle = Commander(profile, self.flight, self.table.values, powered_s, nak_at)
         self.transfers = transfers = self.vehicle.transfers
-        self._reporter = Reporter(self.vehicle)
-        self._commander = Commander(self.vehicle, self._reporter)
         takes_file = profile.autopilot.protocol_profile.takes_mission_file and nak_at is None
         limit = profile.limits[m.MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
-        self._schedule = streams.Schedule(profile.streams, profile.fixed_streams)
+        self._schedule = Schedule(profile.streams, profile.fixed_streams)
 
     def receive(self, message: m.Message, source: Target, now: float) -> None:
         self.tick(now)
         self._schedule.hear(source)
         if not self.transfers.receive(message, source, now):
-            values = self.table.answers(message)
-            if values is not None:
-                for value in values:
-                    self.vehicle.send(value)
-                return
             self._answer(message, source, now)
-        self._reporter.report_changes()
+        self.vehicle.report_changes()
 
     def _answer(self, message: m.Message, source: Target, now: float) -> None:
         send = self.vehicle.send
@@ -75,9 +66,9 @@ class BuiltInAutopilot:
             case m.CommandInt(number, _, params, x, y, z):
                 self._command(number, (*params, degrees(x, Frame.GLOBAL), degrees(y, Frame.GLOBAL), z), source)
             case m.SetMode(_, custom_mode):
-                self._commander.set_mode(custom_mode)
+                self.vehicle.set_mode(custom_mode)
             case m.SetCurrent(seq):
-                if not self._commander.set_current(seq) and self.profile.no_item_text:
+                if not self.vehicle.set_current(seq) and self.profile.no_item_text:
                     self.vehicle.send_text(m.CRITICAL, self.profile.no_item_text)
             case m.RequestDataStream(group, rate, start) if start in (0, 1):
                 groups = self.profile.stream_groups
@@ -90,6 +81,9 @@ class BuiltInAutopilot:
             case m.FileTransfer():
                 for answer in self._files.answers(message, source):
                     send(answer, source)
+            case m.ParamRequestList() | m.ParamRequestRead() | m.ParamSet():
+                for value in self.table.answers(message):
+                    send(value)
 
     def transfers_with(self, client: Target) -> bool:
         return self.transfers.is_under_way(client) or self._files.is_open(client)
@@ -99,12 +93,12 @@ class BuiltInAutopilot:
         vehicle.now = max(vehicle.now, now)
         self.transfers.booted = vehicle.age >= self.profile.start_up.listens_s
         self.flight.advance(vehicle.now)
-        self._commander.notice_disarming()
-        self._commander.notice_height()
+        vehicle.notice_disarming()
+        vehicle.notice_height()
         self.transfers.tick(vehicle.now)
-        self._reporter.report_changes()
+        vehicle.report_changes()
         for name in self._schedule.due(vehicle.now):
-            if (message := self._reporter.message(name)) is not None:
+            if (message := vehicle.message(name)) is not None:
                 vehicle.send(message)
 
     def outgoing(self) -> list[tuple[m.Message, Target]]:
@@ -120,29 +114,28 @@ class BuiltInAutopilot:
     @property
     def awaits_somebody(self) -> bool:
         """Return whether it waits for a client: in a transfer, or armed before take-off."""
-        return self.transfers.deadline < math.inf or self._commander.will_stop_motors
+        return self.transfers.deadline < math.inf or self.vehicle.will_stop_motors
 
     def _command(self, number: int, params: tuple[float, ...], source: Target) -> None:
         vehicle, profile = self.vehicle, self.profile
         earlier, vehicle.outbox = vehicle.outbox, []
-        result = self._commander.execute(number, params)
+        result = vehicle.execute(number, params)
         caused, vehicle.outbox = vehicle.outbox, earlier
-        requested = OLD_REQUESTS.get(number)
-        if number == VehicleCommand.REQUEST_MESSAGE:
-            requested = message_name(whole(params[0]))
-        answer = self._reporter.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
-        answers = [] if answer is None else [answer]
-        acks: list[m.Message] = [m.CommandAck(number, result)]
+        asked = whole(params[0])
+        requested = message_name(asked) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
+        answer = vehicle.message(requested) if result == m.CommandResult.ACCEPTED and requested else None
+        answers: list[m.Message] = [] if answer is None else [answer]
         if number == VehicleCommand.SET_MESSAGE_INTERVAL:
-            accepted = self._schedule.set_interval(whole(params[0]), params[1], vehicle.now, source)
-            acks = [m.CommandAck(number, m.CommandResult.ACCEPTED if accepted else profile.no_such_stream)]
+            if not self._schedule.set_interval(asked, params[1], vehicle.now, source):
+                result = profile.no_such_stream
         elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
-            interval = self._schedule.interval_us(whole(params[0]), source)
-            reported_us, ack = profile.no_such_interval if interval is None else (interval, m.CommandResult.ACCEPTED)
-            vehicle.send(m.MessageInterval(whole(params[0]) & 0xFFFF, reported_us), source)
-            acks = [m.CommandAck(number, ack)]
-        elif number == VehicleCommand.DO_SET_MODE and profile.mode_acks > 1:
-            acks = [m.CommandAck(number, m.CommandResult.ACCEPTED), *acks]
+            interval_us = self._schedule.interval_us(asked, source)
+            if interval_us is None:
+                interval_us, result = profile.no_such_interval
+            vehicle.send(m.MessageInterval(asked & 0xFFFF, interval_us), source)
+        acks: list[m.Message] = [m.CommandAck(number, result)]
+        if number == VehicleCommand.DO_SET_MODE and profile.mode_acks > 1:
+            acks.insert(0, m.CommandAck(number, m.CommandResult.ACCEPTED))
         for message in (*acks, *answers) if profile.acks_first else (*answers, *acks):
             vehicle.send(message, source)
         vehicle.outbox += caused
@@ -160,21 +153,21 @@ class ParameterServer:
         own = {**table.moving, **autopilot.defaults_of(version)}
         self.values = {**defaults(table.set_up), **own, **table.others, **overrides}
 
-    def answers(self, message: m.Message) -> list[m.ParamValue] | None:
+    def answers(self, message: m.ParamRequestList | m.ParamRequestRead | m.ParamSet) -> list[m.ParamValue]:
         names = sorted(self.values)
         match message:
             case m.ParamRequestList():
-                return [self._value(name, index, len(names)) for index, name in enumerate(names)]
+                return [self._value(name, index) for index, name in enumerate(names)]
             case m.ParamRequestRead(_, index) if 0 <= index < len(names):
-                return [self._value(names[index], index, len(names))]
-            case m.ParamRequestRead(name, -1):
-                return self._named(name, names)
+                return [self._value(names[index], index)]
             case m.ParamSet(name, value, kind):
                 self._set(name, value, kind)
-                return self._named(name, names)
-            case m.ParamRequestRead():
+            case m.ParamRequestRead(name, index) if index != -1:
                 return []
-        return None
+        if name not in self.values:
+            return []
+        by_name = self._autopilot.protocol_profile.parameters_by_name
+        return [self._value(name, BY_NAME if by_name else names.index(name))]
 
     def _set(self, name: str, value: float, kind: int) -> None:
         """Convert or ignore another type."""
@@ -185,12 +178,7 @@ class ParameterServer:
         if math.isfinite(number):
             self.values[name] = number if own == REAL32 else float(round(number))
 
-    def _named(self, name: str, names: list[str]) -> list[m.ParamValue]:
-        if name not in self.values:
-            return []
-        index = BY_NAME if self._autopilot.protocol_profile.parameters_by_name else names.index(name)
-        return [self._value(name, index, len(names))]
-
-    def _value(self, name: str, index: int, count: int) -> m.ParamValue:
+    def _value(self, name: str, index: int) -> m.ParamValue:
         kind = self._types.get(name, REAL32)
-        return m.ParamValue(name, spelled_parameter(self.values[name], kind, self._autopilot), kind, count, index)
+        spelled = spelled_parameter(self.values[name], kind, self._autopilot)
+        return m.ParamValue(name, spelled, kind, len(self.values), index)

@@ -1,7 +1,7 @@
 """MAVFTP: ArduPilot's mission file, and the checksums of the lists."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Target
@@ -31,7 +31,7 @@ class FileSession:
 
     reading: bytes | None = None
     writing: bytearray | None = None
-    last: tuple[FileMessage, ...] = field(default=())
+    last: tuple[FileMessage, ...] = ()
 
 
 class FileService:
@@ -44,10 +44,8 @@ class FileService:
         listed: Callable[[int], tuple[Item, ...]],
         replace: Callable[[tuple[Item, ...]], bool],
     ) -> None:
-        self._offered = offered
+        self._offered, self._listed, self._replace = offered, listed, replace
         self._longest = HEADER.size + most_items * PAYLOAD.itemsize
-        self._listed = listed
-        self._replace = replace
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
@@ -57,8 +55,8 @@ class FileService:
             del self._sessions[next(iter(self._sessions))]
         first = session.last[0] if session.last else None
         if first is None or first.sequence != (question.sequence + 1) & 0xFFFF or first.request != question.opcode:
-            is_burst = question.opcode == Opcode.BURST_READ_FILE and session.reading is not None
-            session.last = _burst(question, session.reading or b"") if is_burst else (self._act(question, session),)
+            is_reading = session.reading is not None and question.opcode in (Opcode.READ_FILE, Opcode.BURST_READ_FILE)
+            session.last = _pieces(question, session) if is_reading else (self._act(question, session),)
         return [answer.pack() for answer in session.last]
 
     def is_open(self, client: Target) -> bool:
@@ -74,10 +72,6 @@ class FileService:
                 return self._open(question, session)
             case Opcode.CALC_FILE_CRC32:
                 return self._sum_up(question)
-            case Opcode.READ_FILE if session.reading is not None:
-                size = min(question.size or LONGEST_DATA, LONGEST_DATA)
-                piece = session.reading[question.offset : question.offset + size]
-                return _ack(question, piece) if piece else nak(question, FileError.END_OF_FILE)
             case Opcode.WRITE_FILE if session.writing is not None:
                 end = question.offset + len(question.data)
                 if question.offset > len(session.writing) or end > self._longest:
@@ -117,24 +111,20 @@ class FileService:
         return _ack(question) if taken else nak(question, FileError.FAIL)
 
 
-def _burst(question: FileMessage, content: bytes) -> tuple[FileMessage, ...]:
-    """End with the end-of-file error."""
+def _pieces(question: FileMessage, session: FileSession) -> tuple[FileMessage, ...]:
+    """Return one piece, or a burst up to the end of the file; past the end the error."""
+    content, is_burst = session.reading or b"", question.opcode == Opcode.BURST_READ_FILE
     size = min(question.size or LONGEST_DATA, LONGEST_DATA)
-    starts = range(question.offset, len(content), size)[:LONGEST_BURST]
-    if not starts:
-        return (nak(question, FileError.END_OF_FILE),)
+    starts = range(question.offset, len(content), size)[: LONGEST_BURST if is_burst else 1]
     return tuple(
-        FileMessage(
-            (question.sequence + 1 + n) & 0xFFFF,
-            Opcode.ACK,
-            question.session,
-            question.opcode,
-            start,
-            content[start : start + size],
-            ends_burst=start == starts[-1],
+        replace(
+            _ack(question, content[start : start + size]),
+            sequence=question.sequence + 1 + n,
+            offset=start,
+            ends_burst=is_burst and start == starts[-1],
         )
         for n, start in enumerate(starts)
-    )
+    ) or (nak(question, FileError.END_OF_FILE),)
 
 
 def _ack(question: FileMessage, data: bytes = b"") -> FileMessage:

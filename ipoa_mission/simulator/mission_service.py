@@ -2,8 +2,9 @@
 
 import math
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 from ipoa_mission.autopilot.commands import PLAIN_FRAME
@@ -13,7 +14,6 @@ from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.conversations import MissionRefused, fetch, offer
 from ipoa_mission.link.dialogue import Exchange, NoAnswer, Tell
-from ipoa_mission.link.item_run import ItemsRead
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored, fence_from_wire, home_item
 from ipoa_mission.simulator.judgement import judge
@@ -21,8 +21,6 @@ from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 
 KINDS = (m.MissionType.MISSION, m.MissionType.FENCE, m.MissionType.RALLY)
 MAX_READERS = 16
-#: Orders in `current` outside guided mode: 2 ("go there now"), 3 ("change altitude").
-ORDERS: Mapping[int, int] = {2: m.Result.ERROR, 3: m.Result.ACCEPTED}
 
 
 class Store:
@@ -30,34 +28,29 @@ class Store:
 
     def __init__(self, profile: MockProfile, truncating: bool) -> None:
         self._profile, self._truncating = profile, truncating
-        self._incoming: list[Item] = []
         self.items: tuple[Item, ...] = ()
+        self.staged: tuple[Item, ...] = ()  # the list after a complete transfer
 
     def begin(self, count: int) -> None:
-        self._incoming = []
+        self.staged = ()
         if self._truncating:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        (kept,) = as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
+        self.staged += as_stored((item,), self._profile.autopilot, self._profile.firmware.version)
         if self._truncating:
-            self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
-        else:
-            self._incoming.append(kept)
+            self.items = (*self.staged, *self.items[seq + 1 :])
 
-    @property
-    def staged(self) -> tuple[Item, ...]:
-        """Return the list after a complete transfer."""
-        return self.items if self._truncating else tuple(self._incoming)
+    def put(self, items: tuple[Item, ...]) -> None:
+        self.begin(len(items))
+        for seq, item in enumerate(items):
+            self.keep(seq, item)
+        self.items = self.staged
 
-    def commit(self) -> None:
-        if not self._truncating:
-            self.items = tuple(self._incoming)
-        self._incoming = []
 
-    def clear(self) -> None:
-        self.items = ()
-        self._incoming = []
+@lru_cache(maxsize=8)
+def checksum_of(items: tuple[Item, ...]) -> int:
+    return zlib.crc32(repr(items).encode())
 
 
 @dataclass
@@ -82,15 +75,11 @@ class MissionService:
     ) -> None:
         self.booted = False
         self.stores = {kind: Store(profile, kind in profile.truncating) for kind in KINDS}
-        self._profile = profile
-        self._home = home
-        self._say = say
-        self._changed = changed
+        self._profile, self._home, self._say, self._changed = profile, home, say, changed
         self._nak_at = nak_at
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
-        self._list_ids: dict[int, tuple[tuple[Item, ...], int]] = {}  # by kind
 
     def receive(self, message: m.Message, client: Target, now: float) -> bool:
         """Return whether a message belongs to the mission protocol."""
@@ -107,8 +96,6 @@ class MissionService:
                 self._acknowledge(message, client)
             case m.ClearAll(kind):
                 self._clear(kind, client)
-            case m.WritePartialList(first, last, kind):
-                self._begin_partial(first, last, kind, client, now)
             case _:
                 return False
         return True
@@ -146,85 +133,59 @@ class MissionService:
             return False
         if any(self._judge(item, kind, len(items)) != m.Result.ACCEPTED for item in items):
             return False
-        store = self.stores[kind]
-        store.begin(len(items))
-        for seq, item in enumerate(items):
-            store.keep(seq, item)
-        store.commit()
+        self.stores[kind].put(items)
         self._changed(kind)
         return True
 
     def _begin(self, count: int, kind: int, client: Target, now: float) -> None:
+        profile, busy = self._profile, self._incoming.get(self._slot(kind))
         if kind not in KINDS:
-            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
-            return
+            return self._ack(m.Result.UNSUPPORTED, kind, client)
         if not self.booted:
-            self._say(m.Ack(m.Result.NO_SPACE, kind), client)
-            return
-        busy = self._incoming.get(self._slot(kind))
+            return self._ack(m.Result.NO_SPACE, kind, client)
         if busy:
-            answer = self._profile.count_from_stranger
+            answer = profile.count_from_stranger
             if busy.client == client:
-                answer = Answer.OBEY if busy.received == 0 and busy.kind == kind else self._profile.count_again
+                answer = Answer.OBEY if busy.received == 0 and busy.kind == kind else profile.count_again
             if answer is not Answer.OBEY:
-                self._reply(answer, kind, client)
-                return
-        elif not self._profile.separate_lists and self._readers:
-            self._say(m.Ack(m.Result.ERROR, kind), client)
-            return
-        limit = self._profile.limits[kind]
-        if count > limit:
-            self._say(m.Ack(m.Result.NO_SPACE, kind), client)
-            self._say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
-            return
+                return self._reply(answer, kind, client)
+        elif not profile.separate_lists and self._readers:
+            return self._ack(m.Result.ERROR, kind, client)
+        if count > (limit := profile.limits[kind]):
+            self._ack(m.Result.NO_SPACE, kind, client)
+            return self._say(m.Text(m.WARNING, f"Only {limit} items are supported"), client)
         self._incoming.pop(self._slot(kind), None)
-        self.stores[m.MissionType(kind)].begin(count)
+        store = self.stores[m.MissionType(kind)]
+        store.begin(count)
         if count == 0:
-            self._say(m.Ack(m.Result.ACCEPTED, kind), client)
-            self.stores[m.MissionType(kind)].clear()
-            self._changed(kind)
-            return
-        self._open(kind, client, 0, count, now)
+            self._ack(m.Result.ACCEPTED, kind, client)
+            store.put(())
+            return self._changed(kind)
 
-    def _begin_partial(self, first: int, last: int, kind: int, client: Target, now: float) -> None:
-        if not self._profile.partial_lists or kind not in KINDS:
-            return
-        if self._slot(kind) in self._incoming:
-            self._say(m.Ack(m.Result.DENIED, kind), client)
-        elif not 0 <= first <= last < len(self.stores[m.MissionType(kind)].items):
-            self._say(m.Ack(m.Result.ERROR, kind), client)
-            self._say(m.Text(m.WARNING, "Flight plan update rejected"), client)
-        else:
-            self._open(kind, client, first, last + 1, now)
-
-    def _open(self, kind: int, client: Target, first: int, end: int, now: float) -> None:
         def take(seq: int, heard: m.ItemAt) -> int:
-            result = m.Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, end)
+            result = m.Result.ERROR if seq == self._nak_at else self._judge(heard.item, kind, count)
             if result == m.Result.ACCEPTED:
-                self.stores[m.MissionType(kind)].keep(seq, heard.item)
-                self._incoming[self._slot(kind)].received += 1
+                store.keep(seq, heard.item)
+                incoming.received += 1
             return result
 
-        dialogue = fetch(end, kind, take, self._profile.protocol_profile, ItemsRead(kind, end, at=first))
-        incoming = Incoming(client, kind, end, 0, Exchange(dialogue, now, self._profile.patience))
+        dialogue = fetch(count, kind, take, profile.protocol_profile)
+        incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, profile.patience))
         self._incoming[self._slot(kind)] = incoming
-        self._flush(incoming.exchange, incoming.client)
+        return self._flush(incoming.exchange, client)
 
     def _judge(self, item: Item, kind: int, count: int) -> m.Result:
         return judge(self._profile.autopilot, self._profile.firmware, item, kind, count)
 
     def _take(self, message: m.ItemAt, client: Target, now: float) -> None:
-        if message.current in ORDERS and self._profile.takes_orders_as_items:
-            self._say(m.Ack(ORDERS[message.current], message.kind), client)
-            return
         incoming = self._incoming.get(self._slot(message.kind))
         if incoming is None or incoming.client != client:
             if self._profile.confirms_last_item_again and self._last_done == (client, message.kind, message.seq):
-                self._say(m.Ack(m.Result.ACCEPTED, message.kind), client)
+                self._ack(m.Result.ACCEPTED, message.kind, client)
             else:
                 self._reply(self._profile.stray_item, message.kind, client)
         elif incoming.kind != message.kind:
-            self._reply(self._profile.wrong_list, message.kind, client)
+            self._ack(m.Result.ERROR, message.kind, client)
         else:
             self._advance(incoming, lambda exchange: exchange.receive(message, now))
 
@@ -234,7 +195,7 @@ class MissionService:
         except (NoAnswer, MissionRefused):
             self._drop(incoming)
             if self._profile.timeout_result is not None:
-                self._say(m.Ack(self._profile.timeout_result, incoming.kind), incoming.client)
+                self._ack(self._profile.timeout_result, incoming.kind, incoming.client)
             self._say(m.Text(m.WARNING, self._profile.timeout_text), incoming.client)
             return
         self._flush(incoming.exchange, incoming.client)
@@ -251,9 +212,9 @@ class MissionService:
             except MissionError:
                 result = m.Result.ERROR
         if result != m.Result.ACCEPTED:
-            self._say(m.Ack(result, kind), client)
+            self._ack(result, kind, client)
             return
-        store.commit()
+        store.items = store.staged
         self._last_done = (client, kind, incoming.count - 1)
         self._say(m.Ack(result, kind, self.list_id(kind)), client)
         if text := self._profile.stored_text.get(kind):
@@ -270,7 +231,7 @@ class MissionService:
 
     def _list(self, kind: int, client: Target, now: float) -> None:
         if kind not in KINDS:
-            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
+            self._ack(m.Result.UNSUPPORTED, kind, client)
         elif self._slot(kind) in self._incoming:
             self._reply(self._profile.read_during_upload, kind, client)
         elif self._profile.reads_item_by_item:
@@ -295,11 +256,7 @@ class MissionService:
 
     def list_id(self, kind: int) -> int:
         items = self.stores[m.MissionType(kind)].items
-        if not items or not self._profile.reports_list_id:
-            return 0
-        if self._list_ids.get(kind, ((), 0))[0] is not items:
-            self._list_ids[kind] = items, zlib.crc32(repr(items).encode())
-        return self._list_ids[kind][1]
+        return checksum_of(items) if items and self._profile.reports_list_id else 0
 
     def _read(self, message: m.Request, client: Target, now: float) -> None:
         seq, kind = message.seq, message.kind
@@ -317,7 +274,7 @@ class MissionService:
                 return
             if not message.legacy:
                 self._say(m.Count(len(items), kind), client)
-            self._say(m.Ack(m.Result.INVALID_SEQUENCE, kind), client)
+            self._ack(m.Result.INVALID_SEQUENCE, kind, client)
 
     def _acknowledge(self, message: m.Ack, client: Target) -> None:
         incoming = self._incoming.get(self._slot(message.kind))
@@ -335,7 +292,7 @@ class MissionService:
     def _clear(self, kind: int, client: Target) -> None:
         kinds = KINDS if kind == m.MissionType.ALL else tuple(known for known in KINDS if known == kind)
         if kind not in KINDS and not self._profile.clears_all:
-            self._say(m.Ack(m.Result.UNSUPPORTED, kind), client)
+            self._ack(m.Result.UNSUPPORTED, kind, client)
             return
         busy = {self._slot(each) for each in kinds} & set(self._incoming)
         if busy and self._profile.clear_during_upload is not Answer.OBEY:
@@ -344,19 +301,19 @@ class MissionService:
         for slot in busy:
             del self._incoming[slot]
         for each in kinds:
-            self.stores[each].clear()
+            self.stores[each].put(())
             self._changed(each)
-        self._say(m.Ack(m.Result.ACCEPTED, kind), client)
+        self._ack(m.Result.ACCEPTED, kind, client)
+
+    def _ack(self, result: int, kind: int, client: Target) -> None:
+        self._say(m.Ack(result, kind), client)
 
     def _slot(self, kind: int) -> int:
         """Return the key of transfers that exclude each other."""
         return kind if self._profile.separate_lists else 0
 
     def _reply(self, answer: Answer, kind: int, client: Target) -> None:
-        match answer:
-            case Answer.TEXT:
-                self._say(m.Text(m.WARNING, "mission transfer busy"), client)
-            case Answer.DENIED:
-                self._say(m.Ack(m.Result.DENIED, kind), client)
-            case Answer.ERROR:
-                self._say(m.Ack(m.Result.ERROR, kind), client)
+        if answer is Answer.TEXT:
+            self._say(m.Text(m.WARNING, "mission transfer busy"), client)
+        elif answer is not Answer.SILENCE:
+            self._ack(m.Result[answer.value], kind, client)

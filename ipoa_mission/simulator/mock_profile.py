@@ -10,7 +10,7 @@ from ipoa_mission.autopilot.firmware_tables import Firmware as Tables
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.dialogue import Patience
-from ipoa_mission.link.messages import MissionType
+from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.situation import FlightMode
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
@@ -59,13 +59,9 @@ class MockProfile:
     clear_during_upload: Answer
     obeys_cancel: bool = False
     stray_item: Answer
-    wrong_list: Answer  # item of another list
     confirms_last_item_again: bool = False
-    partial_lists: bool = False
-    knows_command_224: bool = False
     reached_repeats: int = 0  # of MISSION_ITEM_REACHED
     reached_slot_s: float  # an item done within it is not reported
-    takes_orders_as_items: bool = False  # current 2 or 3
     clears_all: bool = False  # type 255, or unknown
     stored_text: Mapping[int, str] = field(default_factory=dict)  # after a list is stored
     flags_kept: frozenset[int]  # lists whose autocontinue reads back as 1
@@ -79,9 +75,7 @@ class MockProfile:
     restores_mode: bool = False  # after return or landing
     no_such_mode_text: str | None = None
     refuses_modes: bool = False  # when armed, with the reason
-    repositions: bool = False  # DO_REPOSITION
-    reboots: bool = False
-    switches_fence: bool = False  # DO_FENCE_ENABLE as a command
+    unsupported: frozenset[int]  # of the commands that another firmware obeys
     start_up: StartUp
     modes: Mapping[FlightMode, int]  # HEARTBEAT.custom_mode
     first_mode: int  # after power-up
@@ -91,7 +85,7 @@ class MockProfile:
     mission_arms: bool = False  # by MISSION_START
     reports_prearm: bool = False
     prearm_every_s: float = 0.0  # the reported result may be this old [s]
-    refused_arming: int  # also of disarming in flight
+    refused_arming: CommandResult  # also of disarming in flight
     arm_texts: tuple[str, str, str, str]  # armed, disarmed by command, by landing, by timeout
     disarm_delay: str  # parameter [s]
     mode_acks: int = 1  # of one DO_SET_MODE
@@ -99,9 +93,9 @@ class MockProfile:
     heartbeat_on_change: bool = False  # of mode
     streams: Mapping[str, float]  # default intervals [s]
     fixed_streams: frozenset[str] = frozenset()  # with a fixed rate
-    no_such_stream: int  # COMMAND_ACK
-    no_such_message: int  # COMMAND_ACK
-    no_such_interval: tuple[int, int]  # MESSAGE_INTERVAL and COMMAND_ACK
+    no_such_stream: CommandResult  # COMMAND_ACK
+    no_such_message: CommandResult  # COMMAND_ACK
+    no_such_interval: tuple[int, CommandResult]  # MESSAGE_INTERVAL and COMMAND_ACK
     base_mode: int  # disarmed
     capabilities: int  # simulated bits of MAV_PROTOCOL_CAPABILITY
     protocol: tuple[int, int, int] | None = None  # PROTOCOL_VERSION: in use, least, greatest

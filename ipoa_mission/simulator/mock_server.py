@@ -38,15 +38,10 @@ class Server:
     ) -> None:
         if not 0.01 <= speedup <= 1000.0:
             raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
-        self._channel = channel
-        self._station = station
-        self._speedup = speedup
-        self._faults = faults
-        self._seed = seed
-        self._real_s = channel.now()
-        self._virtual_s = 0.0
+        self._channel, self._station, self._speedup = channel, station, speedup
+        self._faults, self._seed = faults, seed
+        self._real_s, self._virtual_s, self._lost_s = channel.now(), 0.0, 0.0
         self._unread = 0.0  # frames above the allowed rate
-        self._lost_s = 0.0
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}
 
@@ -56,7 +51,7 @@ class Server:
             self.step()
 
     def step(self) -> None:
-        waits = self._is_ahead or self._station.awaits_somebody
+        waits = self._is_ahead or self._station.autopilot.awaits_somebody
         hurry = min(self._speedup, 1.0) if waits else self._speedup
         due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
         rested_s = (self._unread - LIMITS.frames_at_once) / LIMITS.frames_hz if self._is_ahead else math.inf

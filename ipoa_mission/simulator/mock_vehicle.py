@@ -1,18 +1,81 @@
-"""State that commands change and telemetry reports."""
+"""State that commands change, and telemetry that reports it: on request, as a stream, at events."""
 
+import math
+from collections.abc import Mapping
+from dataclasses import astuple
+from enum import IntEnum, IntFlag
+
+from ipoa_mission.autopilot.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
+from ipoa_mission.link import messages as m
+from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Target
 from ipoa_mission.link.events import mission_event
-from ipoa_mission.link.messages import CRITICAL, Event, Message, MissionType, Text
+from ipoa_mission.link.messages import CRITICAL, INFO, Message, MissionType
+from ipoa_mission.link.vehicle_state import PREARM_CHECK
+from ipoa_mission.link.wire import saturated
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.judgement import Infeasible, infeasibility
 from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
-from ipoa_mission.simulator.situation import FlightMode
+from ipoa_mission.simulator.situation import FlightMode, MissionState
 
 ERROR_LEVELS = 0x63  # of an event
 TEXT_BYTES = 50  # of a STATUSTEXT
+#: In ArduCopter's text at the start of an item.
+_NAMES: Mapping[int, str] = {
+    Command.NAV_WAYPOINT: "WP",
+    Command.NAV_SPLINE_WAYPOINT: "SplineWP",
+    Command.NAV_ARC_WAYPOINT: "ArcWP",
+    Command.NAV_RETURN_TO_LAUNCH: "RTL",
+    Command.NAV_LOITER_UNLIM: "LoitUnlim",
+    Command.NAV_LOITER_TIME: "LoitTime",
+    Command.NAV_LOITER_TURNS: "LoitTurns",
+    Command.NAV_LOITER_TO_ALT: "LoitAltitude",
+    Command.NAV_TAKEOFF: "Takeoff",
+    Command.NAV_LAND: "Land",
+    Command.NAV_DELAY: "Delay",
+    Command.NAV_PAYLOAD_PLACE: "PayloadPlace",
+    Command.CONDITION_DELAY: "CondDelay",
+    Command.CONDITION_DISTANCE: "CondDist",
+    Command.CONDITION_YAW: "CondYaw",
+    Command.DO_CHANGE_SPEED: "ChangeSpeed",
+    Command.DO_SET_HOME: "SetHome",
+    Command.DO_JUMP: "Jump",
+    Command.JUMP_TAG: "Tag",
+}
+REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
+
+
+class Sensor(IntFlag):
+    """MAV_SYS_STATUS_SENSOR."""
+
+    GYRO = 1
+    ACCEL = 2
+    MAG = 4
+    PRESSURE = 8
+    GPS = 32
+    GEOFENCE = 0x100000
+    AHRS = 0x200000
+    BATTERY = 0x2000000
+
+
+class MavState(IntEnum):
+    """MAV_STATE."""
+
+    UNINIT = 0
+    BOOT = 1
+    STANDBY = 3
+    ACTIVE = 4
+
+
+class MissionMode(IntEnum):
+    """MISSION_CURRENT.mission_mode."""
+
+    ACTIVE = 1
+    SUSPENDED = 2
 
 
 class MockVehicle:
@@ -26,13 +89,17 @@ class MockVehicle:
     ) -> None:
         self.profile, self.flight, self.parameters = profile, flight, parameters
         self.transfers = MissionService(profile, lambda: flight.home, self.send, self.load_list, nak_at)
-        self.now = 0.0
-        self.powered_s = powered_s
+        self.now, self.powered_s = 0.0, powered_s
         self.outbox: list[tuple[Message, Target]] = []
         self.items: tuple[Item, ...] = ()  # without home, and only a complete mission
         self.infeasible: Infeasible | None = None
-        self.idle_mode = profile.first_mode  # without a command
+        self.idle_mode = self.reported_mode = profile.first_mode  # without a command
+        self.mode_before = profile.first_mode  # PX4: before a return or landing
         self.mission_begun = self.mission_runs = False  # ArduPilot: has a current item, and advances
+        self._reported_current = -1
+        self._reported_count = 0  # of items done
+        self._last_reached = m.Reached(0), 0  # and how often it is still repeated
+        self._checked = -math.inf, False  # time and result of the last pre-arm check
 
     @property
     def age(self) -> float:
@@ -56,7 +123,7 @@ class MockVehicle:
     def send_text(self, severity: int, text: str) -> None:
         """Split a text that exceeds one message."""
         for chunk, start in enumerate(range(0, len(text), TEXT_BYTES)):
-            self.send(Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk))
+            self.send(m.Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk))
 
     def arming_refusal(self) -> str:
         start_up = self.profile.start_up
@@ -82,8 +149,149 @@ class MockVehicle:
         if self.infeasible:
             self.send_text(CRITICAL, f"{self.infeasible.words}\t")  # an event says the same
             number, arguments = mission_event(self.infeasible.event, *self.infeasible.values)
-            self.send(Event(number, ERROR_LEVELS, arguments))
+            self.send(m.Event(number, ERROR_LEVELS, arguments))
         self.items = () if self.infeasible else items
         self.flight.load(self.items)
         if not items:
             self.mission_begun = self.mission_runs = False
+
+    def message(self, name: str) -> Message | None:
+        """Return a message to send now; None: not sent."""
+        profile, flight, now = self.profile, self.flight, self.now
+        is_placed = self.age >= profile.start_up.origin_s
+        at, (east, north, up) = flight.position, map(float, flight.velocity)
+        roll, pitch, yaw = flight.attitude
+        match name:
+            case "HEARTBEAT":
+                return self._heartbeat()
+            case "AUTOPILOT_VERSION":
+                return telemetry.AutopilotVersion(profile.capabilities, profile.version.number, uid=1)
+            case "PROTOCOL_VERSION" if profile.protocol is not None:
+                return telemetry.ProtocolVersion(*profile.protocol)
+            case "SYS_STATUS":  # a passed pre-arm check is healthy, on PX4 without being present
+                sensors, passed = sum(Sensor), self._passed_checks()
+                bits = sensors | (PREARM_CHECK if profile.reports_prearm else 0)
+                return telemetry.SystemStatus(bits, bits, sensors | (PREARM_CHECK if passed else 0))
+            case "MISSION_CURRENT":
+                self._repeat_reached()
+                return self.current()
+            case "TIMESYNC":
+                return m.TimeSync(0, round(now * 1e9))
+            case "GLOBAL_POSITION_INT" if not is_placed:
+                return telemetry.Position(now, 0.0, 0.0, 0.0, 0.0) if profile.reports_prearm else None
+            case "GLOBAL_POSITION_INT":
+                height, velocity = at.altitude - flight.home.altitude, (north, east, -up)
+                return telemetry.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, yaw)
+            case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if not is_placed:
+                return None
+            case "HOME_POSITION":
+                return telemetry.HomePosition(*astuple(flight.home))
+            case "GPS_GLOBAL_ORIGIN":
+                return telemetry.GlobalOrigin(*astuple(flight.home))
+            case "LOCAL_POSITION_NED":
+                x, y, z = map(float, flight.local)
+                return telemetry.LocalPosition(now, (y, x, -z), (north, east, -up))
+            case "GPS_RAW_INT":
+                return telemetry.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
+            case "BATTERY_STATUS":
+                return telemetry.BatteryStatus(0, 12.6, -0.01, 100)
+            case "ATTITUDE":
+                half_turn = math.remainder(yaw, 2 * math.pi) if math.isfinite(yaw) else 0.0
+                return telemetry.Attitude(now, roll, pitch, half_turn)
+            case "VFR_HUD":
+                speed, heading = math.hypot(east, north), saturated(math.degrees(yaw)) % 360
+                return telemetry.Hud(speed, speed, heading, 50 if flight.armed else 0, at.altitude, up)
+            case "EXTENDED_SYS_STATE":
+                return telemetry.ExtendedState(1 if flight.on_ground else 2)
+            case "SYSTEM_TIME":
+                return telemetry.SystemTime(0.0, now)
+        return None
+
+    def _passed_checks(self) -> bool:
+        """The last check may precede the last change of mode."""
+        if self.now - self._checked[0] >= self.profile.prearm_every_s:
+            self._checked = self.now, not self.arming_refusal()
+        return self._checked[1]
+
+    def _repeat_reached(self) -> None:
+        reached, times = self._last_reached
+        if times > 0:
+            self._last_reached = reached, times - 1
+            self.send(reached)
+
+    def _heartbeat(self) -> m.Heartbeat:
+        profile, armed, state = self.profile, self.flight.armed, MavState.STANDBY
+        if not self.transfers.booted:
+            state = MavState.BOOT if profile.reports_prearm else MavState.UNINIT
+        elif armed and not (profile.reports_prearm and self.flight.on_ground):
+            state = MavState.ACTIVE
+        elif not profile.reports_prearm and not armed and self.arming_refusal():
+            state = MavState.UNINIT
+        base_mode = profile.base_mode | (m.ARMED_FLAG if armed else 0)
+        return m.Heartbeat(QUADROTOR, profile.autopilot.mav_autopilot, base_mode, self.mode, state)
+
+    def current(self) -> m.Current:
+        profile, flight = self.profile, self.flight
+        total = len(self.transfers.stores[MissionType.MISSION].items) - self.first_item
+        if total <= 0:
+            mode = 0 if self.first_item else MissionMode.SUSPENDED
+            return m.Current(0, profile.no_total, MissionState.NO_MISSION, mode)
+        list_id = self.transfers.list_id(MissionType.MISSION)
+        is_complete = flight.mission is MissionState.COMPLETE
+        if profile.runs_on_ground:
+            seq, state = (flight.current + 1 if self.mission_begun else 0), MissionState.NOT_STARTED
+            if self.mission_runs or flight.mode is FlightMode.MISSION:
+                state = MissionState.ACTIVE
+            if flight.armed and is_complete:
+                state = MissionState.COMPLETE
+            return m.Current(seq, total, state, int(self.mode == self.mission_mode), list_id)
+        is_active = self.mode in profile.placed_modes - {profile.modes[FlightMode.HOLD]}
+        state = MissionState.ACTIVE if is_active else MissionState.NOT_STARTED
+        if self.infeasible:
+            state = MissionState.NO_MISSION
+        elif is_complete:
+            state = MissionState.COMPLETE
+        elif not is_active and flight.reached:
+            state = MissionState.PAUSED
+        mode = MissionMode.ACTIVE if is_active else MissionMode.SUSPENDED
+        return m.Current(flight.current, total, state, mode, list_id)
+
+    def report_current(self, index: int) -> None:
+        self.send(self.current())
+        self._reported_current = index
+
+    def report_changes(self) -> None:
+        """Send what this firmware does not leave to its streams."""
+        profile, flight = self.profile, self.flight
+        if len(flight.reached) < self._reported_count:
+            self._reported_count = 0
+        done = flight.reached[self._reported_count :]
+        if done and self.now < done[-1].time_s + profile.reached_slot_s:
+            return  # another may follow and hide it
+        self._reported_count += len(done)
+        for n, item in enumerate(done):
+            slot_end_s = item.time_s + profile.reached_slot_s
+            if item.announced and not any(later.time_s < slot_end_s for later in done[n + 1 :]):
+                self._last_reached = m.Reached(item.index + self.first_item), profile.reached_repeats
+                self.send(self._last_reached[0])
+            command = self.items[item.index].command
+            if profile.runs_on_ground and command in REPORTED_WHEN_REACHED:
+                self.send_text(INFO, f"Reached command #{item.index + 1}")
+            elif profile.runs_on_ground and command > LAST_NAV:
+                self._report_item(item.index)
+        if done and flight.mode is FlightMode.MISSION and profile.runs_on_ground:
+            self.report_begun()
+        elif not profile.runs_on_ground and flight.current != self._reported_current and self.items:
+            self.send(self.current())
+        self._reported_current = flight.current
+        if self.mode != self.reported_mode:
+            self.reported_mode = self.mode
+            if profile.heartbeat_on_change:
+                self.send(self._heartbeat())
+
+    def report_begun(self) -> None:
+        if self.flight.current < len(self.items):
+            self._report_item(self.flight.current)
+
+    def _report_item(self, index: int) -> None:
+        self.send_text(INFO, f"Mission: {index + 1} {_NAMES.get(self.items[index].command, '?')}")

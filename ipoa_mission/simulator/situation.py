@@ -84,7 +84,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """The controller and `SimulatedFlight` both write to it."""
+    """What the controller and the commands of a flight both write to."""
 
     program: Program
     time_s: float = 0.0

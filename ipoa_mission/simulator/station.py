@@ -64,7 +64,3 @@ class Station:
     @property
     def deadline(self) -> float:
         return self.autopilot.deadline
-
-    @property
-    def awaits_somebody(self) -> bool:
-        return self.autopilot.awaits_somebody

@@ -1,33 +1,19 @@
-"""Rates and messages of the telemetry streams."""
+"""Rates of the telemetry streams."""
 
 import math
-from collections.abc import Callable, Mapping, Set
-from dataclasses import astuple
-from enum import IntFlag
+from collections.abc import Mapping, Set
 
-from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.definitions import message_name
-from ipoa_mission.link.messages import Message
-from ipoa_mission.link.vehicle_state import PREARM_CHECK
-from ipoa_mission.link.wire import saturated
-from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0
 MOST_LISTENERS = 16
-
-
-class Sensor(IntFlag):
-    """MAV_SYS_STATUS_SENSOR."""
-
-    GYRO = 1
-    ACCEL = 2
-    MAG = 4
-    PRESSURE = 8
-    GPS = 32
-    GEOFENCE = 0x100000
-    AHRS = 0x200000
-    BATTERY = 0x2000000
+#: As a stream or on request.
+KNOWN_MESSAGES = frozenset({
+    "HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED",
+    "GPS_RAW_INT", "BATTERY_STATUS", "ATTITUDE", "VFR_HUD", "EXTENDED_SYS_STATE", "SYSTEM_TIME", "HOME_POSITION",
+    "GPS_GLOBAL_ORIGIN",
+})  # fmt: skip
 
 
 class Schedule:
@@ -35,8 +21,7 @@ class Schedule:
 
     def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
         """`usual`: default intervals [s]; `fixed`: streams of constant interval."""
-        self._usual = usual
-        self._fixed = fixed
+        self._usual, self._fixed = usual, fixed
         self._wishes: dict[Target, dict[str, float]] = {}
         self._intervals = dict(usual)
         self._due = dict.fromkeys(usual, 0.0)
@@ -52,26 +37,22 @@ class Schedule:
         name = message_name(number)
         if name is None or name not in KNOWN_MESSAGES or name in self._fixed or math.isnan(interval_us):
             return False
-        self.hear(listener)
-        wishes = self._wishes[listener]
-        if interval_us == 0:
-            wishes.pop(name, None)
-        else:
-            wishes[name] = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
-        self._apply(name, now)
+        usual = self._usual.get(name, math.inf)
+        seconds = math.inf if interval_us < 0 else min(max(interval_us / 1e6, FASTEST_S), SLOWEST_S)
+        self._wish(name, usual if interval_us == 0 else seconds, now, listener)
         return True
 
     def set_rate(self, names: Set[str], rate_hz: int, now: float, listener: Target) -> None:
         """REQUEST_DATA_STREAM in whole milliseconds; 0 stops the group."""
-        self.hear(listener)
         interval_ms = 0 if rate_hz == 0 else 1000 // rate_hz
         for name in names:
-            self._wishes[listener][name] = math.inf if interval_ms == 0 else max(interval_ms / 1e3, FASTEST_S)
-            self._apply(name, now)
+            self._wish(name, math.inf if interval_ms == 0 else max(interval_ms / 1e3, FASTEST_S), now, listener)
 
-    def _apply(self, name: str, now: float) -> None:
+    def _wish(self, name: str, seconds: float, now: float, listener: Target) -> None:
+        self.hear(listener)
+        self._wishes[listener][name] = seconds
         before = self._intervals.get(name, math.inf)
-        self._intervals[name] = min(self._interval(name, listener) for listener in self._wishes)
+        self._intervals[name] = min(self._interval(name, each) for each in self._wishes)
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
 
@@ -95,55 +76,3 @@ class Schedule:
 
     def _interval(self, name: str, listener: Target) -> float:
         return self._wishes.get(listener, {}).get(name, self._usual.get(name, math.inf))
-
-
-def _position(flight: SimulatedFlight, now: float) -> telemetry.Position:
-    at, (east, north, up) = flight.position, flight.velocity
-    height, velocity = at.altitude - flight.home.altitude, (float(north), float(east), -float(up))
-    return telemetry.Position(now, at.latitude_deg, at.longitude_deg, at.altitude, height, velocity, flight.yaw)
-
-
-def _local(flight: SimulatedFlight, now: float) -> telemetry.LocalPosition:
-    (east, north, up), (ve, vn, vu) = flight.local, flight.velocity
-    return telemetry.LocalPosition(now, (float(north), float(east), -float(up)), (float(vn), float(ve), -float(vu)))
-
-
-def _gps(flight: SimulatedFlight, now: float) -> telemetry.Gps:
-    at, (east, north, _) = flight.position, flight.velocity
-    return telemetry.Gps(now, at.latitude_deg, at.longitude_deg, at.altitude, math.hypot(east, north))
-
-
-def _hud(flight: SimulatedFlight, now: float) -> telemetry.Hud:
-    east, north, up = flight.velocity
-    speed = math.hypot(east, north)
-    heading = saturated(math.degrees(flight.yaw)) % 360
-    return telemetry.Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
-
-
-FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
-    "GLOBAL_POSITION_INT": _position,
-    "LOCAL_POSITION_NED": _local,
-    "GPS_RAW_INT": _gps,
-    "BATTERY_STATUS": lambda flight, now: telemetry.BatteryStatus(0, 12.6, -0.01, 100),
-    "ATTITUDE": lambda flight, now: telemetry.Attitude(now, flight.roll, flight.pitch, _half_turn(flight.yaw)),
-    "VFR_HUD": _hud,
-    "EXTENDED_SYS_STATE": lambda flight, now: telemetry.ExtendedState(1 if flight.landed else 2),
-    "SYSTEM_TIME": lambda flight, now: telemetry.SystemTime(0.0, now),
-    "HOME_POSITION": lambda flight, now: telemetry.HomePosition(*astuple(flight.home)),
-    "GPS_GLOBAL_ORIGIN": lambda flight, now: telemetry.GlobalOrigin(*astuple(flight.home)),
-}
-
-
-def status(is_ready: bool, reports_prearm: bool) -> telemetry.SystemStatus:
-    """A passed pre-arm check is healthy, on PX4 without being present."""
-    sensors = sum(Sensor)
-    bits = sensors | (PREARM_CHECK if reports_prearm else 0)
-    return telemetry.SystemStatus(bits, bits, sensors | (PREARM_CHECK if is_ready else 0))
-
-
-#: As a stream or on request.
-KNOWN_MESSAGES = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
-
-
-def _half_turn(angle: float) -> float:
-    return math.remainder(angle, 2 * math.pi) if math.isfinite(angle) else 0.0

@@ -42,7 +42,7 @@ class Booting(BuiltInAutopilot):
         self.armings_s: list[float] = []
         start_up = replace(self.profile.start_up, steady_s=5.0, position_s=placed_s or PLACED_S[autopilot])
         profile = replace(self.profile, start_up=replace(start_up, unplaced=hinders or start_up.unplaced))
-        self.profile = self.vehicle.profile = self._commander._profile = profile
+        self.profile = self.vehicle.profile = profile
 
     def receive(self, message: Message, source: Target, now: float) -> None:
         if isinstance(message, CommandLong) and message.command == Command.COMPONENT_ARM_DISARM:

@@ -179,7 +179,7 @@ def test_a_scan_finds_every_vehicle_on_the_link() -> None:
 def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     line = flock(1, 2, 3)
     one, two, three = (station.autopilot for station in far_end(line)._stations)
-    two._commander._find_message = lambda name: CommandResult.UNSUPPORTED  # knows the older order alone
+    two.vehicle._find_message = lambda name: CommandResult.UNSUPPORTED  # knows the older order alone
     receive = three.receive
     three.receive = lambda message, *rest: None if isinstance(message, CommandLong) else receive(message, *rest)
     systems = [vehicle.system for vehicle in scan(line)]
@@ -188,8 +188,8 @@ def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     assert systems == [1, 2, 3]
     assert versions == {1: Autopilot.PX4.newest, 2: Autopilot.ARDUPILOT.newest}
     assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
-    message = one._reporter.message
-    one._reporter.message = lambda name: AutopilotVersion(0) if name == "AUTOPILOT_VERSION" else message(name)
+    message = one.vehicle.message
+    one.vehicle.message = lambda name: AutopilotVersion(0) if name == "AUTOPILOT_VERSION" else message(name)
     assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.newest}
     assert line.now() - begun < VERSIONS_S + 1.0
 

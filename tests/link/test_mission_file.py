@@ -113,7 +113,7 @@ def test_a_vehicle_without_the_file_is_served_the_ordinary_way() -> None:
 def test_a_vehicle_without_file_transfer_gets_the_mission_item_by_item(mute: str) -> None:
     vehicle, mock = aboard(Faults())
     if mute == "capabilities":
-        mock._commander._find_message = lambda name: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
+        mock.vehicle._find_message = lambda name: CommandResult.UNSUPPORTED  # type: ignore[method-assign]
     else:
         original = mock.receive
         mock.receive = lambda message, *rest: (  # type: ignore[method-assign]
@@ -237,7 +237,7 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
         lambda number: setattr(mock.flight, "home", replace(HOME, altitude=400.0 + (number >= first))),
     )
     vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
-    mock.transfers.stores[MissionType.MISSION].clear()
+    mock.transfers.stores[MissionType.MISSION].put(())
     with pytest.raises(Replaced):
         converse(
             line_of(vehicle), Target(1, 1), prove(vehicle._onboard_lists.values(), vehicle.state), Tempo(SPECIFIED)

@@ -36,15 +36,15 @@ MISSION = (
 def test_a_mission_is_flown_item_by_item_and_ends_disarmed_at_home(autopilot: Autopilot) -> None:
     flight = SimulatedFlight(autopilot, HOME, {})
     flight.load(MISSION)
-    assert flight.mission_state is MissionState.NOT_STARTED
+    assert flight.mission is MissionState.NOT_STARTED
     flight.arm()
     flight.start()
     fly(flight)
     assert [r.index for r in flight.reached] == list(range(len(MISSION)))
     assert not flight.armed
-    assert flight.landed
+    assert flight.on_ground
     assert math.hypot(*flight.local[:2]) < 1.0
-    assert flight.mission_state is MissionState.COMPLETE
+    assert flight.mission is MissionState.COMPLETE
 
 
 @both
@@ -53,7 +53,7 @@ def test_a_disarmed_vehicle_stays_on_the_ground(autopilot: Autopilot) -> None:
     flight.load(MISSION)
     flight.start()
     flight.advance(30.0)
-    assert flight.landed
+    assert flight.on_ground
     assert flight.local[2] == pytest.approx(0.0, abs=0.01)
 
 
@@ -90,5 +90,5 @@ def test_start_at_a_waypoint_takes_off_on_px4_only(autopilot: Autopilot) -> None
     flight.arm()
     flight.start()
     flight.advance(40.0)
-    assert flight.landed == (autopilot is Autopilot.ARDUPILOT)
-    assert [r.index for r in flight.reached][:1] == ([] if flight.landed else [2])
+    assert flight.on_ground == (autopilot is Autopilot.ARDUPILOT)
+    assert [r.index for r in flight.reached][:1] == ([] if flight.on_ground else [2])

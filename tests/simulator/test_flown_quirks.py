@@ -192,7 +192,7 @@ def test_clearing_in_flight_stops_the_vehicle(autopilot: Autopilot, order: Messa
     flown.fly(15.0)
     assert flown.mock.flight.mode is FlightMode.HOLD
     assert float(abs(flown.mock.flight.velocity).max()) < 0.5
-    assert not flown.mock.flight.landed
+    assert not flown.mock.flight.on_ground
 
 
 def reached(flown: Flown) -> list[int]:

@@ -1,3 +1,4 @@
+from ipoa_mission.autopilot.commands import VehicleCommand
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.simulator.mock_profile import CAPABILITIES, FTP, Answer, MockProfile, StartUp, asks_every
@@ -18,11 +19,7 @@ MOCK_PROFILE = MockProfile(
     read_during_upload=Answer.DENIED,
     clear_during_upload=Answer.OBEY,
     stray_item=Answer.ERROR,
-    wrong_list=Answer.ERROR,
-    partial_lists=True,
-    knows_command_224=True,
     reached_slot_s=0.02,
-    takes_orders_as_items=True,
     stored_text={MissionType.MISSION: "Flight plan received"},
     flags_kept=frozenset({MissionType.MISSION}),
     no_total=0,
@@ -30,8 +27,7 @@ MOCK_PROFILE = MockProfile(
     runs_on_ground=True,
     no_such_mode_text="No such mode",
     refuses_modes=True,
-    reboots=True,
-    switches_fence=True,
+    unsupported=frozenset({VehicleCommand.DO_REPOSITION, VehicleCommand.REQUEST_PROTOCOL_VERSION}),
     start_up=StartUp(
         3.0, 20.0, 23.5, 41.4, "Gyros inconsistent", "Need Position Estimate", no_mission="Mode requires mission"
     ),

@@ -1,3 +1,4 @@
+from ipoa_mission.autopilot.commands import Command, VehicleCommand
 from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
@@ -16,7 +17,6 @@ MOCK_PROFILE = MockProfile(
     clear_during_upload=Answer.TEXT,
     obeys_cancel=True,
     stray_item=Answer.SILENCE,
-    wrong_list=Answer.ERROR,
     confirms_last_item_again=True,
     reached_repeats=10,
     reached_slot_s=0.1,
@@ -28,7 +28,9 @@ MOCK_PROFILE = MockProfile(
     no_item_text="WPM: WP CURR CMD: Not in list\t",
     flight_texts=True,
     restores_mode=True,
-    repositions=True,
+    unsupported=frozenset({
+        Command.DO_FENCE_ENABLE, Command.DO_PAUSE_CONTINUE, VehicleCommand.DO_SET_MISSION_CURRENT,
+    }),
     start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
     modes={
         FlightMode.HOLD: mode_number(4, 3),
