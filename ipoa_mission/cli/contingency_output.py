@@ -1,11 +1,10 @@
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Iterator
 from typing import Any
 
 from ipoa_mission.autopilot.failsafe import Failsafe
-from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade, bars_of
+from ipoa_mission.forecast.contingency.contingencies import ContingencyRow, Grade
 from ipoa_mission.forecast.contingency.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.contingency.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -16,12 +15,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.terminal import picked, print_lines, print_table
 
-CELLS = 50  # characters
-#: The first one present is drawn.
-SIGNS = {Grade.UNCLEAR: "#", Grade.UNKNOWN: "?", Grade.POSSIBLY_UNCLEAR: "+", Grade.CLEAR: "-"}
-LEGEND = "- clear  + perhaps not clear  # not clear  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.POSSIBLY_UNCLEAR: "perhaps", Grade.UNCLEAR: "NO", Grade.UNKNOWN: "?"}
-NO_CONTINGENCIES = "contingencies: unknown, because the flight is unknown"
 
 
 def contingencies_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
@@ -63,7 +57,7 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
 
 def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
     if not rows:
-        print_lines(NO_CONTINGENCIES)
+        print_lines("contingencies: unknown, because the flight is unknown")
         return
     columns = ["contingency", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
@@ -77,29 +71,6 @@ def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Fails
     many, grades = len(rows), Counter(row.grade for row in rows)
     unclear = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
     print_lines("; ".join(unclear) or "every contingency is clear")
-
-
-def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
-    if not rows:
-        print_lines(NO_CONTINGENCIES)
-        return
-    begin, end = rows[0].from_s, rows[-1].to_s
-    each = (end - begin) / CELLS
-    print_lines("", f"contingencies, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
-    bars = bars_of(rows)
-    widest = max(len(bar.contingency) for bar in bars)
-    for bar in bars:
-        print_lines(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
-    print_lines("", LEGEND)
-    print_lines(*([str(row) for row in rows if not row.clear] or ["every contingency is clear"]))
-
-
-def bar_of(rows: Sequence[ContingencyRow]) -> str:
-    """Return characters of equal time, each its worst row."""
-    begin, end = rows[0].from_s, rows[-1].to_s
-    edges = [begin + n * (end - begin) / CELLS for n in range(CELLS)] + [end]
-    cells = [{row.grade for row in rows if row.from_s <= b and a <= row.to_s} for a, b in pairwise(edges)]
-    return "".join(next(sign for grade, sign in SIGNS.items() if grade in cell) for cell in cells)
 
 
 def _cells(row: ContingencyRow) -> tuple[str, ...]:

@@ -1,15 +1,13 @@
-import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ipoa_mission.cli.checking import known_budget, remarks_on
-from ipoa_mission.cli.groups import ContingencyOptions
-from ipoa_mission.errors import MissionError, OptionConflict, WrongSuffix
-from ipoa_mission.files import MISSIONS, write_atomically
+from ipoa_mission.cli.groups import WorldOptions
+from ipoa_mission.errors import MissionError, WrongSuffix
+from ipoa_mission.files import MISSIONS
 from ipoa_mission.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
 from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
@@ -19,7 +17,7 @@ if TYPE_CHECKING:
     from ipoa_mission.report.table import Row
 
 
-def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = False) -> None:
+def show(file: FileArgument, how: WorldOptions, as_json: JsonOption = False) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and the time of each item.
 
     Example: `ipoa-mission show campus.plan --scenario missions/campus.toml`
@@ -32,9 +30,6 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     from ipoa_mission.report.table import rows_of
     from ipoa_mission.unread import unread_as_json
 
-    if how.contingencies and as_json:
-        words = "cannot be combined with --json"
-        raise OptionConflict(words, hint="use `check --contingencies --json`", place="--contingencies")
     requested, forecast, world = read_forecast(file, how)
     mission, rows, errors = forecast.mission, rows_of(forecast), refusals(forecast.mission)
     timed, total, energy = (None, "no time: a position or height is not valid", []) if errors else _estimated(forecast)
@@ -54,13 +49,6 @@ def show(file: FileArgument, how: ContingencyOptions, as_json: JsonOption = Fals
     print_table(place, columns, [_cells(row, done.get(row.seq)) for row in rows])
     flown = 0.0 if timed is None else sum(item.length for item in timed.items)
     print_lines(*_lengths(rows, flown, total), *energy, *notes(remarks))
-    if how.contingencies:
-        from ipoa_mission.checks.check import guarantee_if_flown
-        from ipoa_mission.cli.contingency_output import print_strip
-        from ipoa_mission.forecast.contingency.contingencies import Contingencies
-
-        is_flown = guarantee_if_flown(forecast) is not None
-        print_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
 
 
 def _estimated(forecast: "Forecast") -> "tuple[Estimate | None, str, list[str]]":
@@ -99,25 +87,14 @@ def _detail(row: "Row") -> str:
     return ", ".join(filter(None, (does, passes)))
 
 
-@dataclass
-class ExportOptions:
-    form: Annotated[
-        str | None, typer.Option("--format", help="Format, like kml or csv; default: by TARGET's suffix.")
-    ] = None
-    scenario: ScenarioOption = None
-    autopilot: AutopilotOption = None
-    force: ForceOption = False
-
-
 def export(
     file: FileArgument,
     target: Annotated[
-        Path,
-        typer.Argument(
-            metavar="TARGET", help="File to write, in the format of its suffix, like .kml; - is standard output."
-        ),
+        Path, typer.Argument(metavar="TARGET", help="File to write, in the format of its suffix, like .kml.")
     ],
-    how: ExportOptions,
+    scenario: ScenarioOption = None,
+    autopilot: AutopilotOption = None,
+    force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Write a mission for other programs, like KML, or as the other mission format.
@@ -125,36 +102,20 @@ def export(
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.reading import read_world, taken_for
-    from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
-    from ipoa_mission.report.exports import EXPORTS, forecast_text
+    from ipoa_mission.mission.mission_io import read_by_items, read_mission_file, write_mission
+    from ipoa_mission.report.exports import EXPORTS, write_export
     from ipoa_mission.terminal import expect_free
 
-    form = how.form
-    if target == Path("-") and form is None:
-        raise OptionConflict("needs --format", hint="like --format kml", place="-")
-    suffix = target.suffix.lower() if form is None else f".{form.lower()}"
+    suffix = target.suffix.lower()
     if suffix not in (suffixes := [*EXPORTS, *MISSIONS]):
-        if form is not None:
-            words = f"expected {', '.join(suffix[1:] for suffix in suffixes)}, not {form!r}"
-            raise OptionConflict(words, place="--format")
         raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
-    is_mission = suffix in MISSIONS
-    read = read_by_items(file, read_mission_file(file, how.autopilot))
-    forecast = Forecast(read.mission, read_world(how.scenario))
-    if target == Path("-"):
-        if as_json:
-            raise OptionConflict("cannot be combined with standard output", hint="name a file", place="--json")
-        mission = read.mission
-        text = mission_text(mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
-        sys.stdout.write(text)
-        return
-    expect_free([target], how.force, ask=not as_json)
+    read, world = read_by_items(file, read_mission_file(file, autopilot)), read_world(scenario)
+    expect_free([target], force, ask=not as_json)
     remarks = taken_for(read)
-    if is_mission:
-        remarks += write_mission(forecast.mission, target, suffix, read)
+    if suffix in MISSIONS:
+        remarks += write_mission(read.mission, target, read)
     else:
-        write_atomically(target, forecast_text(forecast, suffix, target.stem))
+        write_export(read.mission, target, world)
     if as_json:
         print_json({"written": str(target), "remarks": list(remarks)})
     else:

@@ -110,15 +110,12 @@ def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot
     raise WrongFormat(f"expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}", place=path)
 
 
-def write_mission(
-    mission: Mission, path: str | Path, suffix: str | None = None, read_from: MissionFile | None = None
-) -> tuple[str, ...]:
+def write_mission(mission: Mission, path: str | Path, read_from: MissionFile | None = None) -> tuple[str, ...]:
     """Write a `.plan` or a `.waypoints` file, and the parameters to NAME.params next to it.
 
     Args:
         mission: to write.
         path: of the file.
-        suffix: overrides the path's own.
         read_from: a file of this kind; a mission unchanged since is written with the same bytes.
 
     Returns:
@@ -132,7 +129,7 @@ def write_mission(
         >>> write_mission(read_mission("missions/sitl.plan"), "again.plan")
         ()
     """
-    suffix = suffix or Path(path).suffix.lower()
+    suffix = Path(path).suffix.lower()
     if suffix not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{suffix}"', place=path)
     write_with_parameters(mission, {Path(path): mission_text(mission, suffix, read_from)})

@@ -224,7 +224,7 @@ class Document:
             raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
         autopilot = None if self.autopilot is None else autopilot_named(self.autopilot)
         file, target = parse_mission(self.path, self.text, autopilot), unused(self.path.with_suffix(suffix))
-        return target, write_mission(file.mission, target, suffix, file)
+        return target, write_mission(file.mission, target, file)
 
     def look_at_disk(self) -> bool:
         """Look for changes by another program, take them if there are no own; return whether the state changed."""
