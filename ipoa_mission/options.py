@@ -1,6 +1,5 @@
 import math
 import os
-import sys
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -78,7 +77,7 @@ ContingenciesOption: TypeAlias = Annotated[
     bool, typer.Option("--contingencies", help="Forecast RTL, LAND and others from every second of the flight.")
 ]
 ForceOption: TypeAlias = Annotated[
-    bool, typer.Option("--force", metavar="", help="Overwrite existing files, also those not written by a plan.")
+    bool, typer.Option("--force", help="Overwrite existing files, also those not written by a plan.")
 ]
 OutOption: TypeAlias = Annotated[
     Path, typer.Option("--out", metavar="DIR", help="Folder for the files, created if absent.")
@@ -107,9 +106,7 @@ FirmwareVersionOption: TypeAlias = Annotated[
 ]
 UnmeasuredVersionOption: TypeAlias = Annotated[
     bool,
-    typer.Option(
-        "--unmeasured-version", metavar="", help="Continue although the firmware's version was not measured in flights."
-    ),
+    typer.Option("--unmeasured-version", help="Continue although the firmware's version was not measured in flights."),
 ]
 ParameterOption: TypeAlias = Annotated[
     list[str] | None,
@@ -142,11 +139,9 @@ KeyOption: TypeAlias = Annotated[
     ),
 ]
 ReportOption: TypeAlias = Annotated[
-    bool, typer.Option("--report", metavar="", help="Also write NAME.html: map, heights, speeds, times.")
+    bool, typer.Option("--report", help="Also write NAME.html: map, heights, speeds, times.")
 ]
-JsonOption: TypeAlias = Annotated[
-    bool, typer.Option("--json", metavar="", help="Print the result as JSON, for machines.")
-]
+JsonOption: TypeAlias = Annotated[bool, typer.Option("--json", help="Print the result as JSON, for machines.")]
 
 
 def read_wind_option(text: str | None) -> "Wind | None":
@@ -219,8 +214,5 @@ def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
 
 
 def state_folder() -> Path:
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "ipoa-mission"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "ipoa-mission"
-    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "ipoa-mission"
+    base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".local" / "state"
+    return Path(base) / "ipoa-mission"

@@ -30,12 +30,10 @@ def print_version(wanted: bool) -> None:
 
 
 VerboseOption = Annotated[
-    int,
-    typer.Option("--verbose", "-v", count=True, metavar="", show_default=False, help="Log events; twice: all details."),
+    int, typer.Option("--verbose", "-v", count=True, show_default=False, help="Log events; twice: all details.")
 ]
 VersionOption = Annotated[
-    bool,
-    typer.Option("--version", metavar="", is_eager=True, callback=print_version, help="Print the version and end."),
+    bool, typer.Option("--version", is_eager=True, callback=print_version, help="Print the version and end.")
 ]
 
 

@@ -25,7 +25,7 @@ def check(
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
-    anyway: Annotated[bool, typer.Option("--anyway", metavar="", help=ANYWAY)] = False,
+    anyway: Annotated[bool, typer.Option("--anyway", help=ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Check mission files: format, firmware rules, and with a scenario clearance, bounds and altitude.

@@ -7,32 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ipoa_mission import options
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.link.on_deviation import OnDeviation
-from ipoa_mission.options import (
-    ANYWAY,
-    AutopilotOption,
-    Backend,
-    ContingenciesOption,
-    FirmwareVersionOption,
-    ForceOption,
-    IgnoreOption,
-    JsonOption,
-    KeyOption,
-    OutOption,
-    ParameterFileOption,
-    ParameterOption,
-    ReportOption,
-    ScenarioOption,
-    SeedOption,
-    SystemOption,
-    UnmeasuredVersionOption,
-    bad_link_option,
-    link_option,
-    optimizers_like,
-    read_parameter_options,
-    read_wind_option,
-)
 from ipoa_mission.terminal import expect_free
 
 if TYPE_CHECKING:
@@ -43,13 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass
 class SearchOptions:
-    seed: SeedOption = 0
+    seed: options.SeedOption = 0
     optimizer: Annotated[
         str | None,
         typer.Option(
             "--optimizer",
             metavar="NAME",
-            autocompletion=optimizers_like,
+            autocompletion=options.optimizers_like,
             help="Search algorithm, like ipoa or poa, also an installed one.",
         ),
     ] = None
@@ -57,11 +34,11 @@ class SearchOptions:
 
 @dataclass
 class FlownByOptions:
-    autopilot: AutopilotOption = None
-    firmware_version: FirmwareVersionOption = None
-    unmeasured_version: UnmeasuredVersionOption = False
-    param: ParameterOption = None
-    param_file: ParameterFileOption = None
+    autopilot: options.AutopilotOption = None
+    firmware_version: options.FirmwareVersionOption = None
+    unmeasured_version: options.UnmeasuredVersionOption = False
+    param: options.ParameterOption = None
+    param_file: options.ParameterFileOption = None
     wind: Annotated[
         str | None,
         typer.Option(
@@ -77,7 +54,7 @@ class FlownByOptions:
 
     @cached_property
     def _read(self) -> tuple[dict[str, float], tuple[str, ...]]:
-        return read_parameter_options(self.param, self.param_file)
+        return options.read_parameter_options(self.param, self.param_file)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -95,19 +72,19 @@ class FlownByOptions:
 
     @cached_property
     def air(self) -> "Wind | None":
-        return read_wind_option(self.wind)
+        return options.read_wind_option(self.wind)
 
 
 @dataclass
 class WorldOptions:
     flown_by: FlownByOptions
-    scenario: ScenarioOption = None
-    ignore: IgnoreOption = None
+    scenario: options.ScenarioOption = None
+    ignore: options.IgnoreOption = None
 
 
 @dataclass
 class ContingencyOptions(WorldOptions):
-    contingencies: ContingenciesOption = False
+    contingencies: options.ContingenciesOption = False
     endings: Annotated[bool, typer.Option("--endings", hidden=True)] = False
 
     def __post_init__(self) -> None:
@@ -121,10 +98,10 @@ class ContingencyOptions(WorldOptions):
 
 @dataclass
 class FileOutput:
-    folder: OutOption = Path()
-    report: ReportOption = False
-    force: ForceOption = False
-    as_json: JsonOption = False
+    folder: options.OutOption = Path()
+    report: options.ReportOption = False
+    force: options.ForceOption = False
+    as_json: options.JsonOption = False
 
     def expect_plans(self, names: Iterable[str]) -> None:
         """Refuse to overwrite anything but unchanged earlier plans."""
@@ -136,15 +113,17 @@ class FileOutput:
 
 @dataclass
 class LinkOptions:
-    system: SystemOption = None
+    system: options.SystemOption = None
     log: Annotated[
         Path | None,
-        link_option("--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission's files."),
+        options.link_option(
+            "--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission's files."
+        ),
     ] = None
-    key: KeyOption = None
+    key: options.KeyOption = None
     timeout: Annotated[
         float | None,
-        link_option(
+        options.link_option(
             "--timeout",
             metavar="S",
             min=1.0,
@@ -152,25 +131,27 @@ class LinkOptions:
             "Default: one hour until a flight begins.",
         ),
     ] = None
-    backend: Annotated[Backend, link_option("--backend", help="MAVLink implementation.")] = Backend.BUILTIN
-    anyway: Annotated[bool, link_option("--anyway", metavar="", help=ANYWAY)] = False
+    backend: Annotated[options.Backend, options.link_option("--backend", help="MAVLink implementation.")] = (
+        options.Backend.BUILTIN
+    )
+    anyway: Annotated[bool, options.link_option("--anyway", help=options.ANYWAY)] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
         log = self.log or usual_log
-        return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
+        return [] if self.backend is options.Backend.MAVSDK or log is None else [str(log)]
 
 
 @dataclass
 class FlightOptions:
     link: Annotated[
         str | None,
-        link_option(
+        options.link_option(
             "--link", metavar="URL", help="A real vehicle, like udpin:127.0.0.1:14550; default: the built-in autopilot."
         ),
     ] = None
     begin: Annotated[
         int,
-        link_option(
+        options.link_option(
             "--from",
             metavar="N",
             min=1,
@@ -179,24 +160,27 @@ class FlightOptions:
     ] = 1
     set_params: Annotated[
         bool,
-        link_option(
-            "--set-params", metavar="", help="Write parameters of the scenario and --param that differ on the vehicle."
+        options.link_option(
+            "--set-params", help="Write parameters of the scenario and --param that differ on the vehicle."
         ),
     ] = False
     on_deviation: Annotated[
-        OnDeviation, link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast.")
+        OnDeviation,
+        options.link_option("--on-deviation", help="Order sent once if the flight deviates from the forecast."),
     ] = OnDeviation.HOLD
 
 
 @dataclass
 class FaultOptions:
-    loss: Annotated[float, bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")] = 0.0
-    duplicate: Annotated[
-        float, bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
+    loss: Annotated[
+        float, options.bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")
     ] = 0.0
-    delay: Annotated[float, bad_link_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
+    duplicate: Annotated[
+        float, options.bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
+    ] = 0.0
+    delay: Annotated[float, options.bad_link_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
     reorder: Annotated[
-        float, bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
+        float, options.bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
     ] = 0.0
 
     def faults(self) -> "Faults":

@@ -2,33 +2,18 @@ from collections.abc import Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from ipoa_mission import options
 from ipoa_mission.autopilot.autopilot import Autopilot, default_autopilot
 from ipoa_mission.cli.groups import FaultOptions
 from ipoa_mission.errors import BadInput, OptionConflict
-from ipoa_mission.options import (
-    HomeOption,
-    JsonOption,
-    KeyOption,
-    ParameterFileOption,
-    ParameterOption,
-    ScenarioOption,
-    SystemOption,
-    autopilot_option,
-    bad_link_option,
-    link_option,
-    read_parameter_options,
-    signer_of,
-)
 from ipoa_mission.terminal import notes, print_json, print_lines
 
 if TYPE_CHECKING:
-    from ipoa_mission.geodesy import Geodetic
-    from ipoa_mission.simulator.situation import Conditions
+    from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
 ZURICH = (47.397742, 8.545594, 488.0)
 
@@ -36,28 +21,28 @@ ZURICH = (47.397742, 8.545594, 488.0)
 @dataclass
 class MockOptions:
     autopilot: Annotated[
-        Autopilot | None, autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
+        Autopilot | None, options.autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
     ] = None
-    scenario: ScenarioOption = None
-    home: HomeOption = None
+    scenario: options.ScenarioOption = None
+    home: options.HomeOption = None
     firmware_version: Annotated[
         str | None,
         typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: the newest measured one."),
     ] = None
-    param: ParameterOption = None
-    param_file: ParameterFileOption = None
+    param: options.ParameterOption = None
+    param_file: options.ParameterFileOption = None
     link: Annotated[
-        str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
+        str, options.link_option("--link", metavar="URL", help="udpin, udpout, tcpin; loopback unless a host is named.")
     ] = "udpin:127.0.0.1:14540"
     speedup: Annotated[
         float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="Speed-up: times real time.")
     ] = 1.0
-    system: SystemOption = None
-    key: KeyOption = None
-    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
+    system: options.SystemOption = None
+    key: options.KeyOption = None
+    seed: Annotated[int, options.bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0
 
 
-def mock(worse: FaultOptions, options: MockOptions, as_json: JsonOption = False) -> None:
+def mock(worse: FaultOptions, how: MockOptions, as_json: options.JsonOption = False) -> None:
     """Simulate an autopilot: answer and fly as PX4 or ArduPilot until Ctrl-C, for any ground station.
 
     While a list is transferred or it waits armed, it runs at real speed. It sends at most 2000 messages a second, the
@@ -67,79 +52,57 @@ def mock(worse: FaultOptions, options: MockOptions, as_json: JsonOption = False)
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
-    from ipoa_mission.autopilot.known_parameters import expect_own
-    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.link.channel import open_channel, parse_address
-    from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import Server
     from ipoa_mission.simulator.station import Station
 
-    address, system, speedup = parse_address(options.link), options.system or 1, options.speedup
-    parameters, remarks = read_parameter_options(options.param, options.param_file)
-    setup = mock_setup(options.scenario, options.home, options.autopilot, parameters)
-    expect_own(setup.parameters, setup.autopilot)
-    if options.firmware_version is not None:
-        named = setup.autopilot.tables.expect(Version.parsed(options.firmware_version))
-        setup = replace(setup, conditions=replace(setup.conditions, version=named))
-    version, home = setup.conditions.version or setup.autopilot.newest, setup.home
-    degrees = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg}
-    signer = signer_of(options.key, "mock")
+    address, system = parse_address(how.link), how.system or 1
+    parameters, remarks = options.read_parameter_options(how.param, how.param_file)
+    autopilot = built_in_autopilot(how, parameters)
+    name, version, home = str(autopilot.profile.autopilot), autopilot.profile.version, autopilot.flight.home
+    signer = options.signer_of(how.key, "mock")
 
     @cache
     def print_address() -> bool:
         """Print once, when the server asks first whether it is to end."""
         if as_json:
-            about = {
-                "autopilot": str(setup.autopilot),
-                "version": str(version),
-                "link": str(address),
-                "system": system,
-                "home": degrees | {"altitude_amsl": home.altitude},
-                "speedup": speedup,
-                "remarks": list(remarks),
-            }
-            print_json(about, indent=None)
+            about = {"autopilot": name, "version": str(version), "link": str(address), "system": system}
+            place = {"latitude_deg": home.latitude_deg, "longitude_deg": home.longitude_deg}
+            place["altitude_amsl"] = home.altitude
+            print_json(about | {"home": place, "speedup": how.speedup, "remarks": list(remarks)}, indent=None)
         else:
-            words = f"{setup.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it"
+            words = f"{name} {version} at {address}, {how.speedup:g} times as fast as real; Ctrl-C ends it"
             print_lines(words, *notes(remarks))
         return False
 
-    conditions = replace(setup.conditions, cold=True)
-    autopilot = Mock(setup.autopilot, home, setup.parameters, conditions=conditions)
-    with suppress(KeyboardInterrupt), closing(open_channel(options.link)) as channel:
+    with suppress(KeyboardInterrupt), closing(open_channel(how.link)) as channel:
         station = Station(autopilot, system, signer, channel.datagrams)
-        Server(channel, station, speedup, worse.faults(), options.seed).run(print_address)
+        Server(channel, station, how.speedup, worse.faults(), how.seed).run(print_address)
 
 
-@dataclass(frozen=True)
-class MockSetup:
-    autopilot: Autopilot
-    home: "Geodetic"
-    parameters: Mapping[str, float]
-    conditions: "Conditions"
-
-
-def mock_setup(
-    scenario: Path | None,
-    home: tuple[float, float, float] | None,
-    autopilot: Autopilot | None,
-    parameters: Mapping[str, float],
-) -> MockSetup:
-    """Return the scenario's values, replaced by options."""
+def built_in_autopilot(how: MockOptions, parameters: Mapping[str, float]) -> "BuiltInAutopilot":
+    """Make one with the scenario's values, replaced by options."""
+    from ipoa_mission.autopilot.known_parameters import expect_own
+    from ipoa_mission.autopilot.version import Version
     from ipoa_mission.geodesy import Geodetic
     from ipoa_mission.scenario import read_scenario
-    from ipoa_mission.simulator.situation import STANDARD_CONDITIONS, Conditions
+    from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+    from ipoa_mission.simulator.situation import Conditions
 
-    if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
+    home, family, conditions = how.home or ZURICH, how.autopilot or default_autopilot(), Conditions(cold=True)
+    if not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
-    if scenario is None:
-        return MockSetup(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters, STANDARD_CONDITIONS)
-    if home is not None:
-        raise OptionConflict("cannot be combined with --scenario, which defines home", place="--home")
-    world = read_scenario(scenario)
-    flies = autopilot or world.vehicle.autopilot
-    vehicle = world.vehicle if flies is world.vehicle.autopilot else None
-    values = flies.parameter_table.overridden(world.vehicle.parameters, parameters) if vehicle else parameters
-    about = (vehicle.learned, vehicle.version) if vehicle else ()
-    conditions = Conditions(world.wind.air(), world.ground, *about)
-    return MockSetup(flies, world.home.geodetic(), values, conditions)
+    place = Geodetic(*home)
+    if how.scenario is not None:
+        if how.home is not None:
+            raise OptionConflict("cannot be combined with --scenario, which defines home", place="--home")
+        world = read_scenario(how.scenario)
+        family, place = how.autopilot or world.vehicle.autopilot, world.home.geodetic()
+        conditions = replace(conditions, wind=world.wind.air(), ground=world.ground)
+        if family is world.vehicle.autopilot:
+            parameters = family.parameter_table.overridden(world.vehicle.parameters, parameters)
+            conditions = replace(conditions, vehicle=world.vehicle.learned, version=world.vehicle.version)
+    expect_own(parameters, family)
+    if how.firmware_version is not None:
+        conditions = replace(conditions, version=family.tables.expect(Version.parsed(how.firmware_version)))
+    return BuiltInAutopilot(family, place, parameters, conditions=conditions)

@@ -21,7 +21,7 @@ class PageOptions:
         typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario with this home: degrees, meters AMSL."),
     ] = None
     port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any free port.")] = 0
-    browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page.")] = True
     tiles: Annotated[
         str | None,
         typer.Option(

@@ -5,7 +5,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.cli.mocking import mock_setup
+from ipoa_mission.cli.mocking import MockOptions, built_in_autopilot
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geodesy import Geodetic
 from ipoa_mission.mission.mission_io import read_mission
@@ -46,5 +46,6 @@ def test_the_built_in_autopilot_of_a_scenario_is_of_its_version(tmp_path: Path) 
     text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
     path = tmp_path / "sitl.toml"
     path.write_text(text.replace("[vehicle]\n", '[vehicle]\nfirmware_version = "1.17"\n'), encoding="utf-8")
-    assert mock_setup(path, None, None, {}).conditions.version == Version(1, 17)
-    assert mock_setup(path, None, Autopilot.ARDUPILOT, {}).conditions.version is None
+    assert built_in_autopilot(MockOptions(scenario=path), {}).flight.conditions.version == Version(1, 17)
+    other = MockOptions(Autopilot.ARDUPILOT, path)
+    assert built_in_autopilot(other, {}).flight.conditions.version is None
