@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 MAX_LEVELS = 8
 
@@ -14,6 +14,33 @@ class WindLevel(NamedTuple):
     height: float
     east: float
     north: float
+
+
+class WindTable(NamedTuple):
+    """A wind for kernels, towards; `levels` are used if the first is below the last."""
+
+    east: float
+    north: float
+    exponent: float
+    gradient_height: float
+    levels: Annotated[Sequence[WindLevel], MAX_LEVELS]
+
+
+def wind_at(height: float, wind: WindTable) -> tuple[float, float]:
+    levels = wind.levels
+    if levels[0].height == levels[MAX_LEVELS - 1].height:
+        share = 1.0
+        if height < wind.gradient_height and wind.gradient_height > 0.0:
+            share = (max(height, 0.0) / wind.gradient_height) ** wind.exponent
+        return share * wind.east, share * wind.north
+    above = 0
+    while above < MAX_LEVELS - 1 and levels[above].height < height:
+        above += 1
+    low, high = levels[max(above - 1, 0)], levels[above]
+    share = 1.0
+    if high.height > low.height:
+        share = min(max((height - low.height) / (high.height - low.height), 0.0), 1.0)
+    return low.east + share * (high.east - low.east), low.north + share * (high.north - low.north)
 
 
 @dataclass(frozen=True)
@@ -127,3 +154,9 @@ class Wind:
 
 
 CALM = Wind()
+
+
+def wind_table(wind: Wind) -> WindTable:
+    given = [WindLevel(*map(float, level)) for level in wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
+    levels = given + given[-1:] * (MAX_LEVELS - len(given))
+    return WindTable(wind.east, wind.north, float(wind.exponent), float(wind.gradient_height), levels)

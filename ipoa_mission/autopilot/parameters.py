@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias, get_origin, get_type_hints
 
 Parameters: TypeAlias = Mapping[str, float]
 NO_PARAMETERS: Parameters = {}
@@ -107,6 +107,12 @@ class ParameterTable:
             old, factor = self.renamed[name]
             return [*here, (old, factor)]
         return [*here, *((new, 1.0 / factor) for new, (old, factor) in self.renamed.items() if old == name)]
+
+
+def parameters_of_fields(record: type) -> Mapping[str, str]:
+    """Return the parameter of each field that is annotated with one, as `speed: Annotated[float, "WPNAV_SPEED"]`."""
+    hints = get_type_hints(record, include_extras=True)
+    return {field: hint.__metadata__[0] for field, hint in hints.items() if get_origin(hint) is Annotated}
 
 
 def name_values(parameters: Parameters) -> str:

@@ -76,8 +76,8 @@ def compiled(function: Any) -> Any:
 
 
 def called_by(function: Any) -> set[FunctionType]:
-    """Return all functions of its package that a function calls."""
-    package, found, todo = function.__module__.rpartition(".")[0], set[FunctionType](), [function]
+    """Return all functions of its distribution that a function calls."""
+    package, found, todo = function.__module__.partition(".")[0], set[FunctionType](), [function]
     while todo:
         caller = todo.pop()
         named = {caller.__globals__.get(name) for name in caller.__code__.co_names}
@@ -100,8 +100,8 @@ def record_type(kind: type) -> np.dtype[np.void]:
 
 def _field(hint: Any) -> tuple[Any, ...]:
     if get_origin(hint) is Annotated:
-        several, count = get_args(hint)
-        return *_field(*get_args(several)), (count,)
+        inner, note = get_args(hint)
+        return _field(inner) if isinstance(note, str) else (*_field(*get_args(inner)), (note,))
     return (_PLAIN.get(hint) or record_type(hint),)
 
 

@@ -40,6 +40,7 @@ SOURCES = (
     "vehicles/*/limits.py",
     "autopilot/parameters.py",
     "geometry.py",
+    "wind.py",
     "planning/_*.py",
     "survey/_*.py",
     "survey/times.py",

@@ -12,7 +12,7 @@ from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
-from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT
+from ipoa_mission.vehicles.arducopter.dynamics.motion import Kind
 from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
     circle,
     land,
@@ -154,14 +154,14 @@ class ArduCopterController:
         next(legs)
 
     def _touch(self) -> None:
-        if self._copter.this.kind == DESCENT:
+        if self._copter.this.kind == Kind.DESCENT:
             self._touched_s = self._now.time_s
             self._copter.stand(0.0)
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
         self._now.landed = seconds >= self._landing_s
-        if seconds >= self._landing_s + self._copter.spool_down:
+        if seconds >= self._landing_s + self._copter.limits.spool_up:
             if self._now.mode is FlightMode.MISSION:
                 last = self._now.program.items[self._now.current].command == Command.NAV_LAND
                 self._now.done(self._now.current, announced=not last)

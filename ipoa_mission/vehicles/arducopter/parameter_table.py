@@ -25,7 +25,7 @@ AFFECTING = (
     Parameter("PSC_VELXY_D", 0.25, meaning="velocity D"),
     Parameter("PSC_VELXY_FLTE", 5.0),
     Parameter("PSC_POSZ_P", 1.0, meaning="height P"),
-    Parameter("ATC_SLEW_YAW", 6000.0, meaning="yaw rate"),
+    Parameter("ATC_SLEW_YAW", 6000.0, meaning="yaw rate", unit=CENTI),
     Parameter("ANGLE_MAX", 3000.0, INT16, meaning="lean", unit=CENTI, newer="ATC_ANGLE_MAX"),
     Parameter("LAND_SPEED", 50.0, INT16, meaning="landing speed", unit=CENTI, newer="LAND_SPD_MS"),
     Parameter("LAND_SPEED_HIGH", 0.0, INT16, unit=CENTI, newer="LAND_SPD_HIGH_MS"),

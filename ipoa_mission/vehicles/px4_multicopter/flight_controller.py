@@ -10,7 +10,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.simulated_flight import FlightControllers
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, SimulatedVehicle, Situation
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate, no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     landing_orders,
     leg,
@@ -21,8 +21,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     take_off,
     waypoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order
-from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Level, Order, integrate, no_errors
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
 

@@ -4,9 +4,9 @@ The land detector is read and measured (docs/lab/flight-time.md).
 """
 
 import math
-from typing import NamedTuple, TypeVar
+from typing import Annotated, NamedTuple, TypeVar
 
-from ipoa_mission.autopilot.parameters import Parameters
+from ipoa_mission.autopilot.parameters import Parameters, parameters_of_fields
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY, Vector
@@ -77,61 +77,64 @@ class Px4Touchdown(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """Motion limits in m, s, rad; gains in 1/s. `px4_limits` has the parameter of each.
+    """Motion limits in m, s, rad; gains in 1/s.
 
     LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. `splits_axes`: the vertical setpoint waits
     separately, up to `most_height_error` ahead, and a passed item is not flown back to.
     """
 
-    cruise: float
-    most_speed: float
-    corner_gain: float
-    most_lag: float
-    accel: float
-    jerk: float
+    cruise: Annotated[float, "MPC_XY_CRUISE"]
+    most_speed: Annotated[float, "MPC_XY_VEL_MAX"]
+    corner_gain: Annotated[float, "MPC_XY_TRAJ_P"]
+    most_lag: Annotated[float, "MPC_XY_ERR_MAX"]
+    accel: Annotated[float, "MPC_ACC_HOR"]
+    jerk: Annotated[float, "MPC_JERK_AUTO"]
     climb: float
     descent: float
-    most_climb: float
+    most_climb: Annotated[float, "MPC_Z_VEL_MAX_UP"]
     most_descent: float
-    accel_up: float
-    accel_down: float
-    radius: float
-    height_radius: float
-    p_position: float
-    p_velocity: float
-    i_velocity: float
-    d_velocity: float
-    p_height: float
-    p_climb: float
-    i_climb: float
+    accel_up: Annotated[float, "MPC_ACC_UP_MAX"]
+    accel_down: Annotated[float, "MPC_ACC_DOWN_MAX"]
+    radius: Annotated[float, "NAV_ACC_RAD"]
+    height_radius: Annotated[float, "NAV_MC_ALT_RAD"]
+    p_position: Annotated[float, "MPC_XY_P"]
+    p_velocity: Annotated[float, "MPC_XY_VEL_P_ACC"]
+    i_velocity: Annotated[float, "MPC_XY_VEL_I_ACC"]
+    d_velocity: Annotated[float, "MPC_XY_VEL_D_ACC"]
+    p_height: Annotated[float, "MPC_Z_P"]
+    p_climb: Annotated[float, "MPC_Z_VEL_P_ACC"]
+    i_climb: Annotated[float, "MPC_Z_VEL_I_ACC"]
     hover_learning: float  # time constant
     lean: float
     lean_lag: float  # time constant
-    spool_up: float
+    spool_up: Annotated[float, "COM_SPOOLUP_TIME"]
     takeoff_speed: float
     takeoff_ramp: float
     land_speed: float
     land_high: float
-    land_low: float
-    sinks_from: float
-    crawl_below: float
-    crawl_speed: float
+    land_low: Annotated[float, "MPC_LAND_ALT2"]
+    sinks_from: Annotated[float, "MPC_Z_VEL_MAX_DN"]
+    crawl_below: Annotated[float, "MPC_LAND_ALT3"]
+    crawl_speed: Annotated[float, "MPC_LAND_CRWL"]
     yaw_rate: float
     yaw_accel: float
     yaw_error: float
     turns_first: bool
     returning: Px4Return
-    land_delay: float
-    land_delay_height: float
+    land_delay: Annotated[float, "RTL_LAND_DELAY"]
+    land_delay_height: Annotated[float, "RTL_DESCEND_ALT"]
     disarm_delay: float
     touchdown: Px4Touchdown
     has_range_finder: bool
     splits_axes: bool
-    most_height_error: float
+    most_height_error: Annotated[float, "MPC_Z_ERR_MAX"]
 
     def stopping_time(self, speed: Speed) -> Speed:
         """Return how long `speed` [m/s] takes to the stopping point of LAND and hold [s] (preproject_stop_point)."""
         return speed / (2.0 * self.accel) + BRAKES_LATE
+
+
+FIELDS = parameters_of_fields(Px4Limits)
 
 
 def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:
@@ -152,49 +155,24 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
     learns = p["MPC_USE_HTE"] > 0 and p["HTE_HT_NOISE"] > 0
     return Px4Limits(
-        cruise=p["MPC_XY_CRUISE"],
-        most_speed=p["MPC_XY_VEL_MAX"],
-        corner_gain=p["MPC_XY_TRAJ_P"],
-        most_lag=p["MPC_XY_ERR_MAX"],
-        accel=p["MPC_ACC_HOR"],
-        jerk=p["MPC_JERK_AUTO"],
+        **{field: p[name] for field, name in FIELDS.items()},
         climb=climb,
         descent=descent,
-        most_climb=p["MPC_Z_VEL_MAX_UP"],
         most_descent=max(p["MPC_Z_VEL_MAX_DN"], 1.2 * descent),
-        accel_up=p["MPC_ACC_UP_MAX"],
-        accel_down=p["MPC_ACC_DOWN_MAX"],
-        radius=p["NAV_ACC_RAD"],
-        height_radius=p["NAV_MC_ALT_RAD"],
-        p_position=p["MPC_XY_P"],
-        p_velocity=p["MPC_XY_VEL_P_ACC"],
-        i_velocity=p["MPC_XY_VEL_I_ACC"],
-        d_velocity=p["MPC_XY_VEL_D_ACC"],
-        p_height=p["MPC_Z_P"],
-        p_climb=p["MPC_Z_VEL_P_ACC"],
-        i_climb=p["MPC_Z_VEL_I_ACC"],
         hover_learning=p["MPC_THR_HOVER"] / (p["HTE_HT_NOISE"] * GRAVITY) if learns else math.inf,
         lean=math.radians(min(p["MPC_TILTMAX_AIR"], 80.0)),
         lean_lag=1 / p["MC_ROLL_P"],
-        spool_up=p["COM_SPOOLUP_TIME"],
         takeoff_speed=min(p["MPC_TKO_SPEED"], p["MPC_Z_VEL_MAX_UP"]),
         takeoff_ramp=max(p["MPC_TKO_RAMP_T"], 0.1),
         land_speed=min(p["MPC_LAND_SPEED"], p["MPC_Z_VEL_MAX_DN"]),
         land_high=max(p["MPC_LAND_ALT1"], p["MPC_LAND_ALT2"]),
-        land_low=p["MPC_LAND_ALT2"],
-        sinks_from=p["MPC_Z_VEL_MAX_DN"],
-        crawl_below=p["MPC_LAND_ALT3"],
-        crawl_speed=p["MPC_LAND_CRWL"],
         yaw_rate=math.radians(p["MPC_YAWRAUTO_MAX"]),
         yaw_accel=math.radians(p["MPC_YAWRAUTO_ACC"]),
         yaw_error=math.radians(p["MIS_YAW_ERR"]),
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
-        land_delay=p["RTL_LAND_DELAY"],
-        land_delay_height=p["RTL_DESCEND_ALT"],
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
         splits_axes=splits,
-        most_height_error=p["MPC_Z_ERR_MAX"],
     )

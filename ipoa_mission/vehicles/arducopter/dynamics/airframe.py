@@ -1,7 +1,7 @@
 """ArduPilot's simulated multirotor: drag and response lag, fitted to flights (docs/lab/flight-time.md)."""
 
 import math
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,7 @@ TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
 THINNING = 9.6e-5  # of air density with height [1/m]
 
 
-@dataclass(frozen=True)
-class Airframe:
+class Airframe(NamedTuple):
     """Drag per mass, `lag` of rotors and rate loop, delays of lift-off and disarming [s].
 
     `rotor_drag` [1/s] at one g, grows with thrust's square root. `body_drag` [1/m] acts along each body axis.
@@ -33,7 +32,7 @@ class Airframe:
         """
         low, high = TROPOSPHERE
         density = (1 - 2.25577e-5 * min(max(altitude, low), high)) ** 4.2559 if math.isfinite(altitude) else 1.0
-        return replace(self, rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
+        return self._replace(rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
 
     def top_speed(self, lean: float) -> float:
         """Solve (r + q v) v = g tan(lean) for v [m/s], lean [rad]."""
@@ -68,9 +67,9 @@ def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
         return ARDUPILOT_SIMULATOR
     drag, same = vehicle.value("drag", 1.0), ARDUPILOT_SIMULATOR
     return Airframe(
-        rotor_drag=same.rotor_drag * drag,
-        body_drag=same.body_drag * drag,
-        lag=vehicle.value("lag", same.lag),
-        lift_delay=vehicle.value("lift_delay", 0.0),
-        landing_delay=vehicle.value("landing_delay", 0.0),
+        same.rotor_drag * drag,
+        same.body_drag * drag,
+        vehicle.value("lag", same.lag),
+        vehicle.value("lift_delay", 0.0),
+        vehicle.value("landing_delay", 0.0),
     )

@@ -13,34 +13,19 @@ from ipoa_mission.geometry import Place, Points
 from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
+from ipoa_mission.vehicles.arducopter.braking import circle_spin
+from ipoa_mission.vehicles.arducopter.dynamics import legs
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.vehicles.arducopter.dynamics.legs import (
-    Course,
-    Stop,
-    at_speeds,
-    hold_leg,
-    joined,
-    level_off_leg,
-    orbit_leg,
-    orbit_of,
-    speed_left,
-    spline_leg,
-    straight_leg,
-    upright_leg,
-)
+from ipoa_mission.vehicles.arducopter.dynamics.legs import Course, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
-    CLIMB,
-    DESCENT,
-    HOLD,
-    LEVEL_OFF,
     NO_LEG,
-    ORBIT,
-    SPLINE,
     STEP,
-    STRAIGHT,
     CopterLeg,
+    Kind,
     MotionLimits,
+    Orbit,
     State,
+    Vector,
     tuning,
 )
 from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, fly_leg, step
@@ -53,13 +38,15 @@ SAME_PLACE = 1e-3  # [m]
 #: 0.2 s.
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
-SHAPED = frozenset({ORBIT, LEVEL_OFF})  # end in motion
+UPRIGHT = frozenset({Kind.CLIMB, Kind.DESCENT})
+SHAPED = frozenset({Kind.ORBIT, Kind.LEVEL_OFF})  # end in motion
 SLOWEST = 0.5  # least headway in wind [m/s]
 NO_ROOM = -1
 BLOWN_OFF = -2
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
 SETTLED = 10.0  # of a hold [s]
+SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
@@ -97,7 +84,7 @@ class Copter:
         self.start_at((0.0, 0.0, 0.0))
 
     def start_at(self, here: Place) -> None:
-        self.state, self.this = _at_rest(here, 0.0), hold_leg(here, 0.0)
+        self.state, self.this = _at_rest(here, 0.0), legs.hold_leg(here, 0.0)
 
     @property
     def place(self) -> Place:
@@ -106,13 +93,13 @@ class Copter:
     @property
     def here(self) -> Place:
         this = self.this
-        moves = this.kind in SHAPED or (this.kind > SPLINE and this.leave > 0.0)
+        moves = this.kind in SHAPED or (this.kind > Kind.SPLINE and this.leave > 0.0)
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
 
     def stopping_place(self) -> Place:
         state, limits = self.state, self.limits
         speed = math.hypot(state.vx, state.vy)
-        near = limits.accel / self._tuning.p_position**2
+        near = limits.accel / limits.p_position**2
         way = speed if speed <= near else near / 2 + speed**2 / (2 * limits.accel)
         share = way / speed if speed > STANDING else 0.0
         up = state.vz * abs(state.vz) / (2 * limits.accel_z)
@@ -132,18 +119,19 @@ class Copter:
             MissionError: the copter does not reach the end.
         """
         skipped = 0.0
-        if self.this.kind == HOLD and self.this.lasts > SETTLED:
+        if self.this.kind == Kind.HOLD and self.this.lasts > SETTLED:
             skipped = self.this.lasts - SETTLED
             self.this = self.this._replace(lasts=SETTLED)
         room = int((60 + 4 * self._least_time() + self.this.length / self._slowest) / (STEP * SAMPLE_STEPS))
         breaks = until < self.state.time + room * STEP * SAMPLE_STEPS
         room = max(int((until - self.state.time) / (STEP * SAMPLE_STEPS)), 0) if breaks else room
-        samples, legs = np.empty((room, 7)), (self._before, self.this, self.following)
-        before, this, following = [[leg] for leg in legs]
+        samples, all_legs = np.empty((room, 7)), (self._before, self.this, self.following)
+        before, this, following = [[leg] for leg in all_legs]
         states: Any = [self.state]
         if self._fly_leg is not fly_leg:
-            self._records = {id(leg): self._records.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in legs}
-            before, this, following = (self._records[id(leg)][1] for leg in legs)
+            made = self._records
+            self._records = {id(leg): made.get(id(leg)) or (leg, records([leg], CopterLeg)) for leg in all_legs}
+            before, this, following = (self._records[id(leg)][1] for leg in all_legs)
             states = records(states, State)
         used = self._fly_leg(states, before, this, following, self._tuning, samples)
         if self._fly_leg is not fly_leg:
@@ -168,7 +156,7 @@ class Copter:
 
     def _least_time(self) -> float:
         leg = self.this
-        slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in (CLIMB, DESCENT) else leg.speeds.level
+        slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in UPRIGHT else leg.speeds.level
         way = leg.length / slowest if leg.length > 0 else 0.0
         return max(way, leg.profile.lasts, leg.lasts)
 
@@ -190,7 +178,7 @@ class Copter:
             self._tuning = self._tuning._replace(slew=slew)
         planned, state = self.following, self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
-            straight = self.this.kind == STRAIGHT
+            straight = self.this.kind == Kind.STRAIGHT
             state.clock_before, state.clock = state.clock, state.clock_next if straight else 0.0
             self._before = self.this if straight else NO_LEG
             this = self._as_begun(planned)
@@ -200,20 +188,20 @@ class Copter:
         onward = NO_LEG
         if following is not None:
             onward = self._leg(following, stop.place, this)
-            this = joined(this, onward, self.limits, self._left)
-            if onward.kind == SPLINE:
-                self._left = speed_left(onward)
-        elif this.kind == SPLINE:
-            this = this._replace(leave=speed_left(this))
+            this = legs.joined(this, onward, self.limits, self._left)
+            if onward.kind == Kind.SPLINE:
+                self._left = legs.speed_left(onward)
+        elif this.kind == Kind.SPLINE:
+            this = this._replace(leave=legs.speed_left(this))
         self._begin(this._replace(ends_near=1.0) if ends_near else this, onward)
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
         """Return a leg from `here`, at rest or at the speed of an unfinished spline; never an arc."""
         before, here = self.this, self.here
-        if self.passed and before.kind == SPLINE and before.leave > 0.0:
+        if self.passed and before.kind == Kind.SPLINE and before.leave > 0.0:
             if stop.spline:
                 return self._leg(stop, here, before)
-            return straight_leg(here, stop.place, self.speeds, self.limits, Course(enter=self.state.speed))
+            return legs.straight_leg(here, stop.place, self.speeds, self.limits, Course(enter=self.state.speed))
         if before.kind in SHAPED:
             self._restart()
         self.state.speed = 0.0
@@ -221,17 +209,17 @@ class Copter:
 
     def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
-            return straight_leg(origin, stop.place, self.speeds, self.limits, Course(turn=stop.turn))
-        return spline_leg(origin, stop, previous, self.speeds, self.limits)
+            return legs.straight_leg(origin, stop.place, self.speeds, self.limits, Course(turn=stop.turn))
+        return legs.spline_leg(origin, stop, previous, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
         elapsed = self.state.clock
         enter = self.state.speed if self._before is NO_LEG else 0.0  # a leg after a spline starts at its speed
-        if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
-            return at_speeds(planned, self.speeds, elapsed, self.limits)
+        if planned.kind == Kind.SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
+            return legs.at_speeds(planned, self.speeds, elapsed, self.limits)
         turn = 0.0 if self._before is NO_LEG else planned.turn
         course = Course(enter, turn=turn, is_changed=planned.speeds != self.speeds)
-        return straight_leg(planned.origin, planned.target, self.speeds, self.limits, course)
+        return legs.straight_leg(planned.origin, planned.target, self.speeds, self.limits, course)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False
@@ -244,23 +232,19 @@ class Copter:
             self.speeds = self.speeds._replace(**{name: speed})
 
     def wait_at(self, item: Item) -> float:
-        first = item.params[0] if math.isfinite(item.params[0]) else 0.0
-        match item.command:
-            case Command.NAV_LOITER_UNLIM:
-                return math.inf
-            case Command.NAV_ARC_WAYPOINT:
-                return 0.0
-            case Command.NAV_DELAY:
-                return max(first, 0.0)
-        return float(int(first))
+        if item.command == Command.NAV_LOITER_UNLIM:
+            return math.inf
+        if item.command == Command.NAV_ARC_WAYPOINT or not math.isfinite(item.params[0]):
+            return 0.0
+        return max(item.params[0], 0.0) if item.command == Command.NAV_DELAY else float(int(item.params[0]))
 
     def hold(self, seconds: float) -> None:
-        self._begin_over(hold_leg(self.here, seconds))
+        self._begin_over(legs.hold_leg(self.here, seconds))
 
     def brake(self) -> Place:
         """Reset all but the lean; return the stopping place."""
         self._restart()
-        self._begin_over(hold_leg(self.stopping_place(), math.inf))
+        self._begin_over(legs.hold_leg(self.stopping_place(), math.inf))
         self.passed = True
         return self.this.target
 
@@ -275,17 +259,20 @@ class Copter:
         state.target_x, state.target_y, state.target_z = here
         state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
         state.bearing, state.spin, state.turned = bearing_from(center, here), 0.0, 0.0
-        around = orbit_of(radius, self.speeds.level, self.limits)
-        self._begin_over(orbit_leg(here, center, around, turn, self.speeds))
+        spin = spin_up = self.limits.circle_rate
+        if radius > 0.0:
+            spin, spin_up = circle_spin(self.limits, radius, self.speeds.level), self.limits.accel / radius
+        around, length = Orbit(radius, spin, max(spin_up, SLOWEST_SPIN_UP)), radius * abs(turn)
+        leg = legs.leg_between(Kind.ORBIT, here, here, self.speeds)
+        self._begin_over(leg._replace(length=length, turn=turn, center=Vector(*center), orbit=around))
 
     def level_off(self, up: float) -> None:
         self.state.above = 0.0
-        speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
-        self._begin_over(level_off_leg(self.place, up, speeds))
+        self._begin_over(legs.upright_leg(Kind.LEVEL_OFF, self.place, up, self._default_climb))
 
     def take_off(self, height: float) -> None:
         """Climb straight up, except TAKEOFF_REST."""
-        leg = upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds)
+        leg = legs.upright_leg(Kind.CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds)
         self._begin_over(leg._replace(leave=self._still_moving))
 
     def sink(self, most: float) -> bool:
@@ -293,13 +280,17 @@ class Copter:
         x, y, z = self.here
         ground, speed = self._ground.at(x, y), min(self.limits.payload_speed, self.limits.descent)
         end = max(ground, z - most) if most > 0.0 else ground
-        self._tuning = self._tuning._replace(land_speed=speed, land_speed_high=speed)
-        self._begin_over(upright_leg(DESCENT, (x, y, z), end, self.speeds))
+        limits = self._tuning.limits._replace(land_speed=speed, land_speed_high=speed)
+        self._tuning = self._tuning._replace(limits=limits)
+        self._begin_over(legs.upright_leg(Kind.DESCENT, (x, y, z), end, self.speeds))
         return end == ground
 
     def rise(self, height: float) -> None:
-        speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
-        self._begin_over(upright_leg(CLIMB, self.place, height, speeds))
+        self._begin_over(legs.upright_leg(Kind.CLIMB, self.place, height, self._default_climb))
+
+    @property
+    def _default_climb(self) -> MotionLimits:
+        return MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
 
     @property
     def _still_moving(self) -> float:
@@ -312,18 +303,13 @@ class Copter:
         """
         ground = self._ground.at(*self.here[:2])
         low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
-        speed, high = self.limits.land_speed, self.limits.land_speed_high
-        self._tuning = self._tuning._replace(land_low=low, land_speed=speed, land_speed_high=high)
-        leg = upright_leg(DESCENT, self.here, ground, self.speeds)
+        self._tuning = self._tuning._replace(limits=self.limits._replace(land_low=low))
+        leg = legs.upright_leg(Kind.DESCENT, self.here, ground, self.speeds)
         self._begin_over(leg._replace(leave=self._still_moving))
 
     def _begin_over(self, leg: CopterLeg) -> None:
         self._before, self.state.clock = NO_LEG, 0.0
         self._begin(leg)
-
-    @property
-    def spool_down(self) -> float:
-        return self.limits.spool_up
 
 
 def _at_rest(place: Place, time: float) -> State:

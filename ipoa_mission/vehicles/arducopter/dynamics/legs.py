@@ -1,39 +1,17 @@
 """Plan ArduCopter's legs: straight, arc, spline, vertical, hold and circle, with their speed limits."""
 
 import math
-from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
-from ipoa_mission.forecast.itinerary.copter_curves import (
-    arc_center,
-    arc_length,
-    arc_radius,
-    cubic,
-    is_arc,
-    minus,
-    spline_tangents,
-)
+from ipoa_mission.forecast.itinerary import copter_curves as curves
 from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.arducopter.braking import circle_spin
-from ipoa_mission.vehicles.arducopter.dynamics.motion import (
-    HOLD,
-    LEVEL_OFF,
-    ORBIT,
-    SPLINE,
-    STRAIGHT,
-    ZERO,
-    CopterLeg,
-    MotionLimits,
-    Orbit,
-    Vector,
-)
+from ipoa_mission.vehicles.arducopter.dynamics.motion import ZERO, CopterLeg, Kind, MotionLimits, Vector
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
 SPLINE_SHARE = 0.5  # of the acceleration limits
-SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 ZERO_LENGTH = 1e-6  # [m]
 
 
@@ -43,11 +21,8 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     if length < 1e-9:
         return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
     x, y, z = ((b - a) / length for a, b in zip(origin, target, strict=True))
-    speed, accel = (
-        along_limit(x, y, z, speeds),
-        along_limit(x, y, z, MotionLimits(copter.accel, copter.accel_z, copter.accel_z)),
-    )
-    return SCurveLimits(speed, accel, copter.jerk, copter.snap)
+    accel = along_limit(x, y, z, MotionLimits(copter.accel, copter.accel_z, copter.accel_z))
+    return SCurveLimits(along_limit(x, y, z, speeds), accel, copter.jerk, copter.snap)
 
 
 class Stop(NamedTuple):
@@ -76,32 +51,27 @@ def straight_leg(
     origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits, course: Course = REST_TO_REST
 ) -> CopterLeg:
     """Return a straight leg, or an arc."""
-    enter, leave, turn, is_changed = course
-    leg = _leg(STRAIGHT, origin, target, speeds)
+    leg, turn = leg_between(Kind.STRAIGHT, origin, target, speeds), course.turn
     if leg.length <= ZERO_LENGTH:
         return leg
-    if is_arc(origin, target, turn):
-        center = Vector(*arc_center(origin, target, turn), 0.0)
-        leg = leg._replace(turn=turn, center=center, length=arc_length(origin, target, turn))
-    limits = _changed_limits(leg, copter) if is_changed else _limits_of(leg, copter)
-    return leg._replace(profile=profile(leg.length, limits, enter, leave))
+    if curves.is_arc(origin, target, turn):
+        center = Vector(*curves.arc_center(origin, target, turn), 0.0)
+        leg = leg._replace(turn=turn, center=center, length=curves.arc_length(origin, target, turn))
+    limits = _limits_of(leg, copter, course.is_changed)
+    return leg._replace(profile=profile(leg.length, limits, course.enter, course.leave))
 
 
-def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """Return those of the chord; corner acceleration limits an arc's speed."""
-    speeds = leg.speeds
-    if leg.turn != 0.0:
-        radius = arc_radius(leg.origin, leg.target, leg.turn)
-        speeds = speeds._replace(level=min(speeds.level, math.sqrt(copter.corner_accel * radius)))
-    return limits_along(leg.origin, leg.target, speeds, copter)
-
-
-def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    limits = _limits_of(leg, copter)
+def _limits_of(leg: CopterLeg, copter: CopterLimits, is_changed: bool) -> SCurveLimits:
+    """Return those of the chord; corner acceleration limits an arc's speed unless it `is_changed`."""
     if leg.turn == 0.0:
+        return limits_along(leg.origin, leg.target, leg.speeds, copter)
+    fastest = math.sqrt(copter.corner_accel * curves.arc_radius(leg.origin, leg.target, leg.turn))
+    speeds = leg.speeds._replace(level=min(leg.speeds.level, fastest))
+    limits = limits_along(leg.origin, leg.target, speeds, copter)
+    if not is_changed:
         return limits
     rise = (leg.target[2] - leg.origin[2]) / leg.length
-    return replace(limits, speed=along_limit(math.sqrt(1.0 - rise * rise), 0.0, rise, leg.speeds))
+    return limits._replace(speed=along_limit(math.sqrt(1.0 - rise * rise), 0.0, rise, leg.speeds))
 
 
 def spline_leg(
@@ -110,41 +80,22 @@ def spline_leg(
     """Return a spline that starts tangent to the previous leg (`spline_tangents`)."""
     flown_in, target = None, stop.place
     if previous is not None:
-        flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
-    tangents = spline_tangents(origin, target, flown_in, stop.after)
+        flown_in = previous.end if previous.kind == Kind.SPLINE else curves.minus(previous.target, previous.origin)
+    tangents = curves.spline_tangents(origin, target, flown_in, stop.after)
     level, vertical = SPLINE_SHARE * copter.accel, SPLINE_SHARE * copter.accel_z
-    return _leg(SPLINE, origin, target, speeds)._replace(
-        cubic=[Vector(*coefficient) for coefficient in cubic(origin, target, tangents)],
+    return leg_between(Kind.SPLINE, origin, target, speeds)._replace(
+        cubic=[Vector(*coefficient) for coefficient in curves.cubic(origin, target, tangents)],
         end=Vector(*tangents[1]),
         accel=MotionLimits(level, vertical, vertical),
     )
 
 
-def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
-    """Return a vertical leg to `height` [m]; a HOLD `lasts` [s]."""
-    return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
+def upright_leg(kind: Kind, place: Place, height: float, speeds: MotionLimits) -> CopterLeg:
+    return leg_between(kind, place, (place[0], place[1], height), speeds)
 
 
 def hold_leg(place: Place, lasts: float) -> CopterLeg:
-    return upright_leg(HOLD, place, place[2], MotionLimits(0.0, 0.0, 0.0), lasts)
-
-
-def orbit_of(radius: float, speed: float, copter: CopterLimits) -> Orbit:
-    spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
-    if radius > 0.0:
-        spin = circle_spin(copter, radius, speed)
-        spin_up = max(copter.accel / radius, SLOWEST_SPIN_UP)
-    return Orbit(radius, spin, spin_up)
-
-
-def orbit_leg(here: Place, center: Place, orbit: Orbit, turn: float, speeds: MotionLimits) -> CopterLeg:
-    """Return a circle of `turn` [rad], clockwise."""
-    leg = _leg(ORBIT, here, here, speeds)._replace(length=orbit.radius * abs(turn), turn=turn)
-    return leg._replace(center=Vector(*center), orbit=orbit)
-
-
-def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
-    return upright_leg(LEVEL_OFF, here, up, speeds)
+    return leg_between(Kind.HOLD, place, place, MotionLimits(0.0, 0.0, 0.0))._replace(lasts=lasts)
 
 
 def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
@@ -152,13 +103,13 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
 
     `left`: the leave speed of the last spline [m/s].
     """
-    if this.kind == following.kind == STRAIGHT:
+    if this.kind == following.kind == Kind.STRAIGHT:
         return this
     speed = _speed_at(following, 0.0)
-    if following.kind == SPLINE:
+    if following.kind == Kind.SPLINE:
         brakes = along_limit(*bend(following, 0.0)[1], following.accel)
         speed = min(speed, math.sqrt(2 * brakes * following.length + left**2))
-    if this.kind == SPLINE:
+    if this.kind == Kind.SPLINE:
         return this._replace(leave=min(speed, _speed_at(this, 1.0)))
     return straight_leg(this.origin, this.target, this.speeds, copter, Course(leave=speed, turn=this.turn))
 
@@ -173,16 +124,17 @@ def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: Copt
     if speeds == leg.speeds:
         return leg
     changed = leg._replace(speeds=speeds)
-    if leg.kind == SPLINE or leg.profile is AT_REST:
+    if leg.kind == Kind.SPLINE or leg.profile is AT_REST:
         return changed
-    return changed._replace(profile=change(leg.profile, elapsed, leg.length, _changed_limits(changed, copter)))
+    limits = _limits_of(changed, copter, True)
+    return changed._replace(profile=change(leg.profile, elapsed, leg.length, limits))
 
 
-def _leg(kind: float, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:
+def leg_between(kind: Kind, origin: Place, target: Place, speeds: MotionLimits) -> CopterLeg:
     length = math.dist(origin, target)
-    direction = Vector(*(x / length for x in minus(target, origin))) if length > 1e-9 else ZERO
+    direction = Vector(*(x / length for x in curves.minus(target, origin))) if length > 1e-9 else ZERO
     return CopterLeg(kind, Vector(*origin), Vector(*target), direction, length, speeds)
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:
-    return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])
+    return leg.profile.peak if leg.kind == Kind.STRAIGHT else float(bend(leg, end)[3])

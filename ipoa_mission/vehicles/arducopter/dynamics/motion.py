@@ -2,20 +2,31 @@
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Annotated, NamedTuple
 
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
-from ipoa_mission.wind import MAX_LEVELS, Wind
+from ipoa_mission.wind import Wind, WindTable, wind_table
 
 STEP = 0.02  # [s]
 ASTRAY, ASTRAY_S = 30.0, 3.0  # lag in calm air: [m], plus [s] of flight
 STANDING_SHARE = 0.05  # of the speed: a slower target does not turn the yaw
 
-#: Kinds of legs. CLIMB and DESCENT have no S-curve; LEVEL_OFF ends LOITER_TO_ALT.
-NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD, ORBIT, LEVEL_OFF = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
+
+class Kind(IntEnum):
+    """Legs; CLIMB and DESCENT have no S-curve, LEVEL_OFF ends LOITER_TO_ALT."""
+
+    NOTHING = -1
+    STRAIGHT = 0
+    SPLINE = 1
+    CLIMB = 2
+    DESCENT = 3
+    HOLD = 4
+    ORBIT = 5
+    LEVEL_OFF = 6
 
 
 class Vector(NamedTuple):
@@ -54,7 +65,7 @@ class CopterLeg(NamedTuple):
     in motion.
     """
 
-    kind: float
+    kind: int
     origin: Vector
     target: Vector
     direction: Vector
@@ -72,90 +83,42 @@ class CopterLeg(NamedTuple):
     ends_near: float = 0.0
 
 
-NO_LEG = CopterLeg(NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
-
-
-Level = tuple[float, float, float]
-Levels = tuple[Level, Level, Level, Level, Level, Level, Level, Level]
+NO_LEG = CopterLeg(Kind.NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
 
 
 class Tuning(NamedTuple):
     """Constants of a flight; shares are of a first-order lag in one step."""
 
-    radius: float
-    corner_accel: float
-    accel: float
-    shaping_jerk: float
-    accel_z: float
-    jerk_z: float
-    land_low: float
-    land_speed: float
-    land_speed_high: float
-    p_position: float
-    p_velocity: float
-    i_velocity: float
-    d_velocity: float
-    p_height: float
+    limits: CopterLimits
+    airframe: Airframe
+    wind: WindTable
     most_lean: float
     smoothing: float  # share of the velocity error
     leaning: float  # share of the lean setpoint
     turning: float
     slowing: float
-    rotor_drag: float
-    body_drag: float
-    wind_east: float
-    wind_north: float
-    wind_exponent: float
-    gradient_height: float
-    wind_levels: Levels  # used if the first level is below the last
     slew: float  # of the yaw in one step [rad]; 0: fixed
     most_astray: float  # farther from its target it is lost [m]
     turning_from: float  # least target speed that turns the yaw [m/s]
-    brakes_climb: float  # 1: with all acceleration, since 4.8; 0: half
-
-
-def levels_of(wind: Wind) -> Levels:
-    """Return height, east and north wind (towards) of each level, padded; all 0 without profile."""
-    given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
-    return tuple(given + given[-1:] * (MAX_LEVELS - len(given)))  # type: ignore[return-value]
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
-
     def share(lag: float) -> float:
         return 1 - math.exp(-STEP / lag)
 
+    blows = wind_table(wind)
     return Tuning(
-        limits.radius,
-        limits.corner_accel,
-        limits.accel,
-        limits.shaping_jerk,
-        limits.accel_z,
-        limits.jerk_z,
-        limits.land_low,
-        limits.land_speed,
-        limits.land_speed_high,
-        limits.p_position,
-        limits.p_velocity,
-        limits.i_velocity,
-        limits.d_velocity,
-        limits.p_height,
+        limits,
+        airframe,
+        blows._replace(levels=tuple(blows.levels)),
         most_lean=GRAVITY * math.tan(limits.lean),
         smoothing=share(1 / (2 * math.pi * limits.velocity_filter)),
         leaning=share(limits.lean_lag),
         turning=share(airframe.lag),
         slowing=share(max(limits.accel / limits.jerk, STEP)),
-        rotor_drag=airframe.rotor_drag,
-        body_drag=airframe.body_drag,
-        wind_east=wind.east,
-        wind_north=wind.north,
-        wind_exponent=wind.exponent,
-        gradient_height=wind.gradient_height,
-        wind_levels=levels_of(wind),
         slew=limits.yaw_rate * STEP,
         most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
         turning_from=STANDING_SHARE * limits.speed,
-        brakes_climb=float(limits.brakes_climb),
     )
 
 

@@ -11,8 +11,7 @@ CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
 MOST_SEGMENTS = 24
 
 
-@dataclass(frozen=True)
-class SCurveLimits:
+class SCurveLimits(NamedTuple):
     """Limits along a leg [m/s, m/s^2, m/s^3, m/s^4]."""
 
     speed: float

@@ -82,7 +82,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the height is reached."""
     before = state.z - this.target.z
     shape_to_rest(state, tuning)
-    wanted = square_root_law(-before, tuning.accel_z, tuning.p_height)
+    wanted = square_root_law(-before, tuning.limits.accel_z, tuning.limits.p_height)
     climb_at(state, min(max(wanted, -this.speeds.down), this.speeds.up), tuning)
     state.rate = 1.0
     passed, state.above = before * state.above < 0.0, before
@@ -90,8 +90,8 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
-    jerk, gain = tuning.jerk_z * STEP, tuning.jerk_z / tuning.accel_z
-    accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
+    jerk, gain = tuning.limits.jerk_z * STEP, tuning.limits.jerk_z / tuning.limits.accel_z
+    accel = min(max(gain * (wanted - state.vz), -tuning.limits.accel_z), tuning.limits.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
     state.aim_z = state.vz + state.az * STEP
     state.target_z = state.z + state.aim_z * STEP
@@ -107,7 +107,7 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
 
 def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
     advance(state)
-    gain, accel = tuning.shaping_jerk / tuning.accel, tuning.accel
+    gain, accel = tuning.limits.shaping_jerk / tuning.limits.accel, tuning.limits.accel
     ex, ey = x - state.target_x, y - state.target_y
     far = math.sqrt(ex * ex + ey * ey)
     wanted_x = wanted_y = 0.0
@@ -126,7 +126,9 @@ def shape_to_rest(state: State, tuning: Tuning) -> None:
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     slowed = 0.0
     if speed > 0.0:
-        slowed = square_root_law(speed, tuning.shaping_jerk, tuning.shaping_jerk / tuning.accel) / speed
+        slowed = (
+            square_root_law(speed, tuning.limits.shaping_jerk, tuning.limits.shaping_jerk / tuning.limits.accel) / speed
+        )
     shape(state, -slowed * state.aim_x, -slowed * state.aim_y, tuning)
 
 
@@ -138,21 +140,21 @@ def advance(state: State) -> None:
 
 def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
     """Approach this target acceleration; braking takes precedence over turning."""
-    x, y = within(x, y, 2.0 * tuning.accel)
+    x, y = within(x, y, 2.0 * tuning.limits.accel)
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     if speed > 0.0:
         dx, dy = state.aim_x / speed, state.aim_y / speed
         along, across = x * dx + y * dy, dx * y - dy * x
         if along > 0.0:
-            across = min(max(across, -tuning.accel), tuning.accel)
-            along = min(along, math.sqrt(tuning.accel**2 - across * across))
+            across = min(max(across, -tuning.limits.accel), tuning.limits.accel)
+            along = min(along, math.sqrt(tuning.limits.accel**2 - across * across))
         else:
-            along = max(along, -tuning.accel)
-            room = math.sqrt(tuning.accel**2 - along * along)
+            along = max(along, -tuning.limits.accel)
+            room = math.sqrt(tuning.limits.accel**2 - along * along)
             across = min(max(across, -room), room)
         x, y = along * dx - across * dy, along * dy + across * dx
-    x, y = within(x, y, tuning.accel)
-    x, y = within(x - state.push_x, y - state.push_y, tuning.shaping_jerk * STEP)
+    x, y = within(x, y, tuning.limits.accel)
+    x, y = within(x - state.push_x, y - state.push_y, tuning.limits.shaping_jerk * STEP)
     state.push_x, state.push_y = state.push_x + x, state.push_y + y
 
 

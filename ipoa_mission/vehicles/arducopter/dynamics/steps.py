@@ -5,21 +5,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import THINNING
-from ipoa_mission.vehicles.arducopter.dynamics.motion import (
-    CLIMB,
-    DESCENT,
-    HOLD,
-    LEVEL_OFF,
-    NOTHING,
-    ORBIT,
-    SPLINE,
-    STEP,
-    STRAIGHT,
-    CopterLeg,
-    MotionLimits,
-    State,
-    Tuning,
-)
+from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, Kind, MotionLimits, State, Tuning
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     along,
     climb_at,
@@ -29,6 +15,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     shape_to_rest,
     square_root_law,
 )
+from ipoa_mission.wind import wind_at
 
 Triple = tuple[float, float, float]
 
@@ -76,7 +63,7 @@ def clock_step(state: State, tuning: Tuning) -> float:
     if square > 1e-12:
         flown = state.vx * state.aim_x + state.vy * state.aim_y + state.rate * state.aim_z**2
         behind = (state.target_x - state.x) * state.aim_x + (state.target_y - state.y) * state.aim_y
-        wanted = min(max(0.05 + (flown - tuning.p_position * behind) / square, 0.0), 1.0)
+        wanted = min(max(0.05 + (flown - tuning.limits.p_position * behind) / square, 0.0), 1.0)
     state.rate += (wanted - state.rate) * tuning.slowing
     return state.rate * STEP
 
@@ -98,10 +85,10 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
     a, v, s = along(following, half)
     (x2, y2, z2), _, (ax2, ay2, az2) = on_way(following, a, v, s, 0.0)
     x, y, z = x + x2, y + y2, z + z2
-    if x * x + y * y + z * z >= tuning.radius**2:
+    if x * x + y * y + z * z >= tuning.limits.radius**2:
         return False
     x, y, z = ax + ax2, ay + ay2, az + az2
-    return x * x + y * y < tuning.corner_accel**2 and abs(z) < tuning.accel_z
+    return x * x + y * y < tuning.limits.corner_accel**2 and abs(z) < tuning.limits.accel_z
 
 
 def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
@@ -111,12 +98,12 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
     state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
     state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
     add_leg(state, this, state.clock, 0.0)
-    if before.kind == STRAIGHT:
+    if before.kind == Kind.STRAIGHT:
         state.clock_before += h
         add_leg(state, before, state.clock_before, before.length)
     rest = this.profile.lasts - state.clock
     finished = rest <= 0.0
-    if following.kind == STRAIGHT:
+    if following.kind == Kind.STRAIGHT:
         if state.clock_next > 0.0:
             state.clock_next += h
         elif (
@@ -174,40 +161,45 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         state.target_x, state.target_y = this.target.x, this.target.y
         state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
     state.rate = 1.0
-    if this.kind == HOLD:
+    if this.kind == Kind.HOLD:
         state.clock += STEP
         state.target_z, state.aim_z = top, 0.0
         return state.clock >= this.lasts
-    gain = tuning.jerk_z / tuning.accel_z
-    if this.kind == CLIMB and tuning.brakes_climb > 0.0:
-        wanted = min(braked(top - state.z, state.vz, tuning.accel_z, gain), this.speeds.up)
-    elif this.kind == CLIMB:
-        wanted = min(square_root_law(top - state.z, tuning.accel_z / 2, gain / 2), this.speeds.up)
+    gain = tuning.limits.jerk_z / tuning.limits.accel_z
+    if this.kind == Kind.CLIMB and tuning.limits.brakes_climb:
+        wanted = min(braked(top - state.z, state.vz, tuning.limits.accel_z, gain), this.speeds.up)
+    elif this.kind == Kind.CLIMB:
+        wanted = min(square_root_law(top - state.z, tuning.limits.accel_z / 2, gain / 2), this.speeds.up)
     else:
-        fall = square_root_law(tuning.land_low - state.z, tuning.accel_z, tuning.p_height)
-        wanted = min(max(fall, -max(tuning.land_speed_high, tuning.land_speed)), -tuning.land_speed)
+        fall = square_root_law(tuning.limits.land_low - state.z, tuning.limits.accel_z, tuning.limits.p_height)
+        wanted = min(
+            max(fall, -max(tuning.limits.land_speed_high, tuning.limits.land_speed)), -tuning.limits.land_speed
+        )
     climb_at(state, wanted, tuning)
-    if this.kind == DESCENT:
+    if this.kind == Kind.DESCENT:
         return state.target_z <= top
     slow = 0.1 * this.speeds.up
-    if tuning.brakes_climb > 0.0:
-        return state.target_z >= top - 0.5 * slow * slow / tuning.accel_z and state.aim_z < slow
+    if tuning.limits.brakes_climb:
+        return state.target_z >= top - 0.5 * slow * slow / tuning.limits.accel_z and state.aim_z < slow
     return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < slow
 
 
 def control(state: State, tuning: Tuning) -> None:
     x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
     far = math.sqrt(x * x + y * y)
-    if far > tuning.accel / tuning.p_position**2:
-        nearer = square_root_law(far, tuning.accel, tuning.p_position) / (tuning.p_position * far)
+    if far > tuning.limits.accel / tuning.limits.p_position**2:
+        nearer = square_root_law(far, tuning.limits.accel, tuning.limits.p_position) / (tuning.limits.p_position * far)
         x, y = x * nearer, y * nearer
-    x = state.aim_x + tuning.p_position * x - state.vx - state.ax * STEP
-    y = state.aim_y + tuning.p_position * y - state.vy - state.ay * STEP
+    x = state.aim_x + tuning.limits.p_position * x - state.vx - state.ax * STEP
+    y = state.aim_y + tuning.limits.p_position * y - state.vy - state.ay * STEP
     gain_x, gain_y = tuning.smoothing * (x - state.error_x), tuning.smoothing * (y - state.error_y)
     ex, ey = state.error_x + gain_x, state.error_y + gain_y
-    x = state.push_x + tuning.p_velocity * ex + state.integral_x + tuning.d_velocity * gain_x / STEP
-    y = state.push_y + tuning.p_velocity * ey + state.integral_y + tuning.d_velocity * gain_y / STEP
-    sum_x, sum_y = state.integral_x + tuning.i_velocity * ex * STEP, state.integral_y + tuning.i_velocity * ey * STEP
+    x = state.push_x + tuning.limits.p_velocity * ex + state.integral_x + tuning.limits.d_velocity * gain_x / STEP
+    y = state.push_y + tuning.limits.p_velocity * ey + state.integral_y + tuning.limits.d_velocity * gain_y / STEP
+    sum_x, sum_y = (
+        state.integral_x + tuning.limits.i_velocity * ex * STEP,
+        state.integral_y + tuning.limits.i_velocity * ey * STEP,
+    )
     if x * x + y * y > tuning.most_lean**2:
         x, y = within_lean(x, y, state.aim_x, state.aim_y, tuning.most_lean)
         grown, was = math.sqrt(sum_x**2 + sum_y**2), math.sqrt(state.integral_x**2 + state.integral_y**2)
@@ -237,7 +229,7 @@ def move(state: State, tuning: Tuning) -> None:
     state.lean_y += (state.shaped_y - state.lean_y) * tuning.turning
     turn_nose(state, tuning)
     climbed = state.aim_z * state.rate
-    state.vz = climbed + tuning.p_height * (state.target_z - state.z - climbed * STEP)
+    state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
     x, y, lift = drag(state, tuning)
     state.load = 1.0 - lift / GRAVITY
     state.ax, state.ay = state.lean_x * state.load + x, state.lean_y * state.load + y
@@ -258,25 +250,8 @@ def turn_nose(state: State, tuning: Tuning) -> None:
     state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
 
 
-def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
-    levels = tuning.wind_levels
-    if levels[0][0] == levels[-1][0]:
-        gust = 1.0
-        if height < tuning.gradient_height and tuning.gradient_height > 0.0:
-            gust = (max(height, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
-        return gust * tuning.wind_east, gust * tuning.wind_north
-    above = 0
-    while above < len(levels) - 1 and levels[above][0] < height:
-        above += 1
-    low, high = levels[max(above - 1, 0)], levels[above]
-    share = 1.0
-    if high[0] > low[0]:
-        share = min(max((height - low[0]) / (high[0] - low[0]), 0.0), 1.0)
-    return low[1] + share * (high[1] - low[1]), low[2] + share * (high[2] - low[2])
-
-
 def drag(state: State, tuning: Tuning) -> Triple:
-    east, north = wind_at(state.z, tuning)
+    east, north = wind_at(state.z, tuning.wind)
     x, y, z = state.vx - east, state.vy - north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
     nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # axes: up, forward, left
@@ -287,9 +262,9 @@ def drag(state: State, tuning: Tuning) -> Triple:
     sx, sy, sz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
     up, on, aside = x * nx + y * ny + z * nz, x * fx + y * fy + z * fz, x * sx + y * sy + z * sz
     thinner = THINNING * state.z
-    k = tuning.body_drag * (1.0 - thinner)
+    k = tuning.airframe.body_drag * (1.0 - thinner)
     up, on, aside = k * up * abs(up), k * on * abs(on), k * aside * abs(aside)
-    k = tuning.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
+    k = tuning.airframe.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
     return (
         -k * x - up * nx - on * fx - aside * sx,
         -k * y - up * ny - on * fy - aside * sy,
@@ -299,28 +274,28 @@ def drag(state: State, tuning: Tuning) -> Triple:
 
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Return whether the leg counts as passed."""
-    if this.kind == STRAIGHT:
+    if this.kind == Kind.STRAIGHT:
         finished = along_legs(state, before, this, following, tuning)
-    elif this.kind == SPLINE:
+    elif this.kind == Kind.SPLINE:
         finished = along_spline(state, this, clock_step(state, tuning))
-    elif this.kind == ORBIT:
+    elif this.kind == Kind.ORBIT:
         finished = orbit(state, this, tuning)
-    elif this.kind == LEVEL_OFF:
+    elif this.kind == Kind.LEVEL_OFF:
         finished = level_off(state, this, tuning)
     else:
         finished = upright(state, this, tuning)
     control(state, tuning)
     move(state, tuning)
-    if this.kind > SPLINE or following.kind > NOTHING or this.leave > 0.0:
+    if this.kind > Kind.SPLINE or following.kind > Kind.NOTHING or this.leave > 0.0:
         return finished
     ex, ey = this.target.x - state.x, this.target.y - state.y
-    return (finished or this.ends_near > 0.0) and ex * ex + ey * ey <= tuning.radius**2
+    return (finished or this.ends_near > 0.0) and ex * ex + ey * ey <= tuning.limits.radius**2
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:
     left = this.profile.falls - state.clock - SETTLED_S
     if (
-        this.kind != STRAIGHT
+        this.kind != Kind.STRAIGHT
         or this.turn != 0.0
         or left < SETTLED_S
         or state.clock < this.profile.risen + SETTLED_S

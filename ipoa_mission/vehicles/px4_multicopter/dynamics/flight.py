@@ -1,79 +1,314 @@
-"""Fly PX4's orders from start to end; long cruises are skipped."""
+"""One step of PX4: smoothed trajectory, position controller, body and sensors.
+
+The trajectory has three spans of constant jerk per axis, ending together. After a climb the hover thrust estimate is
+too large, as it ignores drag. Anti-windup then reduces the level integrator: PX4 flies slower.
+"""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import CORRECTED_FOR, no_errors
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
-    GO,
-    LAND,
-    NOT_BEGUN,
-    NOT_YET,
-    ON_LINE,
-    TAKE_OFF,
-    Axis,
-    Body,
-    Enu,
-    Order,
-    Progress,
-    SimulationConstants,
-    State,
-    Trajectory,
+from ipoa_mission.geometry import GRAVITY, Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
+from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
+    climb_limits,
+    detect_contact,
+    guided,
+    heading_error,
+    is_low_take_off,
+    level,
+    stands,
+    turned,
+    velocity_setpoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, add_sensor_errors, integrate, of
+from ipoa_mission.vehicles.px4_multicopter.limits import STAGES, Px4Limits
 
 SETTLED_S = 30.0  # of steady flight before a part of a leg is skipped [s]
+HOVER_SURE, HOVER_SURE_UP = 10.0, 2.0  # of good hover thrust estimates: HTE_VXY_THR, HTE_VZ_THR [m/s]
 
 
-def past_cruise(state: State, order: Order, constants: SimulationConstants) -> State:
+def controlled(
+    state: State, trajectory: px4.Trajectory, order: Order, constants: px4.SimulationConstants
+) -> tuple[Enu, px4.Control]:
+    """Return the acceleration setpoint: level as lean, upwards as thrust over weight.
+
+    A take-off ramps up the climb limit, without acceleration feed-forward.
+    """
+    limits, body, was, dt = constants.limits, state.body, state.control, constants.dt
+    east, north = level_velocity(trajectory, body, limits, dt)
+    east, north = (
+        east - body.speed.east - body.acceleration.east * dt,
+        north - body.speed.north - body.acceleration.north * dt,
+    )
+    ask_east = trajectory.east.acceleration + limits.p_velocity * east + was.integral.east
+    ask_north = trajectory.north.acceleration + limits.p_velocity * north + was.integral.north
+    ask_east -= limits.d_velocity * body.acceleration.east
+    ask_north -= limits.d_velocity * body.acceleration.north
+    most_climb, foreseen, ramp = limits.most_climb, trajectory.up.acceleration, state.time - state.begun
+    if order.kind == px4.TAKE_OFF and ramp < limits.takeoff_ramp:
+        none = -GRAVITY / limits.p_climb
+        most_climb, foreseen = none + ramp / limits.takeoff_ramp * (most_climb - none), 0.0
+    climb = trajectory.up.speed + limits.p_height * (trajectory.up.place - body.place.up)
+    up = min(max(climb, -limits.most_descent), most_climb) - body.speed.up
+    thrust = max(foreseen + limits.p_climb * up + was.integral.up, -GRAVITY)
+    size = math.sqrt(ask_east * ask_east + ask_north * ask_north)
+    share = 1.0 if size <= constants.most_lean else constants.most_lean / size
+    # anti-windup: with too little lean or thrust
+    back = 2.0 / limits.p_velocity * max(1.0 - share * (1.0 + thrust / GRAVITY) / was.hover, 0.0)
+    integral = Enu(
+        was.integral.east + limits.i_velocity * (east - back * ask_east) * dt,
+        was.integral.north + limits.i_velocity * (north - back * ask_north) * dt,
+        was.integral.up + (limits.i_climb * up * dt if up > 0.0 or thrust > -GRAVITY else 0.0),
+    )
+    return Enu(ask_east * share, ask_north * share, thrust), px4.Control(integral, was.hover, thrust)
+
+
+def level_velocity(trajectory: px4.Trajectory, body: px4.Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
+    x: px4.Axis = trajectory.east
+    y: px4.Axis = trajectory.north
+    east = x.speed + limits.p_position * (x.place - body.place.east - body.speed.east * dt)
+    north = y.speed + limits.p_position * (y.place - body.place.north - body.speed.north * dt)
+    size = math.sqrt(east * east + north * north)
+    share = 1.0 if size <= limits.most_speed else limits.most_speed / size
+    return east * share, north * share
+
+
+def hover_learned(control: px4.Control, body: px4.Body, constants: px4.SimulationConstants, time: float) -> px4.Control:
+    """Update the learned hover thrust, which counts drag in a climb as weight."""
+    fast = level(body.speed)
+    doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
+    share = (1.0 / constants.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * constants.dt / doubt
+    takes = 1.0 + constants.airframe.drag * body.speed.up / GRAVITY
+    return px4.Control(control.integral, control.hover + (takes - control.hover) * min(share, 1.0), control.thrust)
+
+
+class Profile(NamedTuple):
+    """Jerk j [m/s^3, signed], durations of j, 0 and -j [s]."""
+
+    jerk: float
+    rise: float
+    coast: float
+    fall: float
+
+
+def quickest(axis: px4.Axis, goal: float, accel: float, jerk: float) -> Profile:
+    """Return the fastest change to speed `goal`: peak acceleration p^2 = j (goal - v) + a^2/2."""
+    v, a = axis.speed, axis.acceleration
+    miss = goal - v - a * abs(a) / (2.0 * jerk)
+    if miss == 0.0 and a == 0.0:
+        return Profile(0.0, 0.0, 0.0, 0.0)
+    j = math.copysign(jerk, miss if miss != 0.0 else a)
+    p = math.copysign(math.sqrt(max(j * (goal - v) + a * a / 2.0, 0.0)), j)
+    coast = 0.0
+    if abs(p) > accel:
+        p = math.copysign(accel, j)
+        coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
+    rise = (p - a) / j
+    if rise < 0.0:
+        return Profile(j, 0.0, coast, a / j)
+    return Profile(j, rise, coast, p / j)
+
+
+def stretched(axis: px4.Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
+    """Return the change stretched to `lasts` s.
+
+    Peak p: the smaller root in the direction of j of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
+    """
+    j, a = profile.jerk, axis.acceleration
+    if j == 0.0 or profile.rise + profile.coast + profile.fall >= lasts:
+        return profile
+    b = j * lasts + a
+    root = math.sqrt(max(b * b - 4.0 * (j * (goal - axis.speed) + a * a / 2.0), 0.0))
+    p = (b - root) / 2.0 if j > 0.0 else (b + root) / 2.0
+    p = min(max(p, -accel), accel)
+    rise, fall = max((p - a) / j, 0.0), max(p / j, 0.0)
+    return Profile(j, rise, max(lasts - rise - fall, 0.0), fall)
+
+
+def moved(axis: px4.Axis, profile: Profile, t: float) -> px4.Axis:
+    x, v, a, j = axis.place, axis.speed, axis.acceleration, profile.jerk
+    d = min(t, profile.rise)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 + d * j / 6.0)), v + d * (a + d * j / 2.0), a + d * j
+        t -= d
+    d = min(t, profile.coast)
+    if d > 0.0:
+        x, v = x + d * (v + d * a / 2.0), v + d * a
+        t -= d
+    d = min(t, profile.fall)
+    if d > 0.0:
+        x, v, a = x + d * (v + d * (a / 2.0 - d * j / 6.0)), v + d * (a - d * j / 2.0), a - d * j
+        t -= d
+    if t > 0.0:
+        x, a = x + t * v, 0.0
+    return px4.Axis(x, v, a)
+
+
+def smoothed(
+    trajectory: px4.Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, times: tuple[float, float]
+) -> px4.Trajectory:
+    """Return the trajectory later by `times` [s], level and upwards."""
+    x, y, z = trajectory
+    t, t_up = times
+    accel, jerk = limits.accel, limits.jerk
+    east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)
+    up = quickest(z, velocity.up, accel_up, jerk)
+    longest = max(east.rise + east.coast + east.fall, north.rise + north.coast + north.fall)
+    longest = max(longest, up.rise + up.coast + up.fall)
+    return px4.Trajectory(
+        moved(x, stretched(x, velocity.east, accel, east, longest), t),
+        moved(y, stretched(y, velocity.north, accel, north, longest), t),
+        moved(z, stretched(z, velocity.up, accel_up, up, longest), t_up),
+    )
+
+
+STANDING = 1e-6  # a slower trajectory waits for the vehicle [m/s]
+SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
+GROUND_SINK = 0.7  # [m/s]
+
+
+def step(state: State, order: Order, constants: px4.SimulationConstants) -> State:
+    limits, standing = constants.limits, stands(state, order)
+    velocity, guidance = velocity_setpoint(state, order, constants, guided(state, order, limits))
+    trajectory = track_setpoint(state, order, constants, velocity)
+    asked, control = controlled(state, trajectory, order, constants)
+    if not (standing or state.body.on_ground):
+        control = hover_learned(control, state.body, constants, state.time)
+    body = integrate(state, asked, constants, standing)
+    errors = add_sensor_errors(state, constants)
+    if errors.told != state.errors.told:
+        guidance = px4.Guidance(px4.UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
+    contact = detect_contact(state, body, asked.up, constants) if order.kind == px4.LAND else state.contact
+    time = state.time + constants.dt
+    there = state.been_there or is_there(body, errors, contact, order)
+    reached = state.reached
+    if there and reached < 0.0 and (math.isnan(order.heading) or abs(heading_error(state, order)) <= limits.yaw_error):
+        reached = time
+    nose = turned(state, order, limits, constants.dt) if constants.turns else state.nose
+    return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
+
+
+def track_setpoint(state: State, order: Order, constants: px4.SimulationConstants, velocity: Enu) -> px4.Trajectory:
+    """Return the trajectory a step later, stretched while the vehicle lags."""
+    limits, at, was = constants.limits, state.body.place, state.trajectory
+    low = is_low_take_off(state, order, limits)
+    climb = climb_limits(state.guidance.rising, low, limits)
+    if low:
+        was = px4.Trajectory(was.east, was.north, px4.Axis(at.up, was.up.speed, was.up.acceleration))
+    most = limits.most_speed
+    within = Enu(
+        min(max(velocity.east, -most), most),
+        min(max(velocity.north, -most), most),
+        min(max(velocity.up, -climb.rate), climb.rate),
+    )
+    east, north, behind = was.east.place - at.east, was.north.place - at.north, 0.0
+    standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
+    if standing or east * was.east.speed + north * was.north.speed >= 0.0:
+        behind = math.sqrt(east * east + north * north)
+    pace = pace_up = 1.0 - min(behind / limits.most_lag, 1.0)
+    if limits.splits_axes:
+        pace_up, lead = 1.0, was.up.place - at.up
+        if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
+            pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
+    now = smoothed(was, within, limits, climb.accel, (constants.dt * pace, constants.dt * pace_up))
+    if order.kind != px4.LAND:
+        return now
+    return px4.Trajectory(in_single(now.east), in_single(now.north), now.up)
+
+
+def in_single(axis: px4.Axis) -> px4.Axis:
+    """Round places as PX4 does: lost steps leave a speed that delays a landing."""
+    wide = SPLIT * axis.place
+    return px4.Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
+
+
+def is_there(body: px4.Body, errors: px4.Errors, contact: px4.Contact, order: Order) -> bool:
+    """The navigator knows home's corrections at once."""
+    if order.kind == px4.LAND:
+        return contact.stages >= STAGES
+    home = errors.home if order.follows_home else 0.0
+    if order.kind == px4.TAKE_OFF:
+        return body.place.up > order.goal.up + home - order.height_radius
+    east, north = body.place.east - order.goal.east, body.place.north - order.goal.north
+    near = east * east + north * north <= order.radius * order.radius
+    return near and abs(body.place.up - home - order.goal.up) <= order.height_radius
+
+
+def is_over(state: State, order: Order) -> bool:
+    return state.reached >= 0.0 and state.time - state.reached >= max(order.hold_s, px4.NOTICED_S)
+
+
+def at_rest(place: Enu, time: float, yaw: float, errors: px4.Errors, on_ground: bool) -> State:
+    body = px4.Body(place, px4.ZERO, px4.Level(0.0, 0.0), px4.Level(0.0, 0.0), px4.ZERO, on_ground, time)
+    east, north, up = px4.Axis(place.east, 0.0, 0.0), px4.Axis(place.north, 0.0, 0.0), px4.Axis(place.up, 0.0, 0.0)
+    trajectory, guidance = px4.Trajectory(east, north, up), px4.Guidance(px4.ON_LINE, place, 0.0, True)
+    nose, control, contact = px4.Yaw(yaw, 0.0), px4.Control(px4.ZERO, 1.0, 0.0), px4.Contact(False, False, 0, time)
+    return State(time, body, nose, trajectory, guidance, control, errors, contact, time, px4.NOT_YET, False)
+
+
+def begun(state: State, order: Order) -> State:
+    trajectory, body = state.trajectory, state.body
+    on_ground = body.on_ground and order.kind == px4.TAKE_OFF
+    if on_ground:
+        trajectory = px4.Trajectory(trajectory.east, trajectory.north, px4.Axis(trajectory.up.place, -GROUND_SINK, 0.0))
+    body = px4.Body(body.place, body.speed, body.acceleration, body.asked, body.thrust, on_ground, body.airborne_since)
+    guidance = px4.Guidance(px4.ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
+    return State(
+        state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
+        px4.Contact(False, False, 0, state.time), state.time, px4.NOT_YET, False,
+    )  # fmt: skip
+
+
+def past_cruise(state: State, order: Order, constants: px4.SimulationConstants) -> State:
     """Skip the steady middle of a long level leg; sensor errors stay."""
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
-    if order.kind != GO or state.guidance.side != ON_LINE or state.time - state.begun < SETTLED_S or speed < 0.1:
+    is_on_line = order.kind == px4.GO and state.guidance.side == px4.ON_LINE
+    if not is_on_line or state.time - state.begun < SETTLED_S or speed < 0.1:
         return state
     east, north = order.goal.east - x.place, order.goal.north - y.place
     far = math.sqrt(east * east + north * north)
     coast = far - speed * SETTLED_S - speed * speed / constants.limits.accel
-    if coast < speed * SETTLED_S or order.goal.up != order.start.up or state.time - since < CORRECTED_FOR + SETTLED_S:
+    if coast < speed * SETTLED_S or state.time - since < px4.CORRECTED_FOR + SETTLED_S:
         return state
-    if x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
+    if order.goal.up != order.start.up or x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
     east, north, time = east * coast / far, north * coast / far, state.time + coast / speed
-    x = Axis(x.place + east, x.speed, x.acceleration)
-    y = Axis(y.place + north, y.speed, y.acceleration)
-    trajectory = Trajectory(x, y, state.trajectory.up)
+    x = px4.Axis(x.place + east, x.speed, x.acceleration)
+    y = px4.Axis(y.place + north, y.speed, y.acceleration)
+    trajectory = px4.Trajectory(x, y, state.trajectory.up)
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
-    moved = Body(place, body.speed, body.acceleration, body.asked, body.thrust, body.on_ground, since)
+    moved = px4.Body(place, body.speed, body.acceleration, body.asked, body.thrust, body.on_ground, since)
     return State(
         time, moved, state.nose, trajectory, state.guidance, state.control, state.errors, state.contact,
         state.begun, state.reached, state.been_there,
     )  # fmt: skip
 
 
-def at_start(height: float, seed: int) -> Progress:
+def at_start(height: float, seed: int) -> px4.Progress:
     first, second = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(first, second), height <= 0.0)
-    return Progress(state, NOT_BEGUN, NOT_YET)
+    state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, px4.no_errors(first, second), height <= 0.0)
+    return px4.Progress(state, px4.NOT_BEGUN, px4.NOT_YET)
 
 
 def fly(
-    orders: Sequence[Order], each_constants: Sequence[SimulationConstants], flight: Progress, until: float, every: int
-) -> tuple[Vector, Points, Progress]:
+    orders: Sequence[Order], laws: Sequence[px4.SimulationConstants], flight: px4.Progress, until: float, every: int
+) -> tuple[Vector, Points, px4.Progress]:
     """Fly on; return times [s] after each order that ended, samples, and the progress.
 
     Samples (m, 7): time, place, estimated speed, each `every` steps (0: none). The flight starts at rest over home, or
     takes off. It ends at the time `until` [s], or early if an order's patience ends.
     """
-    constants, state = each_constants[0], flight.state
+    constants, state = laws[0], flight.state
     steps, touched = flight.steps, flight.touched
     done, samples, taken = np.zeros(len(orders)), np.zeros((64, 7)), 0
     for n in range(len(orders)):
         order = orders[n]
-        if steps == NOT_BEGUN:
-            if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.stands):
+        if steps == px4.NOT_BEGUN:
+            if order.kind == px4.TAKE_OFF and (state.body.on_ground or state.contact.stands):
                 lifts = state.time + constants.limits.spool_up
                 state = at_rest(state.body.place, lifts, state.nose.yaw, state.errors, True)
             state, steps = begun(state, order), 0
@@ -83,7 +318,7 @@ def fly(
             state, steps = step(state, order, constants), steps + 1
             if until == math.inf:
                 state = past_cruise(state, order, constants)
-            if order.kind == LAND and not state.contact.stands:
+            if order.kind == px4.LAND and not state.contact.stands:
                 touched = state.time
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
@@ -93,7 +328,7 @@ def fly(
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
         if state.time >= until or not is_over(state, order):
-            return done[:n].copy(), samples[:taken].copy(), Progress(state, steps, touched)
+            return done[:n].copy(), samples[:taken].copy(), px4.Progress(state, steps, touched)
         done[n] = state.reached + order.hold_s if until == math.inf else state.time
-        steps = NOT_BEGUN
-    return done, samples[:taken].copy(), Progress(state, steps, touched)
+        steps = px4.NOT_BEGUN
+    return done, samples[:taken].copy(), px4.Progress(state, steps, touched)

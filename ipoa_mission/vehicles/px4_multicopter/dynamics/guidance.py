@@ -4,25 +4,8 @@ import math
 from typing import NamedTuple
 
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
-    BEFORE,
-    BEYOND,
-    LAND,
-    OFF_LINE,
-    ON_LINE,
-    TAKE_OFF,
-    ZERO,
-    Body,
-    Contact,
-    Enu,
-    Guidance,
-    Order,
-    SimulationConstants,
-    State,
-    Trajectory,
-    Yaw,
-    of,
-)
+from ipoa_mission.vehicles.px4_multicopter.dynamics import state as px4
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order, State, Trajectory, of
 from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES, Px4Limits
 
 
@@ -91,7 +74,7 @@ def level(place: Enu) -> float:
     return math.sqrt(place.east * place.east + place.north * place.north)
 
 
-def sink_rate(state: State, order: Order, constants: SimulationConstants) -> float:
+def sink_rate(state: State, order: Order, constants: px4.SimulationConstants) -> float:
     """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
     Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
@@ -106,10 +89,10 @@ def sink_rate(state: State, order: Order, constants: SimulationConstants) -> flo
 
 
 def stands(state: State, order: Order) -> bool:
-    return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
+    return order.kind == px4.LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 
-def detect_contact(state: State, body: Body, thrust: float, constants: SimulationConstants) -> Contact:
+def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.SimulationConstants) -> px4.Contact:
     """Return the land detector's state: low thrust and speed for long enough.
 
     The range finder loses the ground below an estimated height of 0.
@@ -119,11 +102,11 @@ def detect_contact(state: State, body: Body, thrust: float, constants: Simulatio
     lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
     low = was.stages > 0 or thrust <= GRAVITY * (touchdown.low_thrust - 1.0)
     if not stands or abs(body.speed.up) >= touchdown.most_speed or not low:
-        return Contact(stands, lost, 0, state.time + constants.dt)
+        return px4.Contact(stands, lost, 0, state.time + constants.dt)
     stage = touchdown.trigger_s * (STAGES if lost and sees else 1) / STAGES
     if state.time + constants.dt - was.since >= stage:
-        return Contact(stands, lost, was.stages + 1, state.time + constants.dt)
-    return Contact(stands, lost, was.stages, was.since)
+        return px4.Contact(stands, lost, was.stages + 1, state.time + constants.dt)
+    return px4.Contact(stands, lost, was.stages, was.since)
 
 
 def heading_wanted(state: State, order: Order) -> float:
@@ -140,14 +123,14 @@ def heading_error(state: State, order: Order) -> float:
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
+def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> px4.Yaw:
     nose = state.nose
     if math.isnan(nose.yaw):
-        return Yaw(heading_wanted(state, order), 0.0)
+        return px4.Yaw(heading_wanted(state, order), 0.0)
     error, accel = heading_error(state, order), limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
     rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
-    return Yaw(nose.yaw + rate * dt, rate)
+    return px4.Yaw(nose.yaw + rate * dt, rate)
 
 
 AT_GOAL = 1e-5  # no velocity setpoint nearer [m]
@@ -157,7 +140,7 @@ MOVING = 0.2  # least speed of a turn [m/s]
 SEPARATE_AXES_SPEED = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
-def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
+def guided(state: State, order: Order, limits: Px4Limits) -> px4.Guidance:
     """Return the guidance, restarted from the present place after a change."""
     if limits.splits_axes:
         return state.guidance
@@ -165,17 +148,17 @@ def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
     at = Enu(place.east, place.north, place.up - home)
     ahead, along, across = beside_leg(at, of(order.start), of(order.goal))
     if ahead <= 1e-6:
-        return Guidance(ON_LINE, of(order.start), was.held, was.rising)
-    side = ON_LINE
+        return px4.Guidance(px4.ON_LINE, of(order.start), was.held, was.rising)
+    side = px4.ON_LINE
     if along > ahead:
-        side = BEYOND
+        side = px4.BEYOND
     elif along < 0.0 and along * along + across * across > order.radius * order.radius:
-        side = BEFORE
-    elif order.kind != LAND and across > order.radius:
-        side = OFF_LINE
-    if side == was.side and side != OFF_LINE:
+        side = px4.BEFORE
+    elif order.kind != px4.LAND and across > order.radius:
+        side = px4.OFF_LINE
+    if side == was.side and side != px4.OFF_LINE:
         return was
-    return Guidance(side, at, was.held, was.rising)
+    return px4.Guidance(side, at, was.held, was.rising)
 
 
 def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
@@ -190,14 +173,14 @@ def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
     return length, along, math.sqrt(max(square, 0.0))
 
 
-def triplet(guidance: Guidance, order: Order) -> Triplet:
+def triplet(guidance: px4.Guidance, order: Order) -> Triplet:
     """Return the leg's waypoints, or the way back to its end, start or nearest point."""
     start, goal, beyond, at = of(order.start), of(order.goal), of(order.beyond), guidance.anchor
-    if guidance.side == BEYOND:
+    if guidance.side == px4.BEYOND:
         return Triplet(at, goal, beyond)
-    if guidance.side == BEFORE:
+    if guidance.side == px4.BEFORE:
         return Triplet(at, start, goal)
-    if guidance.side == OFF_LINE:
+    if guidance.side == px4.OFF_LINE:
         length, along, _ = beside_leg(at, start, goal)
         share = along / length
         east, north = start.east + share * (goal.east - start.east), start.north + share * (goal.north - start.north)
@@ -211,7 +194,7 @@ def home_told(state: State, order: Order) -> float:
 
 
 def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
-    return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
+    return order.kind == px4.TAKE_OFF and state.body.place.up < limits.land_high
 
 
 def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
@@ -223,8 +206,8 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
 
 
 def velocity_setpoint(
-    state: State, order: Order, constants: SimulationConstants, guidance: Guidance
-) -> tuple[Enu, Guidance]:
+    state: State, order: Order, constants: px4.SimulationConstants, guidance: px4.Guidance
+) -> tuple[Enu, px4.Guidance]:
     """Return the velocity setpoint before jerk limits, and the guidance.
 
     In a turn it aims ahead on the leg and does not accelerate.
@@ -240,7 +223,7 @@ def velocity_setpoint(
         aim = ahead_on_leg(at, to, aim, order.radius)
     else:
         held = fast
-    if order.kind == LAND:
+    if order.kind == px4.LAND:
         share = fast / far if far > AT_GOAL else 0.0
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, constants))
     else:
@@ -248,8 +231,8 @@ def velocity_setpoint(
         rise = vertical_speed(at, to, climb, limits)
         velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
-        velocity = ZERO
-    return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
+        velocity = px4.ZERO
+    return velocity, px4.Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
 
 
 def ahead_on_leg(at: Enu, to: Triplet, aim: Enu, radius: float) -> Enu:
@@ -276,7 +259,7 @@ def apart(aim: Enu, fast: float, rise: float) -> Enu:
 def within(aim: Enu, fast: float, rise: float) -> Enu:
     size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
     if size <= AT_GOAL:
-        return ZERO
+        return px4.ZERO
     share = math.sqrt(fast * fast + rise * rise) / size
     east, north, up = aim.east * share, aim.north * share, aim.up * share
     flat = math.sqrt(east * east + north * north)

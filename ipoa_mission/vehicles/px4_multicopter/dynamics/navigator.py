@@ -21,7 +21,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     SimulationConstants,
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
-from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
+from ipoa_mission.wind import Wind, wind_table
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANY_RADIUS = 1e9  # without effect [m]
@@ -33,12 +33,7 @@ def simulation_constants(
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
-    east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
-    given = [*wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
-    levels = given + given[-1:] * (MAX_LEVELS - len(given))
-    return SimulationConstants(
-        limits, airframe, senses, east, north, exponent, height, levels, *steps, turns=True, noisy=True
-    )
+    return SimulationConstants(limits, airframe, senses, wind_table(wind), *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
