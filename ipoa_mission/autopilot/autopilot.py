@@ -8,7 +8,7 @@ from importlib.metadata import entry_points
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeRule, OwnFence, StationLoss
+from ipoa_mission.autopilot.failsafe import Failsafe, FailsafeProfile, OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals
 from ipoa_mission.autopilot.guidance_profile import (
     CommandEffects,
@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.guidance_profile import (
     WaypointDefaults,
 )
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, MissionLanding, OverTerrain, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
@@ -74,11 +74,7 @@ class Autopilot(metaclass=_ByName):
     slowed_by: ClassVar[SlowedBy]
     own_fence_by: ClassVar[tuple[str, ...]]
     """Parameters of the vehicle's own fence."""
-    failsafe_by: ClassVar[tuple[str, ...]] = ()
-    """Parameters of failsafes, by their older names."""
-    failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
-    station_loss: ClassVar[StationLoss | None] = None
-    """When the ground station counts as lost; None: unknown."""
+    failsafe_profile: ClassVar[FailsafeProfile] = FailsafeProfile()
     parts: ClassVar[Mapping[str, Any]] = {}
     """Implementations by interface name: an object or its "module:name"."""
 
@@ -108,7 +104,7 @@ class Autopilot(metaclass=_ByName):
 
     @property
     def parameter_names(self) -> frozenset[str]:
-        return self.parameter_table.names | frozenset(self.failsafe_by)
+        return self.parameter_table.names | self.failsafe_profile.parameters
 
     @property
     def firmware_name(self) -> str:
@@ -159,13 +155,10 @@ class Autopilot(metaclass=_ByName):
         """Return the active fence; None: without effect."""
 
     @abstractmethod
-    def goal_of_return(self, parameters: Parameters, here: "Place", rally: "Sequence[Place]") -> int | None:
-        """Return the index of a return's rally point; None: home. Parameters by their older names."""
-
-    @abstractmethod
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
 
+    @abstractmethod
     def return_route(
         self,
         parameters: Parameters,
@@ -175,7 +168,6 @@ class Autopilot(metaclass=_ByName):
         version: Version | None = None,
     ) -> ReturnRoute:
         """Return the route of a return from `here`; parameters by their older names."""
-        return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """Return a version's defaults that differ from the parameter table's."""
@@ -204,8 +196,12 @@ class Autopilot(metaclass=_ByName):
         """Return the action for each failure and pilot order; empty: unknown.
 
         Missing parameters have the firmware's default.
+
+        >>> str(Autopilot.ARDUPILOT.failsafes({"BATT_FS_LOW_ACT": 3.0})[0].action)
+        'smart_rtl or rtl or land'
         """
-        return ()
+        old = self.parameter_table.by_old_names(parameters)
+        return self.failsafe_profile.resolve(old, (version or self.newest).series)
 
     @property
     def newest(self) -> Version:

@@ -1,7 +1,7 @@
 """Failsafes as rules: a parameter's value selects a contingency and its fallbacks for each cause of a failure."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
@@ -152,9 +152,19 @@ def unconditional_rule(cause: str, action: FailsafeAction, needs: Mapping[str, f
     return FailsafeRule(cause, "", math.nan, {}, action, needs or {})
 
 
-def parameters_of(rules: Iterable[FailsafeRule], *further: str) -> tuple[str, ...]:
-    names = (name for rule in rules for name in (rule.parameter, *rule.needs) if name)
-    return tuple(dict.fromkeys((*names, *further)))
+@dataclass(frozen=True)
+class FailsafeProfile:
+    """A vehicle's rules, and the function that resolves them by parameters of older names; `station_loss`: if known."""
+
+    rules: tuple[FailsafeRule, ...] = ()
+    resolve: Callable[[Parameters, Series], tuple[Failsafe, ...]] = lambda *_: ()
+    further_parameters: tuple[str, ...] = ()
+    station_loss: StationLoss | None = None
+
+    @property
+    def parameters(self) -> frozenset[str]:
+        of_rules = (name for rule in self.rules for name in (rule.parameter, *rule.needs) if name)
+        return frozenset((*of_rules, *self.further_parameters))
 
 
 @dataclass(frozen=True)

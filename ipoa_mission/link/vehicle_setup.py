@@ -52,7 +52,7 @@ def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
     """Return what the vehicle does after losing this station, if known; by default of the newest measured version."""
-    loss = vehicle.autopilot.station_loss
+    loss = vehicle.autopilot.failsafe_profile.station_loss
     if loss is None:
         return ""
     values = vehicle.parameters(loss.decided_by)

@@ -18,7 +18,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_margins
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
+from ipoa_mission.vehicles.px4_multicopter.flight_model import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box

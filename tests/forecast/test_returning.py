@@ -47,7 +47,7 @@ def test_each_autopilot_returns_by_its_own_rule(
     rally: list[tuple[float, float]],
     goal: int | None,
 ) -> None:
-    assert autopilot.goal_of_return(parameters, (*here, 15.0), [(*at, 10.0) for at in rally]) == goal
+    assert autopilot.return_route(parameters, (*here, 15.0), [(*at, 10.0) for at in rally]).rally == goal
 
 
 def test_the_height_of_a_rally_point_counts() -> None:

@@ -4,6 +4,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.failsafe import FailsafeProfile
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.link.vehicle_setup import without_station
 
@@ -61,7 +62,7 @@ def test_station_loss_is_told_by_the_vehicle_s_parameters(
 
 
 def test_unknown_action_is_not_told() -> None:
-    unknown: Any = SimpleNamespace(station_loss=None)
+    unknown: Any = SimpleNamespace(failsafe_profile=FailsafeProfile())
     assert words(unknown, {}) == ""
-    unknown = SimpleNamespace(station_loss=PX4.station_loss, failsafes=lambda values, version: ())
+    unknown = SimpleNamespace(failsafe_profile=PX4.failsafe_profile, failsafes=lambda values, version: ())
     assert words(unknown, {"NAV_DLL_ACT": 2}) == ""

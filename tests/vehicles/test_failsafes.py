@@ -137,7 +137,7 @@ def test_landing_by_choice_returns_with_the_named_value(
 def test_every_parameter_that_decides_is_held_against_its_documentation(
     autopilot: Autopilot, table: dict[str, str]
 ) -> None:
-    deciding = {rule.parameter for rule in autopilot.failsafe_rules if rule.parameter}
+    deciding = {rule.parameter for rule in autopilot.failsafe_profile.rules if rule.parameter}
     assert deciding - set(table) - {"COM_LOW_BAT_ACT", "CBRK_FLIGHTTERM"} == deciding & {"COM_IMB_PROP_ACT"}
 
 
@@ -163,7 +163,7 @@ def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
 @pytest.mark.parametrize("autopilot", [AP, PX4])
 @pytest.mark.parametrize("value", [*(float(n) for n in range(-3, 20)), 2.5, 1e6, math.nan, math.inf])
 def test_any_value_of_any_parameter_has_an_answer_at_every_stage(autopilot: Autopilot, value: float) -> None:
-    parameters = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_rules if rule.parameter}
+    parameters = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_profile.rules if rule.parameter}
     for failsafe in autopilot.failsafes(parameters):
         for stage in FlightStage:
             assert failsafe.at(stage).contingency in Contingency

@@ -100,7 +100,7 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
 )
 def test_arducopter_passes_over_rally_points_outside_its_fence(parameters: Parameters, goal: int | None) -> None:
     rally = [(130.0, 0.0, 12.0), (110.0, 0.0, 5.0)]
-    assert AP.goal_of_return(parameters, (150.0, 0.0, 20.0), rally) == goal
+    assert AP.return_route(parameters, (150.0, 0.0, 20.0), rally).rally == goal
 
 
 BEYOND = MissionLanding((210.0, 0.0, 0.0), ahead=3, behind=2)

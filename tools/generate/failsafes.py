@@ -51,12 +51,12 @@ NOTES = {
 
 
 def page() -> str:
-    return "\n".join((HEAD, *(_of(autopilot) for autopilot in registered() if autopilot.failsafe_rules)))
+    return "\n".join((HEAD, *(_of(autopilot) for autopilot in registered() if autopilot.failsafe_profile.rules)))
 
 
 def _of(autopilot: Autopilot) -> str:
-    by_hand = [rule.other.contingency for rule in autopilot.failsafe_rules if rule.cause == Cause.BY_HAND]
-    rules = [rule for rule in autopilot.failsafe_rules if rule.cause != Cause.BY_HAND]
+    by_hand = [rule.other.contingency for rule in autopilot.failsafe_profile.rules if rule.cause == Cause.BY_HAND]
+    rules = [rule for rule in autopilot.failsafe_profile.rules if rule.cause != Cause.BY_HAND]
     fallbacks = _usual_fallbacks(rules)
     rows = "\n".join(_row(rule, fallbacks) for rule in rules)
     table = f"| cause | parameter | its default | value: action | any other value |\n|---|---|---|---|---|\n{rows}\n"

@@ -12,6 +12,7 @@ from ipoa_mission.autopilot.failsafe import (
     Cause,
     Failsafe,
     FailsafeAction,
+    FailsafeProfile,
     FailsafeRule,
     Series,
     StationLoss,
@@ -119,12 +120,6 @@ FAILSAFE_RULES = (
     ),
 )  # fmt: skip
 
-#: Parameters of the first and the last station id that counts (GCS::sysid_is_gcs).
-STATION_IDS = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
-STATION_LOSS = StationLoss(
-    "FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *STATION_IDS), *STATION_IDS
-)
-
 
 def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
     further = (f"BATT{n}" for n in "23456789")
@@ -189,3 +184,13 @@ def _urgency(action: float) -> int:
     """Return the rank of a battery action, 0 for the most urgent."""
     ranked = (5, 1, 2, 4, 3, 0)
     return ranked.index(int(action)) if action in ranked else len(ranked)
+
+
+#: Parameters of the first and the last station id that counts (GCS::sysid_is_gcs).
+STATION_IDS = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
+FAILSAFES = FailsafeProfile(
+    FAILSAFE_RULES,
+    failsafes_of,
+    ("FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE"),
+    StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *STATION_IDS), *STATION_IDS),
+)

@@ -4,31 +4,34 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+
+from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import WAYPOINTS, Command, Frame
-from ipoa_mission.autopilot.failsafe import Failsafe, OwnFence, parameters_of
+from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
-from ipoa_mission.autopilot.guidance_profile import (
-    EQUIPMENT,
-    SIMPLE,
-    ArmingWords,
-    CommandEffects,
-    FlownCircle,
-    GuidanceProfile,
-    JumpProfile,
-    Modes,
-    ProtocolProfile,
-)
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, IN_PLACE, Contingency, OverTerrain, level_distance
+from ipoa_mission.autopilot.returning import (
+    HOME,
+    IN_PLACE,
+    Contingency,
+    MissionLanding,
+    OverTerrain,
+    ReturnBy,
+    ReturnRoute,
+    level_distance,
+)
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFE_RULES, STATION_LOSS, failsafes_of
+from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.vehicles.arducopter.braking import Shaping, flown_circle
+from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
 from ipoa_mission.vehicles.arducopter.fence_and_rtl import FENCE_SWITCHES, CopterReturn, fence_limits
+from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 
 
@@ -86,11 +89,10 @@ def _no_place(values: Sequence[float], frame: int) -> Refused | None:
     return None
 
 
-REFUSALS = Refusals(refused, refused_in_fence, refused_in_rally)
+def _is_inside(fence: OwnFence, place: Place) -> bool:
+    is_near = level_distance(place, HOME) <= fence.radius.value
+    return is_near and fence.floor.value <= place[2] <= fence.ceiling.value
 
-
-if TYPE_CHECKING:
-    from ipoa_mission.geometry import Points, Vector
 
 #: Cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
 QUIET_FUNCTIONS = frozenset({
@@ -108,7 +110,7 @@ class ArduCopter(Autopilot):
     mav_autopilot = 3
     mav_types = MULTICOPTERS
     measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
-    modes = Modes(
+    modes = profile.Modes(
         mission=3,
         arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0)
         hold=17,  # LOITER follows the throttle stick
@@ -143,7 +145,7 @@ class ArduCopter(Autopilot):
             longest_hold=65_535.0,
             holds_whole_seconds=True,
             frame_2_is_amsl=True,
-            jumps=JumpProfile(
+            jumps=profile.JumpProfile(
                 most=100,
                 most_small=15,  # below 500 kB of memory
                 at_once=64,
@@ -156,7 +158,7 @@ class ArduCopter(Autopilot):
         ),
         Path(__file__).with_name("firmware_tables.json"),
     )
-    guidance = GuidanceProfile(
+    guidance = profile.GuidanceProfile(
         flown_on_into=frozenset(
             {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
         ),
@@ -176,12 +178,12 @@ class ArduCopter(Autopilot):
         home_is_where_armed=True,
         brakes_after=0.1,
     )
-    command_effects = CommandEffects(
-        flown=SIMPLE | {
+    command_effects = profile.CommandEffects(
+        flown=profile.SIMPLE | {
             Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT,
             Command.NAV_PAYLOAD_PLACE, Command.NAV_VTOL_LAND, Command.NAV_VTOL_TAKEOFF,
         },
-        still=EQUIPMENT | {
+        still=profile.EQUIPMENT | {
             Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED,  # skipped
             Command.CONDITION_DELAY, Command.CONDITION_DISTANCE, Command.CONDITION_YAW, Command.DO_FENCE_ENABLE,
             Command.DO_GUIDED_LIMITS, Command.DO_SET_RESUME_REPEAT_DIST, Command.DO_GO_AROUND, Command.DO_SET_REVERSE,
@@ -202,14 +204,14 @@ class ArduCopter(Autopilot):
             Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
         },
     )  # fmt: skip
-    protocol_profile = ProtocolProfile(
+    protocol_profile = profile.ProtocolProfile(
         forgets_at_count=True,
         starts_by_command=True,
         pauses_in_mission=True,
         takes_mission_file=True,
         boots_slowly=True,
         tells_items=True,
-        arming_words=ArmingWords(  # AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7
+        arming_words=profile.ArmingWords(  # AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7
             re.compile(r"(Pre)?Arm: "),
             re.compile(
                 r"initialis|waiting|starting|not started|unhealthy|not healthy|not calibrated$|inconsistent \d"
@@ -226,7 +228,7 @@ class ArduCopter(Autopilot):
         widen_fence="give the vehicle a wider fence, or remove that limit from its FENCE_TYPE (4: only the mission's "
         "fence); --anyway sends it all the same",
     )
-    refusals = REFUSALS
+    refusals = Refusals(refused, refused_in_fence, refused_in_rally)
     slowed_by = SlowedBy(
         names=("LAND_ALT_LOW",),
         unit=0.01,
@@ -237,32 +239,26 @@ class ArduCopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.arducopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.arducopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "FlightControllers": "ipoa_mission.vehicles.arducopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
-    failsafe_by = parameters_of(FAILSAFE_RULES, "FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE")
-    failsafe_rules = FAILSAFE_RULES
-    station_loss = STATION_LOSS
+    failsafe_profile = FAILSAFES
 
-    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         """
         >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
         """
-        import numpy as np
-
-        from ipoa_mission.vehicles.arducopter.limits import copter_limits
-
         limits = copter_limits(parameters)
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
     def stopping_offset(
-        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
-    ) -> "Points":
+        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
+    ) -> Points:
         """Return the displacement: shaped to land or hold, else to the stopping point.
 
         >>> import numpy as np
@@ -271,8 +267,6 @@ class ArduCopter(Autopilot):
         """
         if contingency not in IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        from ipoa_mission.vehicles.arducopter.braking import Shaping
-
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
             return Shaping(7.5, p["PSC_JERK_XY"]).displacement(velocity, 0.0 * accel)  # BRAKE_MODE_DECEL_RATE
@@ -281,16 +275,13 @@ class ArduCopter(Autopilot):
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
-    ) -> FlownCircle | None:
+    ) -> profile.FlownCircle | None:
         """Return the circle of pursuit.
 
         >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
-        from ipoa_mission.vehicles.arducopter.braking import flown_circle
-        from ipoa_mission.vehicles.arducopter.limits import copter_limits
-
         limits = copter_limits(parameters, version)
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
@@ -311,31 +302,32 @@ class ArduCopter(Autopilot):
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
         return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else fence_limits(parameters)
 
-    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return RTL's rally point: the nearest inside the own fence; None: home.
+    def return_route(
+        self,
+        parameters: Parameters,
+        here: Place,
+        rally: Sequence[Place],
+        landing: MissionLanding | None = None,
+        version: Version | None = None,
+    ) -> ReturnRoute:
+        """Return the way to RTL's rally point: the nearest inside the own fence.
 
         Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
         OA_TYPE.
-
-        >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
-        fence = fence_limits(parameters)
+        fence, home = fence_limits(parameters), ReturnRoute(ReturnBy.DIRECT)
         distances = {
-            n: level_distance(here, place)
-            for n, place in enumerate(rally)
-            if fence is None
-            or (
-                (level_distance(place, HOME) <= fence.radius.value)
-                and fence.floor.value <= place[2] <= fence.ceiling.value
-            )
+            n: level_distance(here, at) for n, at in enumerate(rally) if fence is None or _is_inside(fence, at)
         }
         if not distances:
-            return None
+            return home
         nearest = min(distances, key=distances.__getitem__)
         limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
-        too_far = limit > 0.0 and distances[nearest] > limit
-        counts_home = parameters.get("RALLY_INCL_HOME", 1.0) != 0.0
-        return None if too_far or (counts_home and distances[nearest] >= level_distance(here, HOME)) else nearest
+        if limit > 0.0 and distances[nearest] > limit:
+            return home
+        if parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and distances[nearest] >= level_distance(here, HOME):
+            return home
+        return ReturnRoute(ReturnBy.DIRECT, nearest)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """Return RTL_ALT, lowered by the cone and the fence.
@@ -359,14 +351,6 @@ class ArduCopter(Autopilot):
         if not (follows and (sees_ground or p.get("TERRAIN_ENABLE", 1.0) > 0.0)):
             return None
         return OverTerrain(max(p.get("WPNAV_TER_MARGIN", 10.0), 0.1), not sees_ground)
-
-    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """
-        >>> lost = next(f for f in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if f.cause == "radio control lost")
-        >>> str(lost.action), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].action)
-        ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
-        """
-        return failsafes_of(self.parameter_table.by_old_names(parameters), (version or self.newest).series)
 
 
 ARDUCOPTER = ArduCopter()

@@ -12,6 +12,7 @@ from ipoa_mission.autopilot.failsafe import (
     Cause,
     Failsafe,
     FailsafeAction,
+    FailsafeProfile,
     FailsafeRule,
     Series,
     StationLoss,
@@ -90,7 +91,6 @@ FAILSAFE_RULES = (
 )  # fmt: skip
 
 EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
-STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", "COM_DLL_EXCEPT", "COM_FAIL_ACT_T"))
 
 
 def failsafes_of(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
@@ -123,3 +123,11 @@ def _delayed(rule: FailsafeRule, action: FailsafeAction, parameters: Parameters)
     at_once = {Cause.POSITION_INACCURATE, Cause.POSITION_LOST, Cause.TRAFFIC_NEAR, Cause.BY_HAND}
     waits = action.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in at_once
     return replace(action, after_s=delay) if waits and delay > 0.1 else action  # PX4 ignores shorter delays
+
+
+FAILSAFES = FailsafeProfile(
+    FAILSAFE_RULES,
+    failsafes_of,
+    (*EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE"),
+    StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", "COM_DLL_EXCEPT", "COM_FAIL_ACT_T")),
+)

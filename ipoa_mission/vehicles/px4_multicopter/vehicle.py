@@ -5,22 +5,16 @@ import re
 from collections.abc import Container, Mapping, Sequence
 from enum import IntEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+import numpy as np
+
+from ipoa_mission.autopilot import guidance_profile as profile
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command, Frame
-from ipoa_mission.autopilot.failsafe import Failsafe, FenceLimit, OwnFence, parameters_of
+from ipoa_mission.autopilot.failsafe import FenceLimit, OwnFence
 from ipoa_mission.autopilot.firmware_tables import POLYGON, Firmware, FirmwareTables, Refusals, Refused, rows
-from ipoa_mission.autopilot.guidance_profile import (
-    ArmingWords,
-    CommandEffects,
-    GuidanceProfile,
-    JumpProfile,
-    Modes,
-    ProtocolProfile,
-    WaypointDefaults,
-    mode_number,
-)
+from ipoa_mission.autopilot.guidance_profile import mode_number
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import (
     HOME,
@@ -34,13 +28,9 @@ from ipoa_mission.autopilot.returning import (
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.geometry import Place
-from ipoa_mission.vehicles.px4_multicopter.failsafes import (
-    EXCEPTION_PARAMETERS,
-    FAILSAFE_RULES,
-    STATION_LOSS,
-    failsafes_of,
-)
+from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
+from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return, px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
     DEFAULTS,
     LEAST_HOLD,
@@ -106,13 +96,6 @@ def _refused_anywhere(firmware: Firmware, command: int, frame: int, values: Sequ
     return None
 
 
-REFUSALS = Refusals(refused, refused_in_fence, refused_in_rally)
-
-
-if TYPE_CHECKING:
-    from ipoa_mission.geometry import Points, Vector
-
-
 class ReturnType(IntEnum):
     """Values of RTL_TYPE; unknown ones are as 0."""
 
@@ -131,7 +114,7 @@ class Px4Multicopter(Autopilot):
     mav_autopilot = 12
     mav_types = MULTICOPTERS
     measured = MEASURED
-    modes = Modes(
+    modes = profile.Modes(
         mission=mode_number(4, 4),
         arming=mode_number(4, 4),  # takes off once armed
         hold=mode_number(4, 3),
@@ -168,11 +151,11 @@ class Px4Multicopter(Autopilot):
             highest_altitude=math.inf,
             nan_holds=True,
             photo_looks_s=0.05,  # camera_trigger
-            jumps=JumpProfile(at_once=9),
+            jumps=profile.JumpProfile(at_once=9),
         ),
         Path(__file__).with_name("firmware_tables.json"),
     )
-    guidance = GuidanceProfile(
+    guidance = profile.GuidanceProfile(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
         takes_radius=True,
@@ -182,7 +165,7 @@ class Px4Multicopter(Autopilot):
         climbs_coming_back=True,
         brakes_after=0.6,
     )
-    command_effects = CommandEffects(
+    command_effects = profile.CommandEffects(
         why={
             Command.NAV_LOITER_TO_ALT: "it continues within NAV_LOITER_RAD of the place, and changes its height there",
             Command.NAV_VTOL_TAKEOFF: "it is for a VTOL vehicle",
@@ -194,9 +177,9 @@ class Px4Multicopter(Autopilot):
             Command.CONDITION_GATE: "it continues as the vehicle passes the gate, which is not modeled",
         }
     )
-    protocol_profile = ProtocolProfile(
+    protocol_profile = profile.ProtocolProfile(
         judges_later=True,
-        arming_words=ArmingWords(  # the commander's checks in 1.17, sent when arming is refused
+        arming_words=profile.ArmingWords(  # the commander's checks in 1.17, sent when arming is refused
             re.compile(r"Arming denied: |Preflight Fail: "),
             re.compile(
                 r"Resolve system health|^calibrating|No valid data|missing data|(Accel|Gyro|Compass) Sensor \d+ missing"
@@ -208,7 +191,7 @@ class Px4Multicopter(Autopilot):
         keeps_types=True,
         widen_fence="give the vehicle a wider fence (0: no limit); --anyway sends it all the same",
     )
-    refusals = REFUSALS
+    refusals = Refusals(refused, refused_in_fence, refused_in_rally)
     slowed_by = SlowedBy(
         names=("MPC_LAND_ALT1", "MPC_LAND_ALT2"),
         unit=1.0,
@@ -218,20 +201,14 @@ class Px4Multicopter(Autopilot):
     parts: ClassVar[Mapping[str, str]] = {
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
-        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.deviation_law:LAW",
+        "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.flight_model:LAW",
         "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
         "FlightControllers": "ipoa_mission.vehicles.px4_multicopter.flight_controller:CONTROLLERS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
-    failsafe_by = parameters_of(FAILSAFE_RULES, *EXCEPTION_PARAMETERS.values(), "COM_FAIL_ACT_T", "COM_RC_IN_MODE")
-    failsafe_rules = FAILSAFE_RULES
-    station_loss = STATION_LOSS
+    failsafe_profile = FAILSAFES
 
-    def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        import numpy as np
-
-        from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-
+    def braking_distance(self, parameters: Parameters, speed: Vector, accel: Vector) -> Vector:
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
         turns = (gains + brakes) / limits.jerk  # [s]
@@ -240,8 +217,8 @@ class Px4Multicopter(Autopilot):
         return np.asarray(turning + slowed**2 / (2 * brakes))
 
     def stopping_offset(
-        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
-    ) -> "Points":
+        self, parameters: Parameters, velocity: Points, accel: Points, contingency: Contingency
+    ) -> Points:
         """Return the displacement of LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
@@ -250,10 +227,6 @@ class Px4Multicopter(Autopilot):
         """
         if contingency not in IN_PLACE:
             return super().stopping_offset(parameters, velocity, accel, contingency)
-        import numpy as np
-
-        from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-
         return np.asarray(velocity * px4_limits(parameters).stopping_time(np.hypot(*velocity.T))[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
@@ -277,14 +250,6 @@ class Px4Multicopter(Autopilot):
             FenceLimit("GF_MAX_VER_DIST", up if up > 0.0 else math.inf),
             FenceLimit("", -math.inf),
         )
-
-    def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return RTL's rally point.
-
-        >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
-        0
-        """
-        return self.return_route(parameters, here, rally).rally
 
     def return_route(
         self,
@@ -324,19 +289,17 @@ class Px4Multicopter(Autopilot):
         """Return NAV_ACC_RAD: 10 m from 1.18 on."""
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
-    def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
+    def waypoint_defaults(self, version: Version | None = None) -> profile.WaypointDefaults:
         """Return a hold and 2 m from 1.18 on, whose own radius is 10 m.
 
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
         if (version or self.newest).series < SPLITS_AXES:
-            return WaypointDefaults()
-        return WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
+            return profile.WaypointDefaults()
+        return profile.WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
-
         return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
 
     def fence_margin(self, parameters: Parameters, version: Version | None = None) -> float | None:
@@ -348,14 +311,6 @@ class Px4Multicopter(Autopilot):
         if (version or self.newest).series < (1, 19):
             return None
         return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"])
-
-    def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """
-        >>> actions = {each.cause: each.action for each in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
-        >>> actions["critical battery"].contingency, actions["critical battery"].after_s
-        (<Contingency.RTL: 'rtl'>, 5.0)
-        """
-        return failsafes_of(parameters, (version or self.newest).series)
 
 
 PX4_MULTICOPTER = Px4Multicopter()
