@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
+Moment = tuple[float, float, float, float]  # time, acceleration, speed, way
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
 MOST_SEGMENTS = 24
 
@@ -94,20 +95,27 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
         if _covers(max(enter, leave), enter, leave, limits) > length:
             enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # no room for the change: stop
         peak = _fitting(peak, enter, leave, length, limits)
-    up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
-    down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     segments: list[Segment] = []
+    up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     state = _append(segments, up, 1.0, (0.0, 0.0, enter, 0.0))
-    risen = state[0]
-    cruise = max(0.0, (length - state[3] - (peak + leave) / 2 * down.lasts) / peak)
-    segments.append(Segment(state[0], cruise, CONSTANT, 0.0, 0.0, peak, state[3]))
-    falls = risen + cruise
-    state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * cruise))
-    return Profile(_filled(segments), state[0], risen, falls, peak, leave)
+    down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
+    falls, lasts = _cruise_and_brake(segments, state, (peak, leave), down, length)
+    return Profile(_filled(segments), lasts, state[0], falls, peak, leave)
+
+
+def _cruise_and_brake(
+    segments: list[Segment], state: Moment, speeds: tuple[float, float], down: Ramp, length: float
+) -> tuple[float, float]:
+    """Append the rest of the leg, from the peak to the leave speed; return when it brakes and ends [s]."""
+    (begin, _, _, way), (peak, leave) = state, speeds
+    cruise = max(0.0, (length - way - (peak + leave) / 2 * down.lasts) / peak)
+    segments.append(Segment(begin, cruise, CONSTANT, 0.0, 0.0, peak, way))
+    falls = begin + cruise
+    return falls, _append(segments, down, -1.0, (falls, 0.0, peak, way + peak * cruise))[0]
 
 
 def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
-    up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
+    up = ramp_for(abs(peak - enter), limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
@@ -134,28 +142,14 @@ def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> 
     segments = [s for s in current.segments if s.begin + s.lasts <= current.risen]
     cruise = next(s for s in current.segments if s.begin >= current.risen)
     way = cruise.way + before * (begin - current.risen)
-
-    def needs(peak: float) -> float:
-        over, down = ramp_for(abs(peak - before), limits, from_rest=False), ramp_for(peak, limits)
-        return (before + peak) / 2 * over.lasts + peak / 2 * down.lasts
-
-    peak = limits.speed
-    if needs(peak) > length - way:
-        if peak < before:
-            return current
-        low, high = before, peak
-        for _ in range(50):
-            middle = (low + high) / 2
-            low, high = (middle, high) if needs(middle) <= length - way else (low, middle)
-        peak = low
-    over, down = ramp_for(abs(peak - before), limits, from_rest=False), ramp_for(peak, limits)
+    if limits.speed < before and _covers(limits.speed, before, 0.0, limits) > length - way:
+        return current
+    peak = _fitting(limits.speed, before, 0.0, length - way, limits)
     segments.append(Segment(current.risen, begin - current.risen, CONSTANT, 0.0, 0.0, before, cruise.way))
+    over = ramp_for(abs(peak - before), limits, from_rest=False)
     state = _append(segments, over, math.copysign(1.0, peak - before), (begin, 0.0, before, way))
-    lasts = max(0.0, (length - state[3] - peak / 2 * down.lasts) / peak)
-    segments.append(Segment(state[0], lasts, CONSTANT, 0.0, 0.0, peak, state[3]))
-    falls = state[0] + lasts
-    state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * lasts))
-    return Profile(_filled(segments), state[0], current.risen, falls, max(peak, before))
+    falls, lasts = _cruise_and_brake(segments, state, (peak, 0.0), ramp_for(peak, limits), length)
+    return Profile(_filled(segments), lasts, current.risen, falls, max(peak, before))
 
 
 def _peak(length: float, limits: SCurveLimits) -> float:
@@ -179,9 +173,7 @@ def _peak(length: float, limits: SCurveLimits) -> float:
     return min(limits.speed, speed)
 
 
-def _append(
-    segments: list[Segment], ramp: Ramp, sign: float, state: tuple[float, float, float, float]
-) -> tuple[float, float, float, float]:
+def _append(segments: list[Segment], ramp: Ramp, sign: float, state: Moment) -> Moment:
     jerk = sign * ramp.jerk
     for shape, lasts, j in (
         (RISING, ramp.ramp, jerk),
