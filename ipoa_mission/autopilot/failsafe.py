@@ -56,10 +56,10 @@ class FailsafeRule:
     """
 
     cause: str
-    parameter: str
-    default: float
-    actions: Mapping[int, FailsafeAction]
-    other: FailsafeAction
+    parameter: str = ""
+    actions: Mapping[int, FailsafeAction] = field(default_factory=dict)
+    default: float = 0.0
+    other: FailsafeAction = GOES_ON
     needs: Mapping[str, float] = field(default_factory=dict)
     since: Series = (0, 0)
     until: Series = (99, 0)
@@ -145,11 +145,7 @@ class StationLoss:
 
 
 def order_rules(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
-    return tuple(unconditional_rule(Cause.BY_HAND, FailsafeAction(contingency)) for contingency in contingencies)
-
-
-def unconditional_rule(cause: str, action: FailsafeAction, needs: Mapping[str, float] | None = None) -> FailsafeRule:
-    return FailsafeRule(cause, "", math.nan, {}, action, needs or {})
+    return tuple(FailsafeRule(Cause.BY_HAND, other=FailsafeAction(contingency)) for contingency in contingencies)
 
 
 @dataclass(frozen=True)

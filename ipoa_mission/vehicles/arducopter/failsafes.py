@@ -17,7 +17,6 @@ from ipoa_mission.autopilot.failsafe import (
     Series,
     StationLoss,
     order_rules,
-    unconditional_rule,
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
@@ -53,67 +52,62 @@ def _until_clear(contingency: Contingency, words: str = "{}") -> FailsafeAction:
 NO_POSITION = _drifts("without a position it drifts while it lands")
 FAILSAFE_RULES = (
     FailsafeRule(
-        Cause.LOW_BATTERY, "BATT_FS_LOW_ACT", 0.0, BATTERY_ACTIONS, GOES_ON,
-        {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0},
+        Cause.LOW_BATTERY, "BATT_FS_LOW_ACT", BATTERY_ACTIONS, needs={"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0},
     ),
     FailsafeRule(
-        Cause.CRITICAL_BATTERY, "BATT_FS_CRT_ACT", 0.0, BATTERY_ACTIONS, GOES_ON,
-        {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0},
+        Cause.CRITICAL_BATTERY, "BATT_FS_CRT_ACT", BATTERY_ACTIONS, needs={"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0},
     ),
     FailsafeRule(
-        "radio control lost", "FS_THR_ENABLE", 1.0,
+        "radio control lost", "FS_THR_ENABLE",
         {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART_RETURNS, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES},
-        LANDS,
+        default=1.0, other=LANDS,
     ),
     FailsafeRule(
-        Cause.STATION_LOST, "FS_GCS_ENABLE", 0.0,
+        Cause.STATION_LOST, "FS_GCS_ENABLE",
         {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES},
-        RETURNS,
+        other=RETURNS,
     ),
     FailsafeRule(
-        Cause.FENCE_BREACHED, "FENCE_ACTION", 1.0,
+        Cause.FENCE_BREACHED, "FENCE_ACTION",
         {
             0: GOES_ON, 1: _in_fence(RETURNS), 2: FailsafeAction(Contingency.LAND), 3: _in_fence(SMART_RETURNS),
             4: _in_fence(BRAKES), 5: _in_fence(SMART_OR_LANDS),
-        },
-        _in_fence(RETURNS), FENCE_SWITCHES,
+        }, default=1.0, other=_in_fence(RETURNS), needs=FENCE_SWITCHES,
     ),
     FailsafeRule(
-        Cause.POSITION_LOST, "FS_EKF_ACTION", 1.0,
+        Cause.POSITION_LOST, "FS_EKF_ACTION",
         {
             0: GOES_ON, 1: NO_POSITION, 2: _drifts("ALT_HOLD: keeps its height, drifts, waits for the sticks"),
             3: NO_POSITION,
-        },
-        NO_POSITION, {"FS_EKF_THRESH": 0.8},
+        }, default=1.0, other=NO_POSITION, needs={"FS_EKF_THRESH": 0.8},
     ),
     FailsafeRule(
-        "position by dead reckoning", "FS_DR_ENABLE", 2.0,
+        "position by dead reckoning", "FS_DR_ENABLE",
         {
             0: GOES_ON, 1: _drifts("drifts on dead reckoning while it lands"),
-            **dict.fromkeys((2, 3, 4, 6), _drifts("drifts on dead reckoning while it returns")),
-            5: STOPS, 7: _drifts("drifts on dead reckoning while it holds"),
-        },
-        GOES_ON,
+            **dict.fromkeys((2, 3, 4, 6), _drifts("drifts on dead reckoning while it returns")), 5: STOPS,
+            7: _drifts("drifts on dead reckoning while it holds"),
+        }, default=2.0,
     ),
-    unconditional_rule(Cause.TERRAIN_UNKNOWN, replace(RETURNS, words="RTL continues without terrain data")),
+    FailsafeRule(Cause.TERRAIN_UNKNOWN, other=replace(RETURNS, words="RTL continues without terrain data")),
     FailsafeRule(
-        Cause.TRAFFIC_NEAR, "AVD_F_ACTION", 1.0,
+        Cause.TRAFFIC_NEAR, "AVD_F_ACTION",
         {
             **dict.fromkeys((0, 1), GOES_ON),
             **dict.fromkeys((2, 3, 4), _until_clear(Contingency.UNKNOWN, "flies aside {}")),
             5: _until_clear(Contingency.RTL),
             6: _until_clear(Contingency.UNKNOWN, "LOITER {}: a low throttle stick makes it descend"),
-        },
-        GOES_ON, {"AVD_ENABLE": 0.0},
+        }, default=1.0, needs={"AVD_ENABLE": 0.0},
     ),
-    unconditional_rule("parachute", STOPS, {"CHUTE_ENABLED": 0.0}),
-    FailsafeRule("out of control", "FS_CRASH_CHECK", 1.0, {0: GOES_ON}, STOPS),
-    unconditional_rule("thrust lost", replace(GOES_ON, words="uses all thrust that is left")),
-    unconditional_rule("vibration", FailsafeAction(
-        Contingency.CONTINUE, (Contingency.LAND,), "by FS_EKF_ACTION if its position is lost"
-    )),
-    unconditional_rule("satellite position jumps", GOES_ON),
-    unconditional_rule("compasses lost", GOES_ON),
+    FailsafeRule("parachute", other=STOPS, needs={"CHUTE_ENABLED": 0.0}),
+    FailsafeRule("out of control", "FS_CRASH_CHECK", {0: GOES_ON}, default=1.0, other=STOPS),
+    FailsafeRule("thrust lost", other=replace(GOES_ON, words="uses all thrust that is left")),
+    FailsafeRule(
+        "vibration",
+        other=FailsafeAction(Contingency.CONTINUE, (Contingency.LAND,), "by FS_EKF_ACTION if its position is lost"),
+    ),
+    FailsafeRule("satellite position jumps"),
+    FailsafeRule("compasses lost"),
     *order_rules(
         Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.SMART_RTL, Contingency.LAND_START,
         Contingency.TERMINATE,

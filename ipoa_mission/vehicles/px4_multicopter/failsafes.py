@@ -17,7 +17,6 @@ from ipoa_mission.autopilot.failsafe import (
     Series,
     StationLoss,
     order_rules,
-    unconditional_rule,
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
@@ -38,54 +37,52 @@ TRAFFIC_ACTIONS = {
 }  # fmt: skip
 
 FAILSAFE_RULES = (
-    unconditional_rule(Cause.LOW_BATTERY, GOES_ON),
+    FailsafeRule(Cause.LOW_BATTERY),
     FailsafeRule(
-        Cause.CRITICAL_BATTERY, "COM_LOW_BAT_ACT", 0.0,
-        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: replace(RETURNS, since=V1_19)}, GOES_ON,
+        Cause.CRITICAL_BATTERY, "COM_LOW_BAT_ACT",
+        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: replace(RETURNS, since=V1_19)},
     ),
     FailsafeRule(
-        "emergency battery", "COM_LOW_BAT_ACT", 0.0,
-        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: replace(FALLS, since=V1_19)}, GOES_ON,
+        "emergency battery", "COM_LOW_BAT_ACT",
+        {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: replace(FALLS, since=V1_19)},
     ),
-    FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", 0.0, {0: GOES_ON, 1: GOES_ON, 3: RETURNS}, GOES_ON),
+    FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", {0: GOES_ON, 1: GOES_ON, 3: RETURNS}),
     FailsafeRule(
-        "radio control lost", "NAV_RCL_ACT", 2.0,
-        {**LINK_ACTIONS, 7: replace(GOES_ON, words="holds only if a pilot flew it by hand", since=V1_18)}, GOES_ON,
+        "radio control lost", "NAV_RCL_ACT",
+        {**LINK_ACTIONS, 7: replace(GOES_ON, words="holds only if a pilot flew it by hand", since=V1_18)}, default=2.0,
     ),
-    FailsafeRule(Cause.STATION_LOST, "NAV_DLL_ACT", 0.0, LINK_ACTIONS, GOES_ON),
-    FailsafeRule(Cause.FENCE_BREACHED, "GF_ACTION", 2.0, GRADED_ACTIONS, GOES_ON),
-    replace(unconditional_rule(Cause.POSITION_LOST, DRIFTS), until=V1_19),
+    FailsafeRule(Cause.STATION_LOST, "NAV_DLL_ACT", LINK_ACTIONS),
+    FailsafeRule(Cause.FENCE_BREACHED, "GF_ACTION", GRADED_ACTIONS, default=2.0),
+    FailsafeRule(Cause.POSITION_LOST, other=DRIFTS, until=V1_19),
     FailsafeRule(
-        Cause.POSITION_LOST, "COM_POS_FS_ACT", 0.0,
-        {0: DRIFTS, 1: replace(FALLS, words="lands while it has a local position")}, DRIFTS, since=V1_19,
-    ),
-    FailsafeRule(
-        Cause.POSITION_INACCURATE, "COM_POS_LOW_ACT", 3.0, GRADED_ACTIONS, GOES_ON, {"COM_POS_LOW_EPH": -1.0}
+        Cause.POSITION_LOST, "COM_POS_FS_ACT",
+        {0: DRIFTS, 1: replace(FALLS, words="lands while it has a local position")}, other=DRIFTS, since=V1_19,
     ),
     FailsafeRule(
-        "satellite receiver lost", "COM_GNSSLOSS_ACT", 0.0, {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}, GOES_ON,
-        {"SYS_HAS_NUM_GNSS": 0.0}, V1_18,
-    ),
-    FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", 0.0, GRADED_ACTIONS, GOES_ON, {"COM_WIND_MAX": -1.0}),
-    unconditional_rule("flown for too long", RETURNS, {"COM_FLT_TIME_MAX": -1.0}),
-    unconditional_rule("mission cannot be flown on", RETURNS),
-    FailsafeRule(
-        "motor failed", "COM_ACT_FAIL_ACT", 0.0, {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}, GOES_ON
+        Cause.POSITION_INACCURATE, "COM_POS_LOW_ACT", GRADED_ACTIONS, default=3.0, needs={"COM_POS_LOW_EPH": -1.0},
     ),
     FailsafeRule(
-        "propeller out of balance", "COM_IMB_PROP_ACT", 0.0, {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}, GOES_ON,
-        until=V1_18,
+        "satellite receiver lost", "COM_GNSSLOSS_ACT", {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS},
+        needs={"SYS_HAS_NUM_GNSS": 0.0}, since=V1_18,
     ),
-    FailsafeRule("attitude or motor failure", "CBRK_FLIGHTTERM", 121212.0, {121212: GOES_ON}, FALLS),
-    FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH_ACTIONS, GOES_ON, since=V1_18),
-    FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH_ACTIONS, 5: FALLS}, GOES_ON, since=V1_18),
-    FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH_ACTIONS, GOES_ON, since=V1_19),
+    FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", GRADED_ACTIONS, needs={"COM_WIND_MAX": -1.0}),
+    FailsafeRule("flown for too long", other=RETURNS, needs={"COM_FLT_TIME_MAX": -1.0}),
+    FailsafeRule("mission cannot be flown on", other=RETURNS),
+    FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}),
     FailsafeRule(
-        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0,
-        {**TRAFFIC_ACTIONS, 4: replace(GOES_ON, words="its commander lacks the order to hold")}, GOES_ON, until=V1_19,
+        "propeller out of balance", "COM_IMB_PROP_ACT", {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}, until=V1_18,
+    ),
+    FailsafeRule("attitude or motor failure", "CBRK_FLIGHTTERM", {121212: GOES_ON}, default=121212.0, other=FALLS),
+    FailsafeRule("parachute missing", "COM_PARACHUTE", HEALTH_ACTIONS, since=V1_18),
+    FailsafeRule("Remote ID lost", "COM_ARM_ODID", {**HEALTH_ACTIONS, 5: FALLS}, since=V1_18),
+    FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", HEALTH_ACTIONS, since=V1_19),
+    FailsafeRule(
+        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID",
+        {**TRAFFIC_ACTIONS, 4: replace(GOES_ON, words="its commander lacks the order to hold")}, default=1.0,
+        until=V1_19,
     ),
     FailsafeRule(
-        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, GOES_ON, since=V1_19
+        Cause.TRAFFIC_NEAR, "NAV_TRAFF_AVOID", {**TRAFFIC_ACTIONS, 4: HOLDS, 5: FALLS}, default=1.0, since=V1_19,
     ),
     *order_rules(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
