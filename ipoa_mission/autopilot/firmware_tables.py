@@ -100,16 +100,17 @@ class FirmwareTables:
 
     def __init__(self, defaults: Firmware, path: Path) -> None:
         self._defaults, self.path = defaults, path
-        self._made: dict[tuple[int, int], Firmware] = {}
 
     @cached_property
-    def _tables(self) -> Mapping[tuple[int, int], Mapping[str, Any]]:
-        read = json.loads(self.path.read_text(encoding="utf-8")) if self.path.exists() else {}
-        return {Version.parsed(name).series: table for name, table in read.items()}
+    def _tables(self) -> Mapping[tuple[int, int], Firmware]:
+        if not self.path.exists():
+            return {self._defaults.version.series: self._defaults}
+        read = json.loads(self.path.read_text(encoding="utf-8"))
+        return {(version := Version.parsed(name)).series: self._read(version, table) for name, table in read.items()}
 
     @property
     def series(self) -> tuple[tuple[int, int], ...]:
-        return tuple(self._tables) or (self._defaults.version.series,)
+        return tuple(self._tables)
 
     def of(self, version: Version) -> Firmware:
         """Return a series' table, that of the nearest older one, or the oldest.
@@ -118,20 +119,13 @@ class FirmwareTables:
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
         'PX4 1.16'
         """
-        known = self.series
-        if not self._tables:
-            return self._defaults
-        older = [series for series in known if series <= version.series]
-        series = older[-1] if older else known[0]
-        if series not in self._made:
-            self._made[series] = self._read(series)
-        return self._made[series]
+        older = [series for series in self.series if series <= version.series]
+        return self._tables[older[-1] if older else self.series[0]]
 
-    def _read(self, series: tuple[int, int]) -> Firmware:
-        table = self._tables[series]
+    def _read(self, version: Version, table: Mapping[str, Any]) -> Firmware:
         return replace(
             self._defaults,
-            version=Version(*series),
+            version=version,
             commit=table["commit"],
             date=table["date"],
             jumps=replace(self._defaults.jumps, resets=table.get("resets_jumps", False)),
