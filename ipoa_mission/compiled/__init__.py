@@ -19,7 +19,7 @@ from ipoa_mission.errors import MissionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 MANY_STEPS = 50_000  # for which plain Python takes as long as loading numba
-_PLAIN = {float: np.float64, int: np.int64, bool: np.bool_}
+_PLAIN = {float: np.float64, complex: np.complex128, int: np.int64, bool: np.bool_}
 
 
 def njit(**options: Any) -> Any:

@@ -82,8 +82,8 @@ def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
     while not copter.step():
         pass
     state = copter.state
-    behind = (state.turned - math.atan2(state.target_x, state.target_y)) % math.tau
-    assert math.hypot(state.target_x, state.target_y) == pytest.approx(flown.radius, abs=0.1)
+    behind = (state.turned - math.atan2(state.target.real, state.target.imag)) % math.tau
+    assert abs(state.target) == pytest.approx(flown.radius, abs=0.1)
     assert behind == pytest.approx(flown.behind, abs=0.02)
 
 

@@ -182,9 +182,9 @@ class ArduCopterController:
     def _update_body(self) -> None:
         body, state = self._body, self._copter.state
         body.yaw = state.yaw % (2.0 * math.pi)
-        body.x, body.y, body.z = state.x, state.y, state.z
-        body.vx, body.vy, body.vz = state.vx, state.vy, state.vz
-        body.lean_x, body.lean_y = state.lean_x, state.lean_y
+        body.x, body.y, body.z = self._copter.place
+        body.vx, body.vy, body.vz = state.velocity.real, state.velocity.imag, state.vz
+        body.lean_x, body.lean_y = state.lean.real, state.lean.imag
         if state.z > self._floor:
             self._floor = -math.inf
         body.on_ground = state.z <= self._floor

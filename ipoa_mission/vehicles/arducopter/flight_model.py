@@ -252,7 +252,8 @@ class _Flight:
 
     def note(self) -> None:
         state = self.copter.state
-        self.samples.append(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]]))
+        velocity = state.velocity.real, state.velocity.imag, state.vz
+        self.samples.append(np.array([[state.time, *self.copter.place, *velocity]]))
 
 
 MODEL = ArduCopterModel()

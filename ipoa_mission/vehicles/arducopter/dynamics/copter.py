@@ -88,7 +88,7 @@ class Copter:
 
     @property
     def place(self) -> Place:
-        return self.state.x, self.state.y, self.state.z
+        return self.state.place.real, self.state.place.imag, self.state.z
 
     @property
     def here(self) -> Place:
@@ -98,13 +98,13 @@ class Copter:
 
     def stopping_place(self) -> Place:
         state, limits = self.state, self.limits
-        speed = math.hypot(state.vx, state.vy)
+        speed = math.hypot(state.velocity.real, state.velocity.imag)
         near = limits.accel / limits.p_position**2
         way = speed if speed <= near else near / 2 + speed**2 / (2 * limits.accel)
         share = way / speed if speed > STANDING else 0.0
         up = state.vz * abs(state.vz) / (2 * limits.accel_z)
-        east, north = state.x + state.vx * share, state.y + state.vy * share
-        return east, north, max(state.z + up, self._ground.at(east, north))
+        end = state.place + state.velocity * share
+        return end.real, end.imag, max(state.z + up, self._ground.at(end.real, end.imag))
 
     def step(self) -> bool:
         """Return whether the leg is over."""
@@ -166,7 +166,7 @@ class Copter:
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
-        self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
+        self.state.yaw, self.state.nose = yaw, complex(math.sin(yaw), math.cos(yaw))
 
     def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
         """Start a leg to `stop`, as planned before or from `here`; with `following` it passes the stop.
@@ -250,14 +250,14 @@ class Copter:
 
     def _restart(self) -> None:
         state = self.state
-        state.integral_x, state.integral_y, state.error_x, state.error_y = state.asked_x, state.asked_y, 0.0, 0.0
+        state.integral, state.error = state.asked, 0j
         state.rate = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
         self._restart()
         state, here = self.state, self.stopping_place()
-        state.target_x, state.target_y, state.target_z = here
-        state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
+        state.target, state.target_z = complex(*here[:2]), here[2]
+        state.aim, state.aim_z, state.push = 0j, 0.0, 0j
         state.bearing, state.spin, state.turned = bearing_from(center, here), 0.0, 0.0
         spin = spin_up = self.limits.circle_rate
         if radius > 0.0:
@@ -313,5 +313,5 @@ class Copter:
 
 
 def _at_rest(place: Place, time: float) -> State:
-    x, y, z = place
-    return State(time, x, y, z, target_x=x, target_y=y, target_z=z)
+    level, z = complex(*place[:2]), place[2]
+    return State(time, level, z, target=level, target_z=z)

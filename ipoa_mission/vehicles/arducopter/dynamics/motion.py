@@ -124,32 +124,23 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
 
 @dataclass(slots=True)
 class State:
-    """A flight at one moment; places are (east, north, up)."""
+    """A flight at one moment; level vectors are complex: east + north j."""
 
     time: float = 0.0
-    x: float = 0.0
-    y: float = 0.0
+    place: complex = 0j
     z: float = 0.0
-    vx: float = 0.0
-    vy: float = 0.0
+    velocity: complex = 0j
     vz: float = 0.0
-    ax: float = 0.0
-    ay: float = 0.0
+    accel: complex = 0j
     az: float = 0.0
-    asked_x: float = 0.0  # lean setpoint: g tan(angle)
-    asked_y: float = 0.0
-    shaped_x: float = 0.0  # of the attitude controller
-    shaped_y: float = 0.0
-    lean_x: float = 0.0
-    lean_y: float = 0.0
+    asked: complex = 0j  # lean setpoint: g tan(angle)
+    shaped: complex = 0j  # of the attitude controller
+    lean: complex = 0j
     load: float = 1.0  # share of the weight on the rotors
     yaw: float = 0.0  # clockwise from north
-    nose_x: float = 0.0
-    nose_y: float = 1.0
-    error_x: float = 0.0  # filtered velocity error, and its integral
-    error_y: float = 0.0
-    integral_x: float = 0.0
-    integral_y: float = 0.0
+    nose: complex = 1j
+    error: complex = 0j  # filtered velocity error, and its integral
+    integral: complex = 0j
     rate: float = 1.0  # of the path's clock
     clock_before: float = 0.0  # on the previous, this and next leg [s]
     clock: float = 0.0
@@ -160,11 +151,8 @@ class State:
     turned: float = 0.0
     above: float = 0.0  # over the goal one step ago [m]
     speed: float = 0.0
-    target_x: float = 0.0
-    target_y: float = 0.0
+    target: complex = 0j
     target_z: float = 0.0
-    aim_x: float = 0.0  # target velocity
-    aim_y: float = 0.0
+    aim: complex = 0j  # target velocity
     aim_z: float = 0.0
-    push_x: float = 0.0  # target acceleration
-    push_y: float = 0.0
+    push: complex = 0j  # target acceleration

@@ -35,29 +35,41 @@ def along(leg: CopterLeg, t: float) -> Triple:
     )
 
 
-def on_way(leg: CopterLeg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
-    """Return place, velocity and acceleration [m, m/s, m/s^2].
+def on_way(
+    leg: CopterLeg, a: float, v: float, s: float, way_back: float
+) -> tuple[complex, float, complex, float, complex, float]:
+    """Return place, velocity and acceleration, each level and upwards [m, m/s, m/s^2].
 
     The place is relative to the origin, or with the length as `way_back` to the target.
     """
     if leg.turn == 0.0:
-        way = leg.direction
+        level, up = complex(leg.direction.x, leg.direction.y), leg.direction.z
         s -= way_back
-        return (s * way.x, s * way.y, s * way.z), (v * way.x, v * way.y, v * way.z), (a * way.x, a * way.y, a * way.z)
-    east, north = leg.origin.x - leg.center.x, leg.origin.y - leg.center.y
-    angle = leg.turn * s / leg.length
-    sine, cosine = math.sin(angle), math.cos(angle)
-    x, y = east * cosine + north * sine, north * cosine - east * sine
+        return s * level, s * up, v * level, v * up, a * level, a * up
+    center = complex(leg.center.x, leg.center.y)
+    from_center = complex(leg.origin.x, leg.origin.y) - center
+    angle, radius = leg.turn * s / leg.length, size(from_center)
+    arm = from_center * complex(math.cos(angle), -math.sin(angle))
+    tangent = complex(arm.imag, -arm.real)
     start = leg.target if way_back > 0.0 else leg.origin
-    radius, rise = math.sqrt(east * east + north * north), (leg.target.z - leg.origin.z) / leg.length
+    rise = (leg.target.z - leg.origin.z) / leg.length
     upward = rise / math.sqrt(1.0 + rise * rise)
     onward = (1.0 if leg.turn > 0.0 else -1.0) / (radius * math.sqrt(1.0 + rise * rise))
-    inward = (v / radius) ** 2
-    return (
-        (x + leg.center.x - start.x, y + leg.center.y - start.y, (s - way_back) * rise),
-        (v * onward * y, -v * onward * x, v * upward),
-        (a * onward * y - inward * x, -a * onward * x - inward * y, a * upward),
-    )
+    place, inward = arm + center - complex(start.x, start.y), (v / radius) ** 2
+    accel = a * onward * tangent - inward * arm
+    return place, (s - way_back) * rise, v * onward * tangent, v * upward, accel, a * upward
+
+
+def size(v: complex) -> float:
+    return math.sqrt(v.real * v.real + v.imag * v.imag)
+
+
+def dot(a: complex, b: complex) -> float:
+    return a.real * b.real + a.imag * b.imag
+
+
+def square(v: complex) -> float:
+    return v.real**2 + v.imag**2
 
 
 LEVEL = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
@@ -73,7 +85,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     state.turned += state.spin * STEP
     angle = state.bearing + math.copysign(state.turned, this.turn)
     x, y = this.center.x + way.radius * math.sin(angle), this.center.y + way.radius * math.cos(angle)
-    shape_to_place(state, x, y, this.speeds.level, tuning)
+    shape_to_place(state, complex(x, y), this.speeds.level, tuning)
     state.target_z, state.aim_z, state.rate = this.target.z, 0.0, 1.0
     return state.turned >= abs(this.turn)
 
@@ -105,61 +117,54 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
     return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
 
 
-def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
+def shape_to_place(state: State, place: complex, fastest: float, tuning: Tuning) -> None:
     advance(state)
     gain, accel = tuning.limits.shaping_jerk / tuning.limits.accel, tuning.limits.accel
-    ex, ey = x - state.target_x, y - state.target_y
-    far = math.sqrt(ex * ex + ey * ey)
-    wanted_x = wanted_y = 0.0
+    error, wanted = place - state.target, 0j
+    far = size(error)
     if far > 0.0:
-        closing = (state.aim_x * ex + state.aim_y * ey) / far
+        closing = dot(state.aim, error) / far
         speed = min(square_root_law(far, accel, gain), far / STEP)
         if closing > 0.0:
             speed -= closing * (1.0 if far <= accel / (gain * gain) else accel / (speed * gain))
         speed = min(max(speed, -fastest), fastest)
-        wanted_x, wanted_y = ex * speed / far, ey * speed / far
-    shape(state, gain * (wanted_x - state.aim_x), gain * (wanted_y - state.aim_y), tuning)
+        wanted = error * speed / far
+    shape(state, gain * (wanted - state.aim), tuning)
 
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
     advance(state)
-    speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
-    slowed = 0.0
-    if speed > 0.0:
-        slowed = (
-            square_root_law(speed, tuning.limits.shaping_jerk, tuning.limits.shaping_jerk / tuning.limits.accel) / speed
-        )
-    shape(state, -slowed * state.aim_x, -slowed * state.aim_y, tuning)
+    speed, jerk = math.sqrt(square(state.aim)), tuning.limits.shaping_jerk
+    slowed = square_root_law(speed, jerk, jerk / tuning.limits.accel) / speed if speed > 0.0 else 0.0
+    shape(state, -slowed * state.aim, tuning)
 
 
 def advance(state: State) -> None:
-    state.target_x += STEP * (state.aim_x + state.push_x * STEP / 2)
-    state.target_y += STEP * (state.aim_y + state.push_y * STEP / 2)
-    state.aim_x, state.aim_y = state.aim_x + state.push_x * STEP, state.aim_y + state.push_y * STEP
+    state.target += STEP * (state.aim + state.push * STEP / 2)
+    state.aim += state.push * STEP
 
 
-def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
+def shape(state: State, wanted: complex, tuning: Tuning) -> None:
     """Approach this target acceleration; braking takes precedence over turning."""
-    x, y = within(x, y, 2.0 * tuning.limits.accel)
-    speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
+    most = tuning.limits.accel
+    wanted = within(wanted, 2.0 * most)
+    speed = math.sqrt(square(state.aim))
     if speed > 0.0:
-        dx, dy = state.aim_x / speed, state.aim_y / speed
-        along, across = x * dx + y * dy, dx * y - dy * x
+        way = state.aim / speed
+        turned = wanted * way.conjugate()
+        along, across = turned.real, turned.imag
         if along > 0.0:
-            across = min(max(across, -tuning.limits.accel), tuning.limits.accel)
-            along = min(along, math.sqrt(tuning.limits.accel**2 - across * across))
+            across = min(max(across, -most), most)
+            along = min(along, math.sqrt(most**2 - across * across))
         else:
-            along = max(along, -tuning.limits.accel)
-            room = math.sqrt(tuning.limits.accel**2 - along * along)
+            along = max(along, -most)
+            room = math.sqrt(most**2 - along * along)
             across = min(max(across, -room), room)
-        x, y = along * dx - across * dy, along * dy + across * dx
-    x, y = within(x, y, tuning.limits.accel)
-    x, y = within(x - state.push_x, y - state.push_y, tuning.limits.shaping_jerk * STEP)
-    state.push_x, state.push_y = state.push_x + x, state.push_y + y
+        wanted = complex(along, across) * way
+    wanted = within(wanted, most)
+    state.push += within(wanted - state.push, tuning.limits.shaping_jerk * STEP)
 
 
-def within(x: float, y: float, most: float) -> tuple[float, float]:
-    size = math.sqrt(x * x + y * y)
-    if size <= most:
-        return x, y
-    return x * most / size, y * most / size
+def within(v: complex, most: float) -> complex:
+    length = size(v)
+    return v if length <= most else v * most / length

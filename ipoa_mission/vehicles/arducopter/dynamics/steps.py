@@ -9,10 +9,13 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, Ki
 from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
     along,
     climb_at,
+    dot,
     level_off,
     on_way,
     orbit,
     shape_to_rest,
+    size,
+    square,
     square_root_law,
 )
 from ipoa_mission.wind import wind_at
@@ -58,12 +61,11 @@ def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
 
 def clock_step(state: State, tuning: Tuning) -> float:
     """Slow the path's clock if the vehicle lags; return its step [s]."""
-    wanted = 1.0
-    square = state.aim_x**2 + state.aim_y**2 + state.aim_z**2
-    if square > 1e-12:
-        flown = state.vx * state.aim_x + state.vy * state.aim_y + state.rate * state.aim_z**2
-        behind = (state.target_x - state.x) * state.aim_x + (state.target_y - state.y) * state.aim_y
-        wanted = min(max(0.05 + (flown - tuning.limits.p_position * behind) / square, 0.0), 1.0)
+    wanted, fast = 1.0, square(state.aim) + state.aim_z**2
+    if fast > 1e-12:
+        flown = dot(state.velocity, state.aim) + state.rate * state.aim_z**2
+        behind = dot(state.target - state.place, state.aim)
+        wanted = min(max(0.05 + (flown - tuning.limits.p_position * behind) / fast, 0.0), 1.0)
     state.rate += (wanted - state.rate) * tuning.slowing
     return state.rate * STEP
 
@@ -71,32 +73,30 @@ def clock_step(state: State, tuning: Tuning) -> float:
 def add_leg(state: State, leg: CopterLeg, t: float, way_back: float) -> None:
     """Add a leg's motion to the target's; `way_back` as in `on_way`."""
     a, v, s = along(leg, t)
-    (x, y, z), (vx, vy, vz), (ax, ay, _) = on_way(leg, a, v, s, way_back)
-    state.target_x, state.aim_x, state.push_x = state.target_x + x, state.aim_x + vx, state.push_x + ax
-    state.target_y, state.aim_y, state.push_y = state.target_y + y, state.aim_y + vy, state.push_y + ay
-    state.target_z, state.aim_z = state.target_z + z, state.aim_z + vz
+    place, z, velocity, vz, accel, _ = on_way(leg, a, v, s, way_back)
+    state.target, state.target_z = state.target + place, state.target_z + z
+    state.aim, state.aim_z, state.push = state.aim + velocity, state.aim_z + vz, state.push + accel
 
 
 def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning: Tuning) -> bool:
     """Return whether the overlap's middle is within radius and corner acceleration."""
     half = (this.profile.lasts - elapsed) / 2
     a, v, s = along(this, elapsed + half)
-    (x, y, z), _, (ax, ay, az) = on_way(this, a, v, s, this.length)
+    place, z, _, _, accel, az = on_way(this, a, v, s, this.length)
     a, v, s = along(following, half)
-    (x2, y2, z2), _, (ax2, ay2, az2) = on_way(following, a, v, s, 0.0)
-    x, y, z = x + x2, y + y2, z + z2
-    if x * x + y * y + z * z >= tuning.limits.radius**2:
+    place_2, z_2, _, _, accel_2, az_2 = on_way(following, a, v, s, 0.0)
+    place, z, accel, az = place + place_2, z + z_2, accel + accel_2, az + az_2
+    if dot(place, place) + z * z >= tuning.limits.radius**2:
         return False
-    x, y, z = ax + ax2, ay + ay2, az + az2
-    return x * x + y * y < tuning.limits.corner_accel**2 and abs(z) < tuning.limits.accel_z
+    return dot(accel, accel) < tuning.limits.corner_accel**2 and abs(az) < tuning.limits.accel_z
 
 
 def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
     """Sum all three legs; return whether this one is over."""
     h = clock_step(state, tuning)
     state.clock += h
-    state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
-    state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
+    state.target, state.target_z = complex(this.origin.x, this.origin.y), this.origin.z
+    state.aim, state.aim_z, state.push = 0j, 0.0, 0j
     add_leg(state, this, state.clock, 0.0)
     if before.kind == Kind.STRAIGHT:
         state.clock_before += h
@@ -115,7 +115,7 @@ def along_legs(state: State, before: CopterLeg, this: CopterLeg, following: Copt
         if state.clock_next > 0.0:
             add_leg(state, following, state.clock_next, 0.0)
             finished = finished or state.clock_next >= rest
-    state.speed = math.sqrt(state.aim_x**2 + state.aim_y**2 + state.aim_z**2)
+    state.speed = math.sqrt(square(state.aim) + state.aim_z**2)
     return finished
 
 
@@ -129,9 +129,8 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     speed = max(speed - most * h, top) if speed > top else min(speed + most * h, top)
     if state.share >= 1.0:  # waits for the vehicle
         speed = 0.0
-    state.target_x, state.target_y, state.target_z = x, y, z
-    state.aim_x, state.aim_y, state.aim_z = speed * dx, speed * dy, speed * dz
-    state.push_x = state.push_y = 0.0
+    state.target, state.target_z = complex(x, y), z
+    state.aim, state.aim_z, state.push = complex(speed * dx, speed * dy), speed * dz, 0j
     state.speed = speed
     if length > 1e-6:
         state.share += speed * h / length
@@ -158,8 +157,7 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     if this.leave > 0.0:
         shape_to_rest(state, tuning)
     else:
-        state.target_x, state.target_y = this.target.x, this.target.y
-        state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
+        state.target, state.aim, state.push = complex(this.target.x, this.target.y), 0j, 0j
     state.rate = 1.0
     if this.kind == Kind.HOLD:
         state.clock += STEP
@@ -185,91 +183,78 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def control(state: State, tuning: Tuning) -> None:
-    x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
-    far = math.sqrt(x * x + y * y)
-    if far > tuning.limits.accel / tuning.limits.p_position**2:
-        nearer = square_root_law(far, tuning.limits.accel, tuning.limits.p_position) / (tuning.limits.p_position * far)
-        x, y = x * nearer, y * nearer
-    x = state.aim_x + tuning.limits.p_position * x - state.vx - state.ax * STEP
-    y = state.aim_y + tuning.limits.p_position * y - state.vy - state.ay * STEP
-    gain_x, gain_y = tuning.smoothing * (x - state.error_x), tuning.smoothing * (y - state.error_y)
-    ex, ey = state.error_x + gain_x, state.error_y + gain_y
-    x = state.push_x + tuning.limits.p_velocity * ex + state.integral_x + tuning.limits.d_velocity * gain_x / STEP
-    y = state.push_y + tuning.limits.p_velocity * ey + state.integral_y + tuning.limits.d_velocity * gain_y / STEP
-    sum_x, sum_y = (
-        state.integral_x + tuning.limits.i_velocity * ex * STEP,
-        state.integral_y + tuning.limits.i_velocity * ey * STEP,
-    )
-    if x * x + y * y > tuning.most_lean**2:
-        x, y = within_lean(x, y, state.aim_x, state.aim_y, tuning.most_lean)
-        grown, was = math.sqrt(sum_x**2 + sum_y**2), math.sqrt(state.integral_x**2 + state.integral_y**2)
-        if ex * x + ey * y > 0.0 and grown > was:  # anti-windup
-            sum_x, sum_y = sum_x * was / grown, sum_y * was / grown
-    state.error_x, state.error_y, state.integral_x, state.integral_y = ex, ey, sum_x, sum_y
-    state.asked_x, state.asked_y = x, y
+    limits = tuning.limits
+    way = state.target - state.place - state.velocity * STEP
+    far = size(way)
+    if far > limits.accel / limits.p_position**2:
+        way *= square_root_law(far, limits.accel, limits.p_position) / (limits.p_position * far)
+    wanted = state.aim + limits.p_position * way - state.velocity - state.accel * STEP
+    gain = tuning.smoothing * (wanted - state.error)
+    error = state.error + gain
+    asked = state.push + limits.p_velocity * error + state.integral + limits.d_velocity * gain / STEP
+    integral = state.integral + limits.i_velocity * error * STEP
+    if dot(asked, asked) > tuning.most_lean**2:
+        asked = within_lean(asked, state.aim, tuning.most_lean)
+        grown, was = math.sqrt(square(integral)), math.sqrt(square(state.integral))
+        if dot(error, asked) > 0.0 and grown > was:  # anti-windup
+            integral = integral * was / grown
+    state.error, state.integral, state.asked = error, integral, asked
 
 
-def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> tuple[float, float]:
+def within_lean(wanted: complex, aim: complex, most: float) -> complex:
     """The part across the path takes precedence."""
-    flat = math.sqrt(aim_x * aim_x + aim_y * aim_y)
+    flat = size(aim)
     if flat < 1e-9:
-        size = most / math.sqrt(x * x + y * y)
-        return x * size, y * size
-    dx, dy = aim_x / flat, aim_y / flat
-    across = min(max(dx * y - dy * x, -most), most)
+        return wanted * (most / size(wanted))
+    turned = wanted * (aim / flat).conjugate()
+    across = min(max(turned.imag, -most), most)
     room = math.sqrt(most * most - across * across)
-    onward = min(max(dx * x + dy * y, -room), room)
-    return onward * dx - across * dy, onward * dy + across * dx
+    return complex(min(max(turned.real, -room), room), across) * (aim / flat)
 
 
 def move(state: State, tuning: Tuning) -> None:
-    state.shaped_x += (state.asked_x - state.shaped_x) * tuning.leaning
-    state.shaped_y += (state.asked_y - state.shaped_y) * tuning.leaning
-    state.lean_x += (state.shaped_x - state.lean_x) * tuning.turning
-    state.lean_y += (state.shaped_y - state.lean_y) * tuning.turning
+    state.shaped += (state.asked - state.shaped) * tuning.leaning
+    state.lean += (state.shaped - state.lean) * tuning.turning
     turn_nose(state, tuning)
     climbed = state.aim_z * state.rate
     state.vz = climbed + tuning.limits.p_height * (state.target_z - state.z - climbed * STEP)
-    x, y, lift = drag(state, tuning)
+    slowing, lift = drag(state, tuning)
     state.load = 1.0 - lift / GRAVITY
-    state.ax, state.ay = state.lean_x * state.load + x, state.lean_y * state.load + y
-    state.vx, state.vy = state.vx + state.ax * STEP, state.vy + state.ay * STEP
-    state.x, state.y, state.z = state.x + state.vx * STEP, state.y + state.vy * STEP, state.z + state.vz * STEP
+    state.accel = state.lean * state.load + slowing
+    state.velocity += state.accel * STEP
+    state.place, state.z = state.place + state.velocity * STEP, state.z + state.vz * STEP
     state.time += STEP
 
 
 def turn_nose(state: State, tuning: Tuning) -> None:
-    fast = state.aim_x**2 + state.aim_y**2
+    fast = square(state.aim)
     if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
         return
-    onward = state.nose_x * state.aim_x + state.nose_y * state.aim_y
+    onward = dot(state.nose, state.aim)
     if onward > 0.0 and fast - onward * onward < 1e-12 * fast:  # aligned
         return
-    error = (math.atan2(state.aim_x, state.aim_y) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
+    error = (math.atan2(state.aim.real, state.aim.imag) - state.yaw + math.pi) % (2.0 * math.pi) - math.pi
     state.yaw += min(max(error, -tuning.slew), tuning.slew)
-    state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
+    state.nose = complex(math.sin(state.yaw), math.cos(state.yaw))
 
 
-def drag(state: State, tuning: Tuning) -> Triple:
+def drag(state: State, tuning: Tuning) -> tuple[complex, float]:
     east, north = wind_at(state.z, tuning.wind)
-    x, y, z = state.vx - east, state.vy - north, state.vz
-    size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
-    nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # axes: up, forward, left
-    fx, fy = state.nose_x, state.nose_y
+    x, y, z = state.velocity.real - east, state.velocity.imag - north, state.vz
+    length = math.sqrt(GRAVITY**2 + state.lean.real**2 + state.lean.imag**2)
+    nx, ny, nz = state.lean.real / length, state.lean.imag / length, GRAVITY / length  # axes: up, forward, left
+    fx, fy = state.nose.real, state.nose.imag
     tilt = fx * nx + fy * ny
-    size = math.sqrt(1.0 - tilt * tilt)
-    fx, fy, fz = (fx - tilt * nx) / size, (fy - tilt * ny) / size, -tilt * nz / size
+    length = math.sqrt(1.0 - tilt * tilt)
+    fx, fy, fz = (fx - tilt * nx) / length, (fy - tilt * ny) / length, -tilt * nz / length
     sx, sy, sz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
     up, on, aside = x * nx + y * ny + z * nz, x * fx + y * fy + z * fz, x * sx + y * sy + z * sz
     thinner = THINNING * state.z
     k = tuning.airframe.body_drag * (1.0 - thinner)
     up, on, aside = k * up * abs(up), k * on * abs(on), k * aside * abs(aside)
     k = tuning.airframe.rotor_drag * (1.0 - thinner / 2.0) * math.sqrt(state.load / nz)
-    return (
-        -k * x - up * nx - on * fx - aside * sx,
-        -k * y - up * ny - on * fy - aside * sy,
-        -k * z - up * nz - on * fz - aside * sz,
-    )
+    level = complex(-k * x - up * nx - on * fx - aside * sx, -k * y - up * ny - on * fy - aside * sy)
+    return level, -k * z - up * nz - on * fz - aside * sz
 
 
 def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning) -> bool:
@@ -288,8 +273,8 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
     move(state, tuning)
     if this.kind > Kind.SPLINE or following.kind > Kind.NOTHING or this.leave > 0.0:
         return finished
-    ex, ey = this.target.x - state.x, this.target.y - state.y
-    return (finished or this.ends_near > 0.0) and ex * ex + ey * ey <= tuning.limits.radius**2
+    left = complex(this.target.x, this.target.y) - state.place
+    return (finished or this.ends_near > 0.0) and dot(left, left) <= tuning.limits.radius**2
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:
@@ -302,12 +287,11 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
         or state.rate <= 0.0
     ):
         return
-    if this.direction.z != 0.0 or abs(state.ax) + abs(state.ay) > STEADY:
+    if this.direction.z != 0.0 or abs(state.accel.real) + abs(state.accel.imag) > STEADY:
         return
     way = left * along(this, state.clock)[1]
-    east, north = way * this.direction.x, way * this.direction.y
-    state.x, state.y = state.x + east, state.y + north
-    state.target_x, state.target_y = state.target_x + east, state.target_y + north
+    skipped = complex(way * this.direction.x, way * this.direction.y)
+    state.place, state.target = state.place + skipped, state.target + skipped
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
 
@@ -333,12 +317,12 @@ def fly_leg(
                 return -1
             keep(state, samples[used])
             used += 1
-            x, y = state.target_x - state.x, state.target_y - state.y
-            if x * x + y * y > tuning.most_astray**2:
+            lag = state.target - state.place
+            if dot(lag, lag) > tuning.most_astray**2:
                 return -2
     return used
 
 
 def keep(state: State, row: Vector) -> None:
-    row[0], row[1], row[2], row[3] = state.time, state.x, state.y, state.z
-    row[4], row[5], row[6] = state.vx, state.vy, state.vz
+    row[0], row[1], row[2], row[3] = state.time, state.place.real, state.place.imag, state.z
+    row[4], row[5], row[6] = state.velocity.real, state.velocity.imag, state.vz
