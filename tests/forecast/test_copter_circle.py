@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.commands import Command, Frame
+from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_curves import circle_entry, circle_radius, circle_turn
 from ipoa_mission.geodesy import Geodetic, LocalFrame
@@ -19,6 +20,7 @@ from ipoa_mission.vehicles.arducopter.braking import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from tests.examples import examples
+from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)
@@ -32,6 +34,13 @@ def circle(turns: float, radius: float, east: float = 40.0, north: float = 110.0
     place, params = at(east, north), (turns, 0.0, radius, 0.0)
     where = place.latitude_deg, place.longitude_deg, height
     return Item(Command.NAV_LOITER_TURNS, Frame.GLOBAL_RELATIVE_ALT, params, *where)
+
+
+def test_a_circle_without_a_turn_rate_is_refused() -> None:
+    still = forecast(circle(2.0, 20.0)).mission_as_read.with_parameters({"CIRCLE_RATE": 0.0})
+    for question in (lambda: check_mission(still), lambda: Forecast(still).estimate):
+        with refuses("bad-input", "CIRCLE_RATE"):
+            question()
 
 
 def forecast(item: Item) -> Forecast:

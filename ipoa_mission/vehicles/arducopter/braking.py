@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ipoa_mission.autopilot.guidance_profile import FlownCircle
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETER, CopterLimits
 
@@ -48,7 +49,9 @@ class Shaping(NamedTuple):
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
-    """Return the point's turn rate [rad/s], with half of the acceleration limit."""
+    """Return the point's turn rate [rad/s], with half of the acceleration limit; raise BadInput if it is 0."""
+    if limits.circle_rate == 0.0:
+        raise BadInput("expected another rate than 0, with which a circle has no end", place="CIRCLE_RATE")
     fastest = min(speed, math.sqrt(0.5 * limits.accel * radius))
     return min(limits.circle_rate, fastest / radius)
 
