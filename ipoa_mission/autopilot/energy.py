@@ -11,7 +11,7 @@ tilt: Y. Zeng, J. Xu, R. Zhang, IEEE Trans. Wireless Commun. 18 (2019) 2329, eq.
 Not modeled: advance ratio, ground effect, vortex ring state. Descent needs level power.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -203,20 +203,12 @@ class TimedPath:
 
 @dataclass(frozen=True, eq=False)
 class Consumption:
-    """The spans between `times` (n,) [s] draw `spans_w` (n-1,) [W], with a 90 % interval.
-
-    `least_w` and `most_w` are `spans_w` if the uncertainty is unknown.
-    """
+    """The spans between `times` (n,) [s] draw `spans_w` (n-1,) [W]; 90 % interval, or all three equal if unknown."""
 
     times: Vector
+    least_w: Vector
     spans_w: Vector
-    least_w: Vector = field(default_factory=lambda: np.empty(0))
-    most_w: Vector = field(default_factory=lambda: np.empty(0))
-
-    def __post_init__(self) -> None:
-        for name in ("least_w", "most_w"):
-            if not len(getattr(self, name)):
-                object.__setattr__(self, name, self.spans_w)
+    most_w: Vector
 
     def __str__(self) -> str:
         between = self.between
@@ -236,14 +228,10 @@ class Consumption:
         return self.until(float(self.times[-1]))
 
     def until(self, time: float) -> Interval:
-        return Interval(*(float(np.interp(time, self.times, used)) for used in self._used))
-
-    @property
-    def _used(self) -> tuple[Vector, Vector, Vector]:
         lasts = np.diff(self.times) / JOULES_PER_WATT_HOUR
         spans = (self.least_w, self.spans_w, self.most_w)
-        low, likely, high = (np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in spans)
-        return low, likely, high
+        used = (np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in spans)
+        return Interval(*(float(np.interp(time, self.times, energy)) for energy in used))
 
     def widened(self, low: float, high: float) -> "Consumption":
         return replace(self, least_w=self.least_w * low, most_w=self.most_w * high)
@@ -276,7 +264,7 @@ def consumption(
     if hover_w is not None:
         still = np.zeros(1)
         drawn *= hover_w / power(airframe, still, still, air_density(still + path.altitude_amsl))
-    return Consumption(path.times, drawn)
+    return Consumption(path.times, drawn, drawn, drawn)
 
 
 def by_curve(curve: PowerCurve, path: TimedPath, wind: Wind = CALM, head_wind: float = 0.0) -> Consumption:

@@ -107,7 +107,7 @@ def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
 
 
 def used(energy_wh: float) -> Consumption:
-    return Consumption(np.array([0.0, 3600.0]), np.array([energy_wh]))
+    return Consumption(np.array([0.0, 3600.0]), *[np.array([energy_wh])] * 3)
 
 
 def test_a_flight_that_keeps_the_reserve_passes() -> None:
