@@ -20,7 +20,7 @@ from ipoa_mission.autopilot.failsafe import (
 )
 from ipoa_mission.autopilot.parameters import Parameters
 from ipoa_mission.autopilot.returning import Contingency, FlightStage
-from ipoa_mission.vehicles.arducopter.fence_and_rtl import FENCE_SWITCHES, FenceType
+from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, FenceType
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS, except for a fence breach [s]
 LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)

@@ -30,8 +30,7 @@ from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place, Points, Vector
 from ipoa_mission.vehicles.arducopter.braking import Shaping, flown_circle
 from ipoa_mission.vehicles.arducopter.failsafes import FAILSAFES
-from ipoa_mission.vehicles.arducopter.fence_and_rtl import FENCE_SWITCHES, CopterReturn, fence_limits
-from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.arducopter.limits import FENCE_SWITCHES, CopterReturn, copter_limits, fence_limits
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 
 
