@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+import ipoa_mission.vehicles.arducopter.dynamics.legs as legs
 from ipoa_mission.autopilot.commands import Command
 from ipoa_mission.compiled import jit_if_faster, records
 from ipoa_mission.errors import MissionError
@@ -14,7 +15,6 @@ from ipoa_mission.ground import LEVEL, Ground
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.program import Program
 from ipoa_mission.vehicles.arducopter.braking import circle_spin
-from ipoa_mission.vehicles.arducopter.dynamics import legs
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.legs import Course, Stop
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (

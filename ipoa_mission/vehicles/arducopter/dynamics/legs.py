@@ -4,7 +4,7 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-from ipoa_mission.forecast.itinerary import copter_curves as curves
+import ipoa_mission.forecast.itinerary.copter_curves as curves
 from ipoa_mission.geometry import Place
 from ipoa_mission.vehicles.arducopter.dynamics.motion import ZERO, CopterLeg, Kind, MotionLimits, Vector
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
