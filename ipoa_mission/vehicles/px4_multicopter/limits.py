@@ -58,29 +58,13 @@ class Px4Return(NamedTuple):
         return max(above, min(max(top, 2.0 * self.radius), self.altitude))
 
 
-class Px4Touchdown(NamedTuple):
-    """LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], `low_thrust` over hover thrust.
-
-    Each of the `STAGES` takes a part of `trigger_s`, three times as long if the range finder lost the ground.
-    """
-
-    trigger_s: float
-    most_speed: float
-    low_thrust: float
-
-    @classmethod
-    def of(cls, parameters: Parameters) -> "Px4Touchdown":
-        p = {**DEFAULTS, **parameters}
-        least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
-        speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2
-        return cls(p["LNDMC_TRIG_TIME"], min(p["LNDMC_Z_VEL_MAX"], speed), least + RELAXED_THRUST * (1.0 - least))
-
-
 class Px4Limits(NamedTuple):
     """Motion limits in m, s, rad; gains in 1/s.
 
-    LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. `splits_axes`: the vertical setpoint waits
-    separately, up to `most_height_error` ahead, and a passed item is not flown back to.
+    LAND slows down from `sinks_from` [m/s], perhaps above its descent rate. Each of the `STAGES` of the land detector
+    takes a part of `land_detector_s`, three times as long if the range finder lost the ground. `low_thrust`: over hover
+    thrust. `splits_axes`: the vertical setpoint waits separately, up to `most_height_error` ahead, and a passed item is
+    not flown back to.
     """
 
     cruise: Annotated[float, "MPC_XY_CRUISE"]
@@ -124,7 +108,9 @@ class Px4Limits(NamedTuple):
     land_delay: Annotated[float, "RTL_LAND_DELAY"]
     land_delay_height: Annotated[float, "RTL_DESCEND_ALT"]
     disarm_delay: float
-    touchdown: Px4Touchdown
+    land_detector_s: Annotated[float, "LNDMC_TRIG_TIME"]
+    most_touchdown: float
+    low_thrust: float
     has_range_finder: bool
     splits_axes: bool
     most_height_error: Annotated[float, "MPC_Z_ERR_MAX"]
@@ -153,6 +139,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
             raise BadInput(f"expected more than 0, not {p[name]:g}", place=name)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
+    least_thrust = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
     learns = p["MPC_USE_HTE"] > 0 and p["HTE_HT_NOISE"] > 0
     return Px4Limits(
         **{field: p[name] for field, name in FIELDS.items()},
@@ -172,7 +159,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
-        touchdown=Px4Touchdown.of(p),
+        most_touchdown=min(p["LNDMC_Z_VEL_MAX"], min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2),
+        low_thrust=least_thrust + RELAXED_THRUST * (1.0 - least_thrust),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
         splits_axes=splits,
     )

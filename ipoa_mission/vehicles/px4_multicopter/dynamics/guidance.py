@@ -97,13 +97,13 @@ def detect_contact(state: State, body: px4.Body, thrust: float, constants: px4.S
 
     The range finder loses the ground below an estimated height of 0.
     """
-    was, touchdown = state.contact, constants.limits.touchdown
+    was, limits = state.contact, constants.limits
     sees, stands = constants.senses.sees_ground, body.on_ground
     lost = was.lost or (was.stands and (state.errors.drift.up > 0.0 or not sees))
-    low = was.stages > 0 or thrust <= GRAVITY * (touchdown.low_thrust - 1.0)
-    if not stands or abs(body.speed.up) >= touchdown.most_speed or not low:
+    low = was.stages > 0 or thrust <= GRAVITY * (limits.low_thrust - 1.0)
+    if not stands or abs(body.speed.up) >= limits.most_touchdown or not low:
         return px4.Contact(stands, lost, 0, state.time + constants.dt)
-    stage = touchdown.trigger_s * (STAGES if lost and sees else 1) / STAGES
+    stage = limits.land_detector_s * (STAGES if lost and sees else 1) / STAGES
     if state.time + constants.dt - was.since >= stage:
         return px4.Contact(stands, lost, was.stages + 1, state.time + constants.dt)
     return px4.Contact(stands, lost, was.stages, was.since)
