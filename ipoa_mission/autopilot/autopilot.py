@@ -2,7 +2,7 @@
 
 import re
 from abc import ABCMeta, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import entry_points
 from pkgutil import resolve_name
@@ -19,13 +19,13 @@ from ipoa_mission.autopilot.guidance_profile import (
     WaypointDefaults,
 )
 from ipoa_mission.autopilot.parameters import Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, MissionLanding, OverTerrain, ReturnRoute
+from ipoa_mission.autopilot.returning import IN_PLACE, Contingency, OverTerrain, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.errors import BadInput, NotModeled
 
 if TYPE_CHECKING:
-    from ipoa_mission.geometry import Place, Points, Vector
+    from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
 STATIONARY_SPEED = 0.1  # [m/s]
@@ -159,15 +159,8 @@ class Autopilot(metaclass=_ByName):
         """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
 
     @abstractmethod
-    def return_route(
-        self,
-        parameters: Parameters,
-        here: "Place",
-        rally: "Sequence[Place]",
-        landing: MissionLanding | None = None,
-        version: Version | None = None,
-    ) -> ReturnRoute:
-        """Return the route of a return from `here`; parameters by their older names."""
+    def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
+        """Return the route of a return; parameters by their older names."""
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """Return a version's defaults that differ from the parameter table's."""

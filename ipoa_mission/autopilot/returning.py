@@ -1,9 +1,12 @@
 """Contingencies, and the routes of a return to home, a rally point or the mission's landing."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
+
+from ipoa_mission.autopilot.version import Version
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Place
@@ -67,6 +70,16 @@ class MissionLanding:
     place: "Place"
     ahead: int
     behind: int
+
+
+@dataclass(frozen=True)
+class ReturnOrder:
+    """An order to return from `here`, with the rally points aboard and the mission's landing."""
+
+    here: "Place"
+    rally: "Sequence[Place]" = ()
+    landing: MissionLanding | None = None
+    version: Version | None = None
 
 
 @dataclass(frozen=True)

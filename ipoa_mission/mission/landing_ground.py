@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ipoa_mission.autopilot.commands import Command
+from ipoa_mission.autopilot.returning import ReturnOrder
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.ground import LEVEL, Ground, HighPlace
 from ipoa_mission.mission.items import Mission
@@ -55,7 +56,8 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
     here = _last_place(mission, commands.index(Command.NAV_RETURN_TO_LAUNCH)) or (0.0, 0.0)
     parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     rally = [(*_local(mission, place.latitude_deg, place.longitude_deg), 0.0) for place in mission.rally]
-    route = mission.autopilot.return_route(parameters, (*here, 0.0), rally, version=mission.firmware_version)
+    order = ReturnOrder((*here, 0.0), rally, version=mission.firmware_version)
+    route = mission.autopilot.return_route(parameters, order)
     return None if route.rally is None else rally[route.rally][:2]
 
 

@@ -7,7 +7,7 @@ from enum import IntEnum
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
 from ipoa_mission.autopilot.learned import LearnedVehicle
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME
+from ipoa_mission.autopilot.returning import HOME, ReturnOrder
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.geometry import Place
 from ipoa_mission.ground import LEVEL, Ground
@@ -100,7 +100,7 @@ class Situation:
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
         """Return home, or a rally point with its height."""
         program = self.program
-        n = program.autopilot.return_route(parameters, here, self.rally, version=program.version).rally
+        n = program.autopilot.return_route(parameters, ReturnOrder(here, self.rally, version=program.version)).rally
         return HOME if n is None else self.rally[n]
 
     def done(self, index: int, announced: bool = True) -> None:

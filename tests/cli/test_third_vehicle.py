@@ -3,7 +3,7 @@
 import json
 import math
 import pickle
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
@@ -19,7 +19,7 @@ from ipoa_mission.autopilot.failsafe import OwnFence
 from ipoa_mission.autopilot.firmware_tables import Firmware, FirmwareTables, Refusals, Refused
 from ipoa_mission.autopilot.guidance_profile import GuidanceProfile, Modes, ProtocolProfile
 from ipoa_mission.autopilot.parameters import Parameter, Parameters, ParameterTable
-from ipoa_mission.autopilot.returning import ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import QUADROTOR
 from ipoa_mission.autopilot.version import Version
@@ -228,9 +228,7 @@ class Toy(Autopilot):
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         return None
 
-    def return_route(
-        self, parameters: Parameters, here: Place, rally: Sequence[Place], *_: Any, **__: Any
-    ) -> ReturnRoute:
+    def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         return ReturnRoute(ReturnBy.DIRECT)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
+from ipoa_mission.autopilot.returning import ReturnOrder
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
@@ -47,7 +48,7 @@ def test_each_autopilot_returns_by_its_own_rule(
     rally: list[tuple[float, float]],
     goal: int | None,
 ) -> None:
-    assert autopilot.return_route(parameters, (*here, 15.0), [(*at, 10.0) for at in rally]).rally == goal
+    assert autopilot.return_route(parameters, ReturnOrder((*here, 15.0), [(*at, 10.0) for at in rally])).rally == goal
 
 
 def test_the_height_of_a_rally_point_counts() -> None:

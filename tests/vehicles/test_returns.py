@@ -8,7 +8,7 @@ import pytest
 
 from ipoa_mission.autopilot.autopilot import Autopilot
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.autopilot.version import Version
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import return_orders
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu
@@ -100,7 +100,7 @@ def test_px4_waits_before_its_landing_at_its_descend_altitude(
 )
 def test_arducopter_passes_over_rally_points_outside_its_fence(parameters: Parameters, goal: int | None) -> None:
     rally = [(130.0, 0.0, 12.0), (110.0, 0.0, 5.0)]
-    assert AP.return_route(parameters, (150.0, 0.0, 20.0), rally).rally == goal
+    assert AP.return_route(parameters, ReturnOrder((150.0, 0.0, 20.0), rally)).rally == goal
 
 
 BEYOND = MissionLanding((210.0, 0.0, 0.0), ahead=3, behind=2)
@@ -137,13 +137,13 @@ def test_px4_returns_along_the_way_of_its_type(
     goal: int | None,
     version: Version | None,
 ) -> None:
-    route = PX4.return_route({"RTL_TYPE": kind}, (150.0, 0.0, 20.0), rally, landing, version)
+    route = PX4.return_route({"RTL_TYPE": kind}, ReturnOrder((150.0, 0.0, 20.0), rally, landing, version))
     assert route == ReturnRoute(by, goal)
 
 
 def test_arducopter_returns_straight_whatever_its_mission_has() -> None:
     rally = ((130.0, 0.0, 12.0),)
-    assert AP.return_route({}, (150.0, 0.0, 20.0), rally, BEYOND) == ReturnRoute(ReturnBy.DIRECT, 0)
+    assert AP.return_route({}, ReturnOrder((150.0, 0.0, 20.0), rally, BEYOND)) == ReturnRoute(ReturnBy.DIRECT, 0)
 
 
 @pytest.mark.parametrize(

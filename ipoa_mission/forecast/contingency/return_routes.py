@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, Command
-from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import HOME, MissionLanding, OverTerrain, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
 from ipoa_mission.geometry import Place, Points, Vector
@@ -29,7 +29,7 @@ class ReturnRoutes:
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
         landing, version = self._landing_after(seq), self.mission.firmware_version
-        return self.mission.autopilot.return_route(self.parameters, here, self.rally, landing, version=version)
+        return self.mission.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, version))
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:

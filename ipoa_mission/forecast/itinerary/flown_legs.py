@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, Command
-from ipoa_mission.autopilot.returning import ReturnBy
+from ipoa_mission.autopilot.returning import ReturnBy, ReturnOrder
 from ipoa_mission.forecast.itinerary.copter_curves import (
     NEAR_CIRCLE,
     arc_chords,
@@ -256,7 +256,8 @@ class _LegBuilder:
     def _returns(self, seq: int) -> Iterator[Leg]:
         """Return legs home or to the chosen rally point, then alternatives."""
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
-        route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
+        order = ReturnOrder(triple(self.at), places, version=version)
+        route = self.mission.autopilot.return_route(self.parameters, order)
         if route.by is ReturnBy.MISSION_REVERSED:
             yield from self._back(seq)
             return

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 from ipoa_mission.autopilot.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.autopilot.parameters import Parameters
-from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnRoute
+from ipoa_mission.autopilot.returning import HOME, MissionLanding, ReturnBy, ReturnOrder, ReturnRoute
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
 from ipoa_mission.geodesy import Geodetic, LocalFrame
 from ipoa_mission.geometry import Place
@@ -40,7 +40,7 @@ class Itinerary:
 
     def _route_of_return(self, here: Place, landing: MissionLanding | None = None) -> ReturnRoute:
         program = self.program
-        return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
+        return program.autopilot.return_route(self.parameters, ReturnOrder(here, self.rally, landing, program.version))
 
     def _visited_landing(self, n: int, here: Place) -> MissionLanding | None:
         lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)

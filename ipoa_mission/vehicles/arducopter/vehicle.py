@@ -18,9 +18,9 @@ from ipoa_mission.autopilot.returning import (
     HOME,
     IN_PLACE,
     Contingency,
-    MissionLanding,
     OverTerrain,
     ReturnBy,
+    ReturnOrder,
     ReturnRoute,
     level_distance,
 )
@@ -301,30 +301,22 @@ class ArduCopter(Autopilot):
         """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
         return None if parameters.get("FENCE_ACTION", 1.0) <= 0.0 else fence_limits(parameters)
 
-    def return_route(
-        self,
-        parameters: Parameters,
-        here: Place,
-        rally: Sequence[Place],
-        landing: MissionLanding | None = None,
-        version: Version | None = None,
-    ) -> ReturnRoute:
+    def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return the way to RTL's rally point: the nearest inside the own fence.
 
         Home counts if nearer and RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and
         OA_TYPE.
         """
         fence, home = fence_limits(parameters), ReturnRoute(ReturnBy.DIRECT)
-        distances = {
-            n: level_distance(here, at) for n, at in enumerate(rally) if fence is None or _is_inside(fence, at)
-        }
+        inside = [n for n, place in enumerate(order.rally) if fence is None or _is_inside(fence, place)]
+        distances = {n: level_distance(order.here, order.rally[n]) for n in inside}
         if not distances:
             return home
         nearest = min(distances, key=distances.__getitem__)
         limit = 1000.0 * parameters.get("RALLY_LIMIT_KM", 0.3)
         if limit > 0.0 and distances[nearest] > limit:
             return home
-        if parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and distances[nearest] >= level_distance(here, HOME):
+        if parameters.get("RALLY_INCL_HOME", 1.0) != 0.0 and distances[nearest] >= level_distance(order.here, HOME):
             return home
         return ReturnRoute(ReturnBy.DIRECT, nearest)
 

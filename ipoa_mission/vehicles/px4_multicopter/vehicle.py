@@ -20,15 +20,15 @@ from ipoa_mission.autopilot.returning import (
     HOME,
     IN_PLACE,
     Contingency,
-    MissionLanding,
     ReturnBy,
+    ReturnOrder,
     ReturnRoute,
     level_distance,
 )
 from ipoa_mission.autopilot.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.autopilot.vehicle_kind import MULTICOPTERS
 from ipoa_mission.autopilot.version import Version
-from ipoa_mission.geometry import Place, Points, Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.failsafes import FAILSAFES
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return, px4_limits
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
@@ -251,27 +251,20 @@ class Px4Multicopter(Autopilot):
             FenceLimit("", -math.inf),
         )
 
-    def return_route(
-        self,
-        parameters: Parameters,
-        here: Place,
-        rally: Sequence[Place],
-        landing: MissionLanding | None = None,
-        version: Version | None = None,
-    ) -> ReturnRoute:
+    def return_route(self, parameters: Parameters, order: ReturnOrder) -> ReturnRoute:
         """Return RTL_TYPE's route, to the nearest of home, rally points and the mission's landing.
 
         A rally point must be over 10 m from home, and it or a landing 2 m nearer than home. Read in 1.17.0 (d6f12ad1),
         release/1.18 (05deebf313) and main (bb59c637).
 
-        >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
+        >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, ReturnOrder((100.0, 0.0, 20.0))).by)
         'back along the mission'
         """
-        kind = parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
+        here, landing, kind = order.here, order.landing, parameters.get("RTL_TYPE", ReturnType.HOME_OR_RALLY)
         if kind in {ReturnType.LANDING_OR_BACK, ReturnType.SHORTER_WAY}:
             ahead = landing is not None and (kind == ReturnType.LANDING_OR_BACK or landing.ahead < landing.behind)
             return ReturnRoute(ReturnBy.MISSION_FORWARD if ahead else ReturnBy.MISSION_REVERSED)
-        rally_only = kind == ReturnType.RALLY_ONLY and (version or self.newest).series >= (1, 18)
+        rally_only = kind == ReturnType.RALLY_ONLY and (order.version or self.newest).series >= (1, 18)
         best = ReturnRoute(ReturnBy.LAND_IN_PLACE if rally_only else ReturnBy.DIRECT)
         nearest = math.inf if rally_only or kind == ReturnType.HOME_LAST else level_distance(here, HOME)
         advantage = 2.0  # [m]
@@ -279,7 +272,7 @@ class Px4Multicopter(Autopilot):
             distance = level_distance(here, landing.place)
             if distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.LANDING), distance
-        for n, place in enumerate(rally):
+        for n, place in enumerate(order.rally):
             distance = level_distance(here, place)
             if (rally_only or level_distance(HOME, place) > 10.0) and distance + advantage < nearest:
                 best, nearest = ReturnRoute(ReturnBy.DIRECT, n), distance
