@@ -9,15 +9,18 @@ from pydantic.json_schema import models_json_schema
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Answer
 from ipoa_mission.studio.requests import Request
+from ipoa_mission.survey.survey_section import SurveySection
 
 
 def schema() -> dict[str, Any]:
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
-    _, definitions = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
+    read = [(Scenario, "validation"), (SurveySection, "validation")]
+    _, definitions = models_json_schema([*kinds, *read])  # type: ignore[list-item]
     for name, members in unions.items():
         definitions["$defs"][name] = {"oneOf": [{"$ref": f"#/$defs/{member.__name__}"} for member in members]}
     definitions["$defs"]["Document"]["properties"]["scenario"] = {"$ref": "#/$defs/Scenario"}
+    definitions["$defs"]["Scenario"]["properties"]["survey"] = {"$ref": "#/$defs/SurveySection"}
     plain: dict[str, Any] = _plain(definitions)
     return {"title": "Messages", "type": "object", "additionalProperties": False} | plain
 
