@@ -5,7 +5,7 @@ its interval contains the simulated value.
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -61,8 +61,7 @@ class Evidence:
         return np.diff(done[list(self.visits)], prepend=0.0)
 
 
-def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
-    """`mission` where the log has none; refuse an unknown one, or too few items."""
+def _evidence_of(name: str, flight: LoggedFlight, mission: Mission | None) -> Evidence:
     flown = mission or flight.mission
     if flown is None:
         raise MissionError("it does not have the mission that was flown", code="log-incomplete", place=name)
@@ -92,16 +91,7 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
 
 def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:
     """Return forecast minus flown durations (m,) [s]."""
-    return _joined(flight.forecast(vehicle) - flight.seconds for flight in flights)
-
-
-def scatter(flights: Sequence[Evidence]) -> Vector:
-    """Return the standard deviations of `errors` (m,) [s]."""
-    return _joined(flight.scatter for flight in flights)
-
-
-def _joined(parts: Iterable[Vector]) -> Vector:
-    return np.concatenate([*parts, np.empty(0)])
+    return np.concatenate([*(flight.forecast(vehicle) - flight.seconds for flight in flights), np.empty(0)])
 
 
 def flights_in(
@@ -117,7 +107,7 @@ def flights_in(
         evidence = Evidence(name, Mission(Geodetic(0.0, 0.0, 0.0), (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
-                evidence = evidence_of(name, flight, mission)
+                evidence = _evidence_of(name, flight, mission)
             else:
                 left_out.append(f"{name}: not in a mission")
         except MissionError as error:
@@ -163,7 +153,8 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
     """Return the best changes (k,) and their standard deviations (k,)."""
-    deviations, prior = scatter(flights), np.array([PRIOR_DEVIATIONS[name] for name in names])
+    deviations = np.concatenate([*(flight.scatter for flight in flights), np.empty(0)])
+    prior = np.array([PRIOR_DEVIATIONS[name] for name in names])
     log_drag = [flight.measured.log_drag for flight in flights if flight.measured.log_drag and "drag" in names]
     drags = np.array(log_drag).reshape(-1, 2)
 
@@ -200,29 +191,28 @@ class CrossValidation:
     forecast_wh: float | None = None
 
 
-def cross_validate(flights: Sequence[Evidence]) -> tuple[CrossValidation, ...]:
+def cross_validate(flights: Sequence[Evidence]) -> list[CrossValidation]:
     """Forecast each flight with the vehicle of the others, or the simulated one; at least two flights."""
     if len(flights) < 2:
         raise LogUseless("expected two flights or more: each is forecast from the others")
-    judged = []
+    judged = list[CrossValidation]()
     for one in flights:
         try:
             vehicle = fit([each for each in flights if each is not one])
         except MissionError:
             vehicle = LearnedVehicle(one.mission.autopilot)
-        judged.append(_timed(one, vehicle))
-    return tuple(judged)
+        judged += timed([one], vehicle)
+    return judged
 
 
-def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[CrossValidation, ...]:
-    return tuple(_timed(one, vehicle) for one in flights)
-
-
-def _timed(one: Evidence, vehicle: LearnedVehicle) -> CrossValidation:
-    before, after = (float(one.forecast(each).sum()) for each in (None, vehicle))
-    measured_wh = one.measured.energy_wh
-    forecast_wh = one.energy(vehicle) if measured_wh else None
-    return CrossValidation(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh)
+def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> list[CrossValidation]:
+    rows = []
+    for one in flights:
+        before, after = (float(one.forecast(each).sum()) for each in (None, vehicle))
+        measured_wh = one.measured.energy_wh
+        forecast_wh = one.energy(vehicle) if measured_wh else None
+        rows.append(CrossValidation(one.name, float(one.seconds.sum()), before, after, measured_wh, forecast_wh))
+    return rows
 
 
 def median_errors(judged: Sequence[CrossValidation]) -> tuple[float, float]:

@@ -17,18 +17,13 @@ from ipoa_mission.logs.flight_log import LoggedFlight
 SAMPLE_STEP_S, SMOOTHED_SAMPLES = 0.2, 5
 
 
-@dataclass(frozen=True)
-class DragFromAttitude:
-    """ln of drag over the simulated, wind towards north and east [m/s], with deviations."""
+def drag_by_lean(
+    attitude: Points, track: LoggedTrack, autopilot: Autopilot
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight.
 
-    drag: float
-    deviation: float
-    wind: tuple[float, float]
-    wind_deviation: float
-
-
-def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> DragFromAttitude:
-    """Estimate from `Measured` attitudes (n, 4); refuse too little fast level flight."""
+    Return ln of drag over the simulated with its deviation, and the wind if it is sure (`FlightMeasurements`).
+    """
     min_speed, min_time_s = 2.5, 5.0  # slower, drag is within the lean's error [m/s]
     steady_limit, max_gap_s = 1.0, 2.0  # climb [m/s] and acceleration [m/s^2]; between attitudes
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < min_time_s:
@@ -67,7 +62,8 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     variances = np.diag(np.linalg.inv(fitted.jac.T @ fitted.jac))
     drag, north, east = (float(number) for number in fitted.x[:3])
     deviation = float(np.sqrt(variances[0] + 0.05**2))  # from flight to flight
-    return DragFromAttitude(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
+    is_wind_sure = np.sqrt(variances[1:3].max()) < 1.0  # [m/s]
+    return (drag, deviation), (north, east) if is_wind_sure else (0.0, 0.0)
 
 
 def _smoothed(values: Points) -> Points:
@@ -99,9 +95,7 @@ def measure_flight(flight: LoggedFlight) -> FlightMeasurements:
     except MissionError as error:
         return FlightMeasurements(reasons={"drag": str(error), "hover_power": str(error)})
     try:
-        by_lean = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
-        log_drag = by_lean.drag, by_lean.deviation
-        wind = by_lean.wind if by_lean.wind_deviation < 1.0 else wind  # [m/s]
+        log_drag, wind = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
     except MissionError as error:
         reasons["drag"] = str(error)
     try:

@@ -1,7 +1,7 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +12,7 @@ from ipoa_mission.terminal import notes, print_json, print_lines, print_table
 
 if TYPE_CHECKING:
     from ipoa_mission.autopilot.learned import LearnedVehicle
-    from ipoa_mission.learn.fit import CrossValidation, Evidence
+    from ipoa_mission.learn.fit import Evidence
 
 
 def learn(
@@ -42,7 +42,7 @@ def learn(
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files, system)
-    judged = cross_validate(flights) if len(flights) > 1 else ()
+    judged = cross_validate(flights) if len(flights) > 1 else []
     try:
         vehicle = replace(fit(flights), version=version)
     except MissionError as error:
@@ -64,11 +64,19 @@ def learn(
     if as_json:
         told = {"energy_error": energy and round(energy, 5), "remarks": remarks, "written": str(out)}
         why = {name: _reasons(name, flights) for name, learned in asdict(vehicle).items() if learned is None}
-        print_json(_as_json(vehicle, judged, (before, after)) | {"not_told": why} | told)
+        fitted = {
+            "vehicle": asdict(vehicle) | {"autopilot": vehicle.autopilot.name},
+            "left_out": [asdict(one) for one in judged],
+            "median_error": {"before": round(before, 5), "after": round(after, 5)},
+        }
+        print_json(fitted | {"not_told": why} | told)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     if judged:
-        print_table("each flight with the values of the others", columns, [_row(one) for one in judged])
+        numbers = [(one.flown_s, one.before_s, one.after_s, one.energy_wh, one.forecast_wh) for one in judged]
+        cells = [[f"{number:.1f}" if number else "" for number in row] for row in numbers]
+        rows = [(one.name, *row) for one, row in zip(judged, cells, strict=True)]
+        print_table("each flight with the values of the others", columns, rows)
     print_lines(*_words(vehicle, flights))
     if before > 0:
         print_lines(f"median error of a flight {after:.1%}, {before:.1%} without")
@@ -105,11 +113,6 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
     return flights, remarks, max(version for _, version in kinds)
 
 
-def _row(one: "CrossValidation") -> tuple[str, ...]:
-    numbers = (one.flown_s, one.before_s, one.after_s, one.energy_wh, one.forecast_wh)
-    return one.name, *(f"{number:.1f}" if number else "" for number in numbers)
-
-
 def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
     return [*dict.fromkeys(filter(None, (flight.measured.reasons.get(name) for flight in flights)))]
 
@@ -123,15 +126,3 @@ def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str
             yield "; ".join([f"{name}: as simulated, or undetermined", *_reasons(name, flights)])
         else:
             yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {quantity.meaning}"
-
-
-def _as_json(
-    vehicle: "LearnedVehicle", judged: "tuple[CrossValidation, ...]", errors: tuple[float, float]
-) -> dict[str, Any]:
-    from dataclasses import asdict
-
-    return {
-        "vehicle": asdict(vehicle) | {"autopilot": vehicle.autopilot.name},
-        "left_out": [asdict(one) for one in judged],
-        "median_error": {"before": round(errors[0], 5), "after": round(errors[1], 5)},
-    }

@@ -4,7 +4,7 @@ Prior: level flight takes hover power, within half of it at 10 m/s; each m/s of 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,14 +78,10 @@ class PowerSeconds:
     def selected(self, which: NDArray[np.bool_]) -> "PowerSeconds":
         return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which], self.aloft[which])
 
-    @property
-    def flown(self) -> "PowerSeconds":
-        return self.selected(self.aloft)
-
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
     """`energy_ratio`: measured over forecast, of each flight or half minute, from the others."""
-    flights = [flight.flown for flight in flights]
+    flights = [flight.selected(flight.aloft) for flight in flights]
     if not flights:
         return {}
     together, min_speed = _together(flights), 4.0  # [m/s]
@@ -93,13 +89,10 @@ def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
         return {}
     values, deviations = _fit(together)
     names = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-    halves = DEVIATIONS_OF_90_PERCENT * deviations
-    numbers = {
-        name: Learned(value, value - half, value + half)
-        for name, value, half in zip(names, values.tolist(), halves.tolist(), strict=True)
-    }
-    cube = numbers["cube_power"]
-    numbers["cube_power"] = Learned(cube.value, max(cube.low, 0.0), cube.high)
+    half = DEVIATIONS_OF_90_PERCENT * deviations
+    learned = map(Learned, values.tolist(), (values - half).tolist(), (values + half).tolist())
+    numbers = dict(zip(names, learned, strict=True))
+    numbers["cube_power"] = replace(numbers["cube_power"], low=max(numbers["cube_power"].low, 0.0))
     fastest = float(np.percentile(together.airspeed, 98.0))
     flew_slowly = (together.airspeed < min_speed).sum() >= MIN_TIME_S
     return {**numbers, "airspeed": Learned(fastest, fastest, fastest), "energy_ratio": _ratio(flights, flew_slowly)}
@@ -110,14 +103,10 @@ def _together(flights: Sequence[PowerSeconds]) -> PowerSeconds:
     return PowerSeconds(*map(np.concatenate, parts))
 
 
-def _columns(seconds: PowerSeconds) -> Points:
-    v, w = seconds.airspeed, seconds.climb
-    return np.column_stack([np.ones_like(v), v**2, v**3, np.maximum(w, 0.0), np.maximum(-w, 0.0)])
-
-
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
-    """Return the coefficients (5,) of `_columns`, and their deviations."""
-    columns, watts = _columns(seconds), seconds.watts
+    """Return the powers (5,) of a `PowerCurve`, and their deviations."""
+    v, w, watts = seconds.airspeed, seconds.climb, seconds.watts
+    columns = np.column_stack([np.ones_like(v), v**2, v**3, np.maximum(w, 0.0), np.maximum(-w, 0.0)])
     hover = max(float(np.median(watts)), 1.0)
     least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # physical bounds
     noise, correlated_s = 0.05 * hover, 5.0  # one independent sample
@@ -132,7 +121,10 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
 
 def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
     least = 0.05 if flew_slowly else 0.1  # packs, payloads and days differ; fast flight is like a hover in wind
-    parts = list(flights) if len(flights) >= 3 else [part for flight in flights for part in _blocks(flight)]
+    parts = list(flights)
+    if len(parts) < 3:
+        blocks = [np.arange(len(flight.watts)) // 30 for flight in flights]  # [s]
+        parts = [f.selected(n == block) for f, n in zip(flights, blocks, strict=True) for block in np.unique(n)]
     shares = []
     for n, part in enumerate(parts):
         others = parts[:n] + parts[n + 1 :]
@@ -145,8 +137,3 @@ def _ratio(flights: Sequence[PowerSeconds], flew_slowly: bool) -> Learned:
     wide = np.sqrt(np.mean((np.array(shares) - 1.0) ** 2) * (1.0 + 1.0 / number))
     half = max(float(stdtrit(number - 1, 0.95) * wide), least)
     return Learned(1.0, max(1.0 - half, 0.0), 1.0 + half)
-
-
-def _blocks(flight: PowerSeconds) -> list[PowerSeconds]:
-    number = np.arange(len(flight.watts)) // 30  # [s]
-    return [flight.selected(number == block) for block in np.unique(number)]

@@ -126,7 +126,8 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
 def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
     """Five flights of a real quadrotor in dronekit's replay log, each by the others."""
     flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
-    seconds = [flight.measured.powers.flown for flight in flights if flight.measured.powers is not None]
+    powers = [flight.measured.powers for flight in flights if flight.measured.powers is not None]
+    seconds = [power.selected(power.aloft) for power in powers]
     errors = []
     for n, second in enumerate(seconds):
         numbers = learned_powers([*seconds[:n], *seconds[n + 1 :]])
