@@ -6,7 +6,7 @@ terrain is KML's `relativeToGround`; GeoJSON has it in properties only, GPX not 
 
 import json
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -64,11 +64,11 @@ def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
 
 
 def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Iterator[Stretch]:
-    latitude, longitude, altitude = frame.to_geodetic(leg.points)
     over_terrain = leg.over_terrain and unknown_ground is not None
-    altitude = altitude - (unknown_ground or 0.0) if over_terrain else altitude
+    latitude, longitude, altitude = (values.tolist() for values in frame.to_geodetic(leg.points))
+    ground = (unknown_ground or 0.0) if over_terrain else 0.0
     places = [
-        (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
+        (round(lon, 9), round(lat, 9), round(alt - ground, 3))
         for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
     ]
     yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
@@ -104,150 +104,121 @@ def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
     return closed if doubled_area >= 0 else closed[::-1]
 
 
+def _placed_items(mission: Mission) -> Iterator[tuple[int, Item, LonLatUp]]:
+    """Yield each item with a place, and its number; the altitude is NaN above terrain."""
+    for seq, item in enumerate(mission.items, start=1):
+        if item.has_position:
+            amsl = mission.home.altitude + mission.altitude_above_home(item)
+            yield seq, item, (item.longitude_deg, item.latitude_deg, amsl)
+
+
 def to_geojson(forecast: Forecast, name: str) -> str:
     """Write one feature a line."""
     mission = forecast.mission_as_read
     (_, home), *rally = marks_of(mission)
-    features = [_point(home, {"kind": "home", "seq": 0})]
+    features = [_feature("Point", home, {"kind": "home", "seq": 0})]
     for stretch in lines_of(forecast):
         points = [point[:2] if stretch.over_terrain else point for point in stretch.points]
-        line = {"type": "LineString", "coordinates": points}
-        features.append(_feature(line, {"kind": "way", "over_terrain": stretch.over_terrain}))
-    features += [_item(seq, item, mission) for seq, item in enumerate(mission.items, start=1) if item.has_position]
+        features.append(_feature("LineString", points, {"kind": "way", "over_terrain": stretch.over_terrain}))
+    for seq, item, (longitude, latitude, amsl) in _placed_items(mission):
+        about = {
+            "kind": "item",
+            "seq": seq,
+            "command": command_name(item.command),
+            "frame": int(item.frame),
+            "altitude": item.altitude,
+            "params": [param if math.isfinite(param) else None for param in item.params],
+        }
+        height = [round(amsl, 3)] if math.isfinite(amsl) else []
+        features.append(_feature("Point", [longitude, latitude, *height], about))
     for part in mission.fence:
-        polygon = {"type": "Polygon", "coordinates": [ring(part)]}
-        features.append(_feature(polygon, {"kind": "fence", "inclusion": part.inclusion}))
+        features.append(_feature("Polygon", [ring(part)], {"kind": "fence", "inclusion": part.inclusion}))
     for n, (_, (longitude, latitude, amsl)) in enumerate(rally, start=1):
-        features.append(_point((longitude, latitude, round(amsl, 3)), {"kind": "rally", "seq": n}))
+        features.append(_feature("Point", [longitude, latitude, round(amsl, 3)], {"kind": "rally", "seq": n}))
     lines = ",\n".join(json.dumps(feature, allow_nan=False) for feature in features)
     head = json.dumps({"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"})
     return f'{head[:-1]}, "features": [\n{lines}\n]}}\n'
 
 
-def _item(seq: int, item: Item, mission: Mission) -> dict[str, Any]:
-    height = mission.altitude_above_home(item)
-    place: tuple[float, ...] = (item.longitude_deg, item.latitude_deg)
-    if math.isfinite(height):
-        place = (*place, round(mission.home.altitude + height, 3))
-    properties = {
-        "kind": "item",
-        "seq": seq,
-        "command": command_name(item.command),
-        "frame": int(item.frame),
-        "altitude": item.altitude,
-        "params": [param if math.isfinite(param) else None for param in item.params],
-    }
-    return _point(place, properties)
-
-
-def _point(place: tuple[float, ...], properties: dict[str, Any]) -> dict[str, Any]:
-    return _feature({"type": "Point", "coordinates": place}, properties)
-
-
-def _feature(geometry: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
+def _feature(kind: str, coordinates: Sequence[Any], properties: dict[str, Any]) -> dict[str, Any]:
+    geometry = {"type": kind, "coordinates": coordinates}
     return {"type": "Feature", "properties": properties, "geometry": geometry}
 
 
 def to_kml(forecast: Forecast, name: str) -> str:
     mission = forecast.mission_as_read
-    root = Tree.Element("kml", xmlns="http://www.opengis.net/kml/2.2")
-    document = _element(root, "Document")
-    _element(document, "name", name)
-    for style, aabbggrr in (("way", "ff00a5ff"), ("inclusion", "ff50af4c"), ("exclusion", "ff3643f4")):
-        line = _element(_element(document, "Style", id=style), "LineStyle")
-        _element(line, "color", aabbggrr)
-        _element(line, "width", "3")
-    folder = _folder(document, "way")
-    for n, stretch in enumerate(lines_of(forecast), start=1):
-        line = _element(_placemark(folder, f"way {n}", "way"), "LineString")
-        _element(line, "altitudeMode", "relativeToGround" if stretch.over_terrain else "absolute")
-        _element(line, "coordinates", _coordinates(stretch.points))
+    colors = {"way": "ff00a5ff", "inclusion": "ff50af4c", "exclusion": "ff3643f4"}  # alpha, blue, green, red
+    styles = [
+        _node("Style", _node("LineStyle", _node("color", color), _node("width", "3")), id=style)
+        for style, color in colors.items()
+    ]
+    ways = [
+        _placemark(f"way {n}", _shape("LineString", stretch.points, stretch.over_terrain), "way")
+        for n, stretch in enumerate(lines_of(forecast), start=1)
+    ]
     (_, home), *rally = marks_of(mission)
-    items = _folder(document, "items")
-    _kml_point(items, "0 home", home)
-    for seq, item in enumerate(mission.items, start=1):
-        if item.has_position:
-            over_terrain = plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
-            amsl = mission.home.altitude + mission.altitude_above_home(item)
-            place = item.longitude_deg, item.latitude_deg, item.altitude if over_terrain else amsl
-            _kml_point(items, f"{seq} {command_name(item.command)}", place, over_terrain)
-    _kml_fence(document, mission)
-    if rally:
-        folder = _folder(document, "rally points")
-        for name, place in rally:
-            _kml_point(folder, name, place)
-    return _text_of(root)
-
-
-def _kml_fence(document: Tree.Element, mission: Mission) -> None:
-    if not mission.fence:
-        return
-    folder = _folder(document, "fence")
+    items = [_placemark("0 home", _shape("Point", [home]))]
+    for seq, item, (longitude, latitude, amsl) in _placed_items(mission):
+        over_terrain = plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
+        place = longitude, latitude, item.altitude if over_terrain else amsl
+        items.append(_placemark(f"{seq} {command_name(item.command)}", _shape("Point", [place], over_terrain)))
+    fence = []
     for n, part in enumerate(mission.fence, start=1):
         style = "inclusion" if part.inclusion else "exclusion"
-        polygon = _element(_placemark(folder, f"fence {n} ({style})", style), "Polygon")
-        boundary = _element(_element(polygon, "outerBoundaryIs"), "LinearRing")
-        _element(boundary, "coordinates", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
+        border = _node("LinearRing", _coordinates((lon, lat, 0.0) for lon, lat in ring(part)))
+        fence.append(_placemark(f"fence {n} ({style})", _node("Polygon", _node("outerBoundaryIs", border)), style))
+    rally_points = [_placemark(label, _shape("Point", [place])) for label, place in rally]
+    marks = {"way": ways, "items": items, "fence": fence, "rally points": rally_points}
+    folders = [_node("Folder", _node("name", label), *marked) for label, marked in marks.items() if marked]
+    document = _node("Document", _node("name", name), *styles, *folders)
+    return _text_of(_node("kml", document, xmlns="http://www.opengis.net/kml/2.2"))
 
 
-def _kml_point(parent: Tree.Element, name: str, place: LonLatUp, over_terrain: bool = False) -> None:
-    point = _element(_placemark(parent, name), "Point")
-    _element(point, "altitudeMode", "relativeToGround" if over_terrain else "absolute")
-    _element(point, "coordinates", _coordinates([place]))
+def _placemark(name: str, shape: Tree.Element, style: str | None = None) -> Tree.Element:
+    styled = [_node("styleUrl", f"#{style}")] if style else []
+    return _node("Placemark", _node("name", name), *styled, shape)
 
 
-def _folder(parent: Tree.Element, name: str) -> Tree.Element:
-    folder = _element(parent, "Folder")
-    _element(folder, "name", name)
-    return folder
+def _shape(tag: str, places: Iterable[LonLatUp], over_terrain: bool = False) -> Tree.Element:
+    return _node(tag, _node("altitudeMode", "relativeToGround" if over_terrain else "absolute"), _coordinates(places))
 
 
-def _placemark(parent: Tree.Element, name: str, style: str | None = None) -> Tree.Element:
-    placemark = _element(parent, "Placemark")
-    _element(placemark, "name", name)
-    if style:
-        _element(placemark, "styleUrl", f"#{style}")
-    return placemark
-
-
-def _coordinates(places: Iterable[LonLatUp]) -> str:
-    return " ".join(f"{lon:.9f},{lat:.9f},{alt:.3f}" for lon, lat, alt in places)
+def _coordinates(places: Iterable[LonLatUp]) -> Tree.Element:
+    return _node("coordinates", " ".join(f"{lon:.9f},{lat:.9f},{alt:.3f}" for lon, lat, alt in places))
 
 
 def to_gpx(forecast: Forecast, name: str) -> str:
     mission = forecast.mission_as_read
-    root = Tree.Element("gpx", xmlns="http://www.topografix.com/GPX/1/1", version="1.1", creator="ipoa-mission")
-    _element(_element(root, "metadata"), "name", name)
-    for label, place in marks_of(mission):
-        _gpx_point(root, "wpt", place, label)
-    route = _element(root, "rte")
-    _element(route, "name", name)
-    for seq, item in enumerate(mission.items, start=1):
-        if item.has_position:
-            place = item.longitude_deg, item.latitude_deg, mission.home.altitude + mission.altitude_above_home(item)
-            _gpx_point(route, "rtept", place, f"{seq} {command_name(item.command)}")
-    track = _element(root, "trk")
-    _element(track, "name", f"{name}: way")
+    marks = [_gpx_point("wpt", place, label) for label, place in marks_of(mission)]
+    route = [
+        _gpx_point("rtept", place, f"{seq} {command_name(item.command)}") for seq, item, place in _placed_items(mission)
+    ]
+    segments = []
     for stretch in lines_of(forecast):
-        segment = _element(track, "trkseg")
-        for longitude, latitude, amsl in stretch.points:
-            _gpx_point(segment, "trkpt", (longitude, latitude, math.nan if stretch.over_terrain else amsl))
-    return _text_of(root)
+        points = [(lon, lat, math.nan if stretch.over_terrain else amsl) for lon, lat, amsl in stretch.points]
+        segments.append(_node("trkseg", *(_gpx_point("trkpt", point) for point in points)))
+    parts = _node("metadata", _node("name", name)), *marks, _node("rte", _node("name", name), *route)
+    track = _node("trk", _node("name", f"{name}: way"), *segments)
+    about = {"xmlns": "http://www.topografix.com/GPX/1/1", "version": "1.1", "creator": "ipoa-mission"}
+    return _text_of(_node("gpx", *parts, track, **about))
 
 
-def _gpx_point(parent: Tree.Element, tag: str, place: LonLatUp, name: str = "") -> None:
+def _gpx_point(tag: str, place: LonLatUp, name: str = "") -> Tree.Element:
     longitude, latitude, amsl = place
-    point = _element(parent, tag, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
-    if math.isfinite(amsl):
-        _element(point, "ele", f"{amsl:.3f}")
-    if name:
-        _element(point, "name", name)
+    height = [_node("ele", f"{amsl:.3f}")] if math.isfinite(amsl) else []
+    named = [_node("name", name)] if name else []
+    return _node(tag, *height, *named, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
 
 
-def _element(parent: Tree.Element, tag: str, text: str | None = None, **attributes: str) -> Tree.Element:
-    element = Tree.SubElement(parent, tag, attributes)
-    element.text = text
-    return element
+def _node(tag: str, *content: Tree.Element | str, **attributes: str) -> Tree.Element:
+    """Make an element of its text or its children."""
+    node = Tree.Element(tag, attributes)
+    for part in content:
+        if isinstance(part, str):
+            node.text = part
+        else:
+            node.append(part)
+    return node
 
 
 def _text_of(root: Tree.Element) -> str:
