@@ -116,7 +116,7 @@ class Assumptions:
 
 @dataclass(frozen=True)
 class ComparedFlight:
-    """`parameters` differ from the firmware's defaults."""
+    """`parameters` that differ from the firmware's defaults, by their names before 4.7."""
 
     forecast: Forecast
     record: FlightRecord
@@ -135,42 +135,30 @@ def compare_logged(
     flown = flown.with_parameters(flight.parameters).with_parameters(assumed.parameters)
     version = assumed.version or flight.firmware_version
     forecast = Forecast(replace(flown, vehicle=assumed.vehicle), wind=assumed.wind).on(version)
-    record = flight.record(flown)
-    remarks = [*_other_mission(flown, flight), *_other_place(flown, record)]
+    record, remarks = flight.record(flown), list[str]()
+    if flight.mission is not None:
+        difference = compare(to_wire(flown), to_wire(flight.mission), flight.autopilot)
+        if difference is not None and difference.seq is None:  # without ArduPilot's home
+            counts = f"{len(flight.mission.items)} in the log, not {len(flown.items)}"
+            remarks.append(f"another mission was flown: number of items: {counts}")
+        elif difference is not None:
+            words = f"{difference.field}: {difference.got} in the log, not {difference.sent}"
+            remarks.append(f"another mission was flown: item {difference.seq}: {words}")
+    track = flown_track(flown, record)
+    away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
+    if away > 5.0:
+        remarks.append(f"it was armed {away:.0f} m from the mission's home, where the estimate begins")
     if (first := min(record.item_reached_s, default=0) + 1) > 1:
         remarks.append(f"it began at item {first}")
-    comparison = compare_flight(forecast.estimate, record)
-    return ComparedFlight(forecast, record, comparison, _changed(forecast.mission), tuple(remarks))
-
-
-def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
-    if flight.mission is None:
-        return ()
-    difference = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
-    if difference is None:
-        return ()
-    if difference.seq is None:  # without ArduPilot's home
-        words = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
-    else:
-        words = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
-    return (f"another mission was flown: {words}",)
-
-
-def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    track = flown_track(mission, record)
-    away = 0.0 if track is None else math.hypot(*track.points[0, :2])  # from home [m]
-    return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > 5.0 else ()
-
-
-def _changed(mission: Mission) -> dict[str, float]:
-    """Return parameters that are not the defaults, by their names before 4.7."""
-    defaults = mission.autopilot.complete({}, mission.firmware_version)
-    current = mission.autopilot.parameter_table.by_old_names(mission.parameters)
-    return {
+    autopilot, actual = forecast.mission.autopilot, forecast.mission
+    defaults = autopilot.complete({}, actual.firmware_version)
+    current = autopilot.parameter_table.by_old_names(actual.parameters)
+    changed = {
         name: current[name]
         for name in defaults
         if name in current and not math.isclose(current[name], defaults[name], rel_tol=1e-5)
     }
+    return ComparedFlight(forecast, record, compare_flight(forecast.estimate, record), changed, tuple(remarks))
 
 
 def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
