@@ -53,9 +53,6 @@ class Graph:
         """Return a line, broken at values that are not finite."""
         return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
 
-    def steps(self, x: Vector, y: Vector, look: str) -> str:
-        return self.curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], look)
-
     def band(self, x: Vector, low: Vector, high: Vector, look: str) -> str:
         outline = np.vstack([self._points(x, high), self._points(x, low)[::-1]])
         return f'<path class="{look}" d="{_path(outline)}Z"/>'

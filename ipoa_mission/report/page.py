@@ -19,22 +19,14 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.flight_record import FlightRecord
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
+from ipoa_mission.report import drawn_flight
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.drawn_flight import (
-    DrawnFlight,
-    ItemLeg,
-    SampledTrack,
-    find_dangers,
-    item_legs,
-    sample_track,
-    shown_deviation_bound,
-)
-from ipoa_mission.report.map_extent import extent_of
+from ipoa_mission.report.drawn_flight import DrawnFlight, ItemLeg, SampledTrack, item_legs, sample_track
 from ipoa_mission.report.panels.contingency_panel import contingency_strip, return_paths
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
-from ipoa_mission.report.panels.tables import flown_panel, legs_table, limits_table, search_panel
+from ipoa_mission.report.panels.tables import flown_panel, legs_table, limits_table
 from ipoa_mission.scenario import Scenario
 
 
@@ -56,11 +48,11 @@ def report_html(
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else sample_track(track, airspace)
     comparison = None if flight is None else compare_flight(forecast.estimate, flight)
-    drawn = DrawnFlight(scenario, predicted, legs, flown, shown_deviation_bound(forecast))
+    drawn = DrawnFlight(scenario, predicted, legs, flown, drawn_flight.shown_deviation_bound(forecast))
     places = np.array([leg.place for leg in legs if leg.place is not None]).reshape(-1, 3)
-    extent = extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
+    extent = drawn_flight.extent_of(places, predicted.points, *([] if flown is None else [flown.points]))
     has_zones = extent.obstacles(airspace) != extent.buildings(airspace)
-    dangers, home = find_dangers(predicted, scenario), return_paths(forecast)
+    dangers, home = drawn_flight.find_dangers(predicted, scenario), return_paths(forecast)
     waypoints = sum(leg.item.command in WAYPOINTS for leg in legs)
     vehicle = f"Mission for {mission.autopilot.firmware().name}, {len(mission.items)} items"
     parts = {
@@ -80,23 +72,16 @@ def report_html(
         "speed": speed_profile(drawn),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
-        "legs": legs_table(legs, None if flight is None else _done_in_flight(legs, flight)),
+        "legs": legs_table(legs, None if flight is None else flight.item_reached_s),
         "legs_note": "Heights are above home, times from arming; clearance is the least distance of the leg to the "
         "ground or an obstacle.",
         "limits": "" if proof is None else limits_table(proof),
-        "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
         "map_js": _asset("map.js"),
         "page_js": _asset("page.js"),
         "data": _page_data(predicted, legs, home),
     }
     return page_of("page.html", parts)
-
-
-def _done_in_flight(legs: Sequence[ItemLeg], flight: FlightRecord) -> dict[int, float]:
-    """Return times by index in `legs`; a repeated item counts at its first time."""
-    first = {leg.time.seq - 1: n for n, leg in reversed([*enumerate(legs)])}
-    return {n: flight.item_reached_s[index] for index, n in first.items() if index in flight.item_reached_s}
 
 
 def _page_data(predicted: SampledTrack, legs: Sequence[ItemLeg], home: Sequence[Mapping[str, Any]]) -> str:

@@ -22,7 +22,7 @@ from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.report.compare import Comparison
-from ipoa_mission.report.map_extent import ground_mesh
+from ipoa_mission.report.drawn_flight import ground_mesh
 from ipoa_mission.report.number_format import signed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace

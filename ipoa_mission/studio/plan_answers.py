@@ -30,7 +30,7 @@ from ipoa_mission.report.drawn_flight import (
     sample_track,
     shown_deviation_bound,
 )
-from ipoa_mission.report.panels.contingency_panel import contingency_bars, return_paths, stretches
+from ipoa_mission.report.panels.contingency_panel import GRADE_LOOKS, contingency_bars, return_paths, stretches
 from ipoa_mission.report.panels.profile import near_track
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
@@ -231,14 +231,14 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[answer
 def _bar(bar: ContingencyBar, course: SampledTrack, scenario: Scenario) -> answers.StripBar:
     shown = tuple(
         answers.StripStretch(
-            look=stretch.look,
-            from_s=round(stretch.row.from_s, 2),
-            to_s=round(stretch.row.to_s, 2),
-            begins=round(stretch.begins, 1),
-            ends=round(stretch.ends, 1),
-            words=without_folders(stretch.row.in_full, scenario),
+            look=GRADE_LOOKS[row.grade],
+            from_s=round(row.from_s, 2),
+            to_s=round(row.to_s, 2),
+            begins=round(begins, 1),
+            ends=round(ends, 1),
+            words=without_folders(row.in_full, scenario),
         )
-        for stretch in stretches(bar, course)
+        for row, begins, ends in stretches(bar, course)
     )
     return answers.StripBar(contingency=bar.contingency, stretches=shown, costs=())
 

@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geodesy import LocalFrame, radii_of_curvature
 from ipoa_mission.geometry import Points
 from ipoa_mission.report.chart import round_step
-from ipoa_mission.report.map_extent import ground_mesh
+from ipoa_mission.report.drawn_flight import ground_mesh
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World

@@ -92,7 +92,7 @@ def shown(page: Any, selector: str) -> str:
 @pytest.mark.parametrize("name", some(1, ["campus.toml", "downtown.toml", "sitl.toml"]))
 def test_every_view_is_drawn(open_page: Callable[..., Any], name: str) -> None:
     page = open_page(name)
-    for selector in (".map svg", "#profile svg", "#apart svg", "#speed svg", "#legs", "#convergence svg"):
+    for selector in (".map svg", "#profile svg", "#apart svg", "#speed svg", "#legs"):
         box = page.locator(selector).bounding_box()
         assert box["width"] > 300
         assert box["height"] > 60

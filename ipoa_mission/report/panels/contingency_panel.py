@@ -1,7 +1,7 @@
 """Contingencies along the flight: a bar for each, and the RTL path from the cursor."""
 
 from html import escape
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from ipoa_mission.forecast.contingency.contingencies import (
     contingencies_of,
 )
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.report.chart import GraphAxis
+from ipoa_mission.geometry import Vector
 from ipoa_mission.report.drawn_flight import SampledTrack
 from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
 
@@ -26,18 +26,6 @@ GRADE_LOOKS: dict[Grade, GradeLook] = {
     Grade.UNCLEAR: "not clear",
     Grade.UNKNOWN: "unknown",
 }
-
-
-class ContingencyStretch(NamedTuple):
-    """Distances over ground [m]."""
-
-    row: ContingencyRow
-    begins: float
-    ends: float
-
-    @property
-    def look(self) -> GradeLook:
-        return GRADE_LOOKS[self.row.grade]
 
 
 def return_paths(forecast: Forecast, most: int = 150) -> list[dict[str, Any]]:
@@ -66,10 +54,10 @@ def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
     return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
 
 
-def stretches(bar: ContingencyBar, predicted: SampledTrack) -> tuple[ContingencyStretch, ...]:
-    """Rows at a standstill have no length."""
+def stretches(bar: ContingencyBar, predicted: SampledTrack) -> list[tuple[ContingencyRow, float, float]]:
+    """Return each row with distances over ground [m]; at a standstill it has no length."""
     edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], predicted.times, predicted.along).tolist()
-    return tuple(ContingencyStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))
+    return [(row, begins, ends) for row, (begins, ends) in zip(bar.rows, edges, strict=True)]
 
 
 def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
@@ -77,7 +65,11 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     bars, axis = contingency_bars(forecast), along_axis(predicted)
     if not bars:
         return ""
-    drawn = "".join(_bar(bar, predicted, axis) for bar in bars)
+    drawn = ""
+    for bar in bars:
+        ways = "".join(_stretch(row, axis.place(np.array(ends))) for row, *ends in stretches(bar, predicted))
+        leads = f"<b>{bar.contingency}</b> {escape(bar.leads)}"
+        drawn += f'<div class="contingency">{leads}<div class="ways">{ways}</div></div>'
     rows = "".join(f"<li>{escape(str(row))}</li>" for bar in bars for row in bar.rows if not row.clear)
     below = f'<ul class="ways-not-clear">{rows}</ul>' if rows else '<p class="note">Every contingency is clear.</p>'
     return (
@@ -89,16 +81,11 @@ def contingency_strip(forecast: Forecast, predicted: SampledTrack) -> str:
     )
 
 
-def _bar(bar: ContingencyBar, predicted: SampledTrack, axis: GraphAxis) -> str:
-    ways = "".join(_stretch(stretch, axis) for stretch in stretches(bar, predicted))
-    return f'<div class="contingency"><b>{bar.contingency}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
-
-
-def _stretch(stretch: ContingencyStretch, axis: GraphAxis) -> str:
-    row, look = stretch.row, stretch.look
-    begin, end = axis.place(np.array([stretch.begins, stretch.ends])).tolist()
-    width, words = max(end - begin, MIN_WIDTH), escape(str(row))
-    has_room = width >= 0.09  # of the strip, for the label
+def _stretch(row: ContingencyRow, ends: Vector) -> str:
+    """`ends`: shares of the strip (2,)."""
+    begin, end = ends.tolist()
+    look, words, width = GRADE_LOOKS[row.grade], escape(str(row)), max(end - begin, MIN_WIDTH)
+    has_room = width >= 0.09  # for the label
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
         f'data-contingency="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '

@@ -10,8 +10,7 @@ from contourpy import FillType, LineType, contour_generator
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.report.chart import round_step
-from ipoa_mission.report.drawn_flight import DrawnFlight, outline_around
-from ipoa_mission.report.map_extent import Extent, ground_mesh
+from ipoa_mission.report.drawn_flight import DrawnFlight, Extent, ground_mesh, outline_around
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -48,7 +47,9 @@ def ground_plan(flight: DrawnFlight, extent: Extent) -> str:
         f'<div class="map" id="map" style="--ratio:{width / height:.4f}" data-west="{west:.3f}" '
         f'data-south="{south:.3f}" data-width="{width:.3f}" data-height="{height:.3f}" tabindex="0">'
         f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="map of the flight, north up">'
-        f"{_hatch(width / 100)}"
+        f'<defs><pattern id="hatch" width="{width / 100:.2f}" height="{width / 100:.2f}" patternUnits="userSpaceOnUse" '
+        f'patternTransform="rotate(45)"><path d="M0 0V{width / 100:.2f}" class="hatch" '
+        f'style="stroke-width:{width / 600:.2f}"/></pattern></defs>'
         f'<g transform="translate({-west:.3f} {north:.3f}) scale(1 -1)">{"".join(layers)}</g></svg>'
         f'{buttons}<i class="here"></i>'
         f'<span class="scale" style="width:{100 * scale / width:.2f}%">{scale:g} m</span><span class="north">N</span>'
@@ -68,14 +69,6 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool) -> str:
         keys += f'<span class="ramp">{shades} roofs up to {max(tops):.0f} m above home</span>'
     keys += '<span class="key zone">no-fly zone</span>' * (len(extent.obstacles(scenario.airspace)) > len(tops))
     return f'<p class="legend">{keys}</p>'
-
-
-def _hatch(size: float) -> str:
-    return (
-        f'<defs><pattern id="hatch" width="{size:.2f}" height="{size:.2f}" patternUnits="userSpaceOnUse" '
-        f'patternTransform="rotate(45)"><path d="M0 0V{size:.2f}" class="hatch" style="stroke-width:{size / 6:.2f}"/>'
-        "</pattern></defs>"
-    )
 
 
 def _relief(east: Points, north: Points, up: Points) -> str:
@@ -103,8 +96,7 @@ def _footprint(body: Obstacle, highest: float) -> str:
         return f'<path class="zone" d="{rings}"><title>{name}: no-fly zone</title></path>'
     base, top = body.bounds[:, 2]
     shade = min(SHADES - 1, int(SHADES * max(top, 0.0) / max(highest, 1e-9)))
-    words = f"{name}: {base:.0f} to {top:.0f} m above home"
-    return f'<path class="roof{shade}" d="{rings}"><title>{words}</title></path>'
+    return f'<path class="roof{shade}" d="{rings}"><title>{name}: {base:.0f} to {top:.0f} m above home</title></path>'
 
 
 def _line(points: Points, look: str) -> str:

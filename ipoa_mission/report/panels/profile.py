@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from ipoa_mission.report.chart import Graph, GraphAxis, axis_over
-from ipoa_mission.report.drawn_flight import DrawnFlight, ItemLeg, SampledTrack
+from ipoa_mission.report.drawn_flight import DrawnFlight, SampledTrack
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -82,18 +82,15 @@ def speed_profile(flight: DrawnFlight) -> str:
         chart.band(predicted.times, np.zeros(len(predicted.times)), predicted.speeds, "under"),
         *(chart.curve(track.times, track.speeds, look) for track, look in curves),
     ]
-    over = "".join(_mark(n, leg, chart) for n, leg in enumerate(flight.legs) if leg.time.duration_s > 0)
+    over = ""
+    for n, leg in enumerate(flight.legs):
+        if leg.time.duration_s > 0:
+            because = f": {leg.time.reason}" if leg.time.reason else ""
+            words = escape(f"item {leg.time.seq}, {leg.name}{because}")
+            left = 100 * float(chart.x.place(np.array([leg.time.done_s]))[0])
+            over += f'<button type="button" class="mark" data-stop="{n}" style="left:{left:.2f}%" '
+            over += f'title="{words}" aria-label="{words}"></button>'
     return chart.html("speed", layers, over, "middle", along="times")
-
-
-def _mark(n: int, leg: ItemLeg, chart: Graph) -> str:
-    time = leg.time
-    words = escape(f"item {time.seq}, {leg.name}" + (f": {time.reason}" if time.reason else ""))
-    left = 100 * float(chart.x.place(np.array([time.done_s]))[0])
-    return (
-        f'<button type="button" class="mark" data-stop="{n}" style="left:{left:.2f}%" '
-        f'title="{words}" aria-label="{words}"></button>'
-    )
 
 
 def near_track(
