@@ -5,9 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 
 from ipoa_mission.errors import MissionError
@@ -19,16 +17,12 @@ DIGEST = "sources.sha256"
 
 
 def built_page(tell: Callable[[str], None]) -> Path:
-    # one folder per version
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
-    kept = Path(base) / "ipoa-mission" / version("ipoa-mission") / "studio" / "web"
     digest = sources_digest(WEB)
-    for web in (WEB, kept, *copies("studio/web")):
+    for web in (WEB, *copies("studio/web")):
         if has_page(web, digest):
             return web / "dist"
-    web = WEB if os.access(WEB, os.W_OK) else kept
-    build_page(WEB, web / "dist", tell)
-    return web / "dist"
+    build_page(WEB, tell)
+    return WEB / "dist"
 
 
 def has_page(web: Path, digest: str | None = None) -> bool:
@@ -38,24 +32,23 @@ def has_page(web: Path, digest: str | None = None) -> bool:
         return False
 
 
-def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None:
+def build_page(web: Path, tell: Callable[[str], None]) -> None:
     """Raise MissionError with npm's last lines."""
     program = npm()
     tell("building the studio's page once (npm ci, npm run build)")
-    with tempfile.TemporaryDirectory(prefix="studio-") as folder:
-        web = sources if (sources / "node_modules").is_dir() else _copy_sources(sources, Path(folder))
-        modules, locked = web / "node_modules" / ".package-lock.json", web / "package-lock.json"
-        installed = modules.is_file() and modules.stat().st_mtime >= locked.stat().st_mtime
-        for step in (*([] if installed else [("ci", "--omit=dev", "--no-audit", "--no-fund")]), ("run", "build")):
-            done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
-            if done.returncode:
-                last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
-                words = f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}"
-                raise MissionError(words, code="page-not-built")
-        (web / "dist" / DIGEST).write_text(sources_digest(web), encoding="utf-8")
-        if web / "dist" != target:
-            shutil.rmtree(target, ignore_errors=True)
-            shutil.copytree(web / "dist", target)
+    modules, locked = web / "node_modules" / ".package-lock.json", web / "package-lock.json"
+    if not modules.is_file() or modules.stat().st_mtime < locked.stat().st_mtime:
+        _run(program, web, "ci", "--omit=dev", "--no-audit", "--no-fund")
+    _run(program, web, "run", "build")
+    (web / "dist" / DIGEST).write_text(sources_digest(web), encoding="utf-8")
+
+
+def _run(program: str, web: Path, *step: str) -> None:
+    done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
+    if done.returncode:
+        last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
+        words = f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}"
+        raise MissionError(words, code="page-not-built")
 
 
 def npm() -> str:
@@ -78,12 +71,3 @@ def sources_digest(web: Path) -> str:
         if path.name != "messages.d.ts":  # made from them
             digest.update(path.name.encode() + b"\0" + path.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()
-
-
-def _copy_sources(sources: Path, folder: Path) -> Path:
-    web = folder / "studio" / "web"
-    shutil.copytree(sources, web, ignore=shutil.ignore_patterns("node_modules", "dist"))
-    for shared in SHARED:
-        (folder / shared).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(sources.parents[1] / shared, folder / shared)
-    return web

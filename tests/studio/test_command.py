@@ -39,7 +39,6 @@ def test_studio_without_a_page_and_npm_names_a_remedy(tmp_path: Path, monkeypatc
     monkeypatch.setattr(bundle, "WEB", web)
     monkeypatch.setattr(bundle, "copies", lambda part: ())
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
     with refuses("page-not-built") as caught:
         bundle.built_page(lambda words: None)

@@ -80,7 +80,7 @@ class Built(BuildHookInterface):  # type: ignore[misc]
         if NO_PAGE in os.environ or bundle.has_page(web):
             return
         try:
-            bundle.build_page(web, web / "dist", self.app.display_info)
+            bundle.build_page(web, self.app.display_info)
         except (MissionError, OSError) as error:
             self.app.display_warning(f"without the studio's page, which is built when it is first opened: {error}")
 
